@@ -1,0 +1,121 @@
+!> Force of the unbonded cable, over the weight of the wall, and its arm.
+module rwmf_cable
+   use rwmf_kinds, only: wp
+   implicit none
+   private
+
+   public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable, truss_cable
+   public :: cable_law_i
+
+   !> Parameters of the cable.
+   type :: cable_law_t
+      real(wp) :: eta_0 = 0
+      !! P(0)/(m_w g) [-]
+      real(wp) :: rate = 0
+      !! linear: (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the elongation at
+      !! alpha [1/m]
+      real(wp) :: R = 0
+      !! half diagonal [m]
+      real(wp) :: h = 0
+      !! half height [m]
+      real(wp) :: b = 0
+      !! half width [m]
+   end type cable_law_t
+
+   !> Force, moment and stored energy at one rotation, over m_w g R.
+   type :: cable_state_t
+      real(wp) :: force
+      !! q = P/(m_w g) [-]
+      real(wp) :: moment
+      !! q times the arm over R [-]
+      real(wp) :: moment_1
+      !! its derivative by phi [1/rad]
+      real(wp) :: energy
+      !! work stored since phi = 0 over m_w g R [-]
+   end type cable_state_t
+
+   abstract interface
+      !> State of the cable at |theta| = phi on the side sigma.
+      pure subroutine cable_law_i(law, sin_alpha, phi, side, cable)
+         import :: cable_law_t, cable_state_t, wp
+         implicit none
+         type(cable_law_t), intent(in) :: law
+         real(wp), intent(in) :: sin_alpha
+         !! of the slenderness [-]
+         real(wp), intent(in) :: phi
+         !! [rad]
+         integer, intent(in) :: side
+         !! +1 or -1
+         type(cable_state_t), intent(out) :: cable
+      end subroutine cable_law_i
+   end interface
+
+contains
+
+   !> A scene without a cable.
+   pure subroutine no_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+
+      cable%force = 0
+      cable%moment = 0
+      cable%moment_1 = 0
+      cable%energy = 0
+   end subroutine no_cable
+
+   !> Eq. (1) with |theta|: the force rises with rocking on both sides.
+   pure subroutine linear_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+
+      call signed_linear_cable(law, sin_alpha, phi, abs(side), cable)
+   end subroutine linear_cable
+
+   !> Eq. (1) as printed: for theta < 0 the force falls with rocking (kept for `published`).
+   pure subroutine signed_linear_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+
+      cable%force = law%eta_0 + side*law%rate*phi
+      cable%moment = cable%force*sin_alpha
+      cable%moment_1 = side*law%rate*sin_alpha
+      cable%energy = sin_alpha*phi*(law%eta_0 + side*law%rate*phi/2)
+   end subroutine signed_linear_cable
+
+   !> Straight cable from the middle of the base to the middle of the top, force linear in its
+   !> elongation: l = sqrt(4h^2 + 2b^2 (1 - cos(phi)) + 4hb sin(phi)).
+   pure subroutine truss_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+      real(wp) :: length
+      real(wp) :: rise
+      !! l**2 - (2h)**2 [m2]
+      real(wp) :: elongation
+      real(wp) :: arm
+      !! dl/dphi [m]
+      real(wp) :: arm_1
+
+      rise = 4*law%b**2*sin(phi/2)**2 + 4*law%h*law%b*sin(phi)
+      length = sqrt(4*law%h**2 + rise)
+      elongation = rise/(length + 2*law%h)
+      arm = (law%b**2*sin(phi) + 2*law%h*law%b*cos(phi))/length
+      arm_1 = (law%b**2*cos(phi) - 2*law%h*law%b*sin(phi) - arm**2)/length
+      cable%force = law%eta_0 + law%rate*elongation
+      cable%moment = cable%force*arm/law%R
+      cable%moment_1 = (law%rate*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = elongation*(law%eta_0 + law%rate*elongation/2)/law%R
+   end subroutine truss_cable
+
+end module rwmf_cable

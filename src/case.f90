@@ -1,0 +1,162 @@
+!> The validated description of one scene: what a namelist file says, with every default filled in.
+!>
+!> A component that is not allocated is a group (or key) that is absent from the case: an effect
+!> that is not simulated.
+module rwmf_case
+   use rwmf_kinds, only: wp
+   use rwmf_record, only: record_t
+   implicit none
+   private
+
+   public :: case_t, wall_t, frame_t, cable_t, impact_t, motion_spec_t
+   public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
+
+   !> Rocking wall, `&wall`.
+   type :: wall_t
+      real(wp) :: h
+      !! half height [m]
+      real(wp) :: b
+      !! half width [m]
+      real(wp), allocatable :: m_w
+      !! mass [kg]; given: forces are reported in N as well
+   end type wall_t
+
+   !> Single-degree-of-freedom moment frame, `&frame`.
+   type :: frame_t
+      real(wp), allocatable :: T_s
+      !! undamped period [s]; may be absent when `&spectrum` gives the periods
+      real(wp), allocatable :: gamma
+      !! mass ratio m_s/m_w [-]; absent for the bare frame
+      real(wp) :: xi_s
+      !! viscous damping ratio [-]
+   end type frame_t
+
+   !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
+   type :: cable_t
+      real(wp) :: eta_0
+      !! P(0)/(m_w g) [-]
+      real(wp) :: eta_alpha
+      !! P(alpha)/(m_w g) [-]
+      character(:), allocatable :: law
+      !! 'linear' or 'truss'
+   end type cable_t
+
+   !> Energy loss at impact, `&impact`.
+   type :: impact_t
+      character(:), allocatable :: rule
+      !! 'constant', 'housner' or 'coupled'
+      real(wp), allocatable :: e
+      !! velocity factor of rule 'constant' [-], also when the case gives r = e**2
+      logical :: given_as_r
+      !! the case gives r, not e
+   end type impact_t
+
+   !> Ground motion, `&motion`.
+   type :: motion_spec_t
+      character(:), allocatable :: kind
+      !! 'none', 'one_sine', 'one_cosine', 'sine' or 'record'
+      real(wp), allocatable :: a_max_g
+      !! amplitude of the pulse's acceleration in units of `&model g` [-]
+      real(wp), allocatable :: v_p
+      !! velocity amplitude of the pulse [m/s], Eqs (16), (17)
+      real(wp), allocatable :: omega_p
+      !! angular frequency of the pulse [rad/s]
+      real(wp), allocatable :: T_p
+      !! period of the pulse [s]
+      real(wp) :: cycles
+      !! number of cycles of kind 'sine' [-], 1 for the other pulses
+      real(wp) :: t_0
+      !! start of the pulse [s]
+      character(:), allocatable :: file
+      !! path of the record as the case gives it
+      character(:), allocatable :: path
+      !! path of the record resolved against the folder of the namelist
+      real(wp), allocatable :: dt
+      !! sampling interval of a one-column record [s]
+      character(:), allocatable :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
+      real(wp) :: scale
+      !! factor on the record [-]
+   end type motion_spec_t
+
+   !> Initial state, `&initial`.
+   type :: initial_t
+      real(wp) :: theta_over_alpha
+      !! rotation over slenderness [-]
+      real(wp) :: theta_dot
+      !! angular velocity [rad/s]
+   end type initial_t
+
+   !> Mathematical model, `&model`.
+   type :: model_t
+      character(:), allocatable :: formulation
+      !! 'published', 'symmetric' or 'exact'
+      real(wp) :: g
+      !! gravity [m/s2]
+      real(wp) :: overturning_angle
+      !! rotation at which the wall counts as overturned [rad]
+   end type model_t
+
+   !> Time integration, `&solver`.
+   type :: solver_t
+      character(:), allocatable :: method
+      !! name of the integrator
+      real(wp) :: rtol
+      !! relative tolerance of the integrator [-]
+      real(wp), allocatable :: accuracy
+      !! relative error asked of u_s_max (without a frame: of theta_max) [-]; then rtol is chosen
+      logical :: verify
+      !! estimate the error and the sensitivity by further runs
+      real(wp), allocatable :: atol
+      !! absolute tolerance on theta [rad] (bare frame: on u [m]); absent: derived from the response
+      real(wp), allocatable :: t_end
+      !! end of the simulation [s]; absent: last sample of the record
+      integer :: max_steps
+      !! bound on the work: the most internal steps of one simulation
+   end type solver_t
+
+   !> Output, `&output`.
+   type :: output_t
+      real(wp), allocatable :: dt
+      !! interval of the history [s]; absent: no history
+      logical :: energy
+      !! keep the energy ledger
+   end type output_t
+
+   !> Loop over frame periods, `&spectrum`.
+   type :: spectrum_spec_t
+      real(wp), allocatable :: T_s(:)
+      !! periods one by one [s]; absent: the grid that the following four describe
+      real(wp), allocatable :: T_s_min
+      !! shortest period [s]
+      real(wp), allocatable :: T_s_max
+      !! longest period [s]
+      integer, allocatable :: n
+      !! number of periods, both ends included
+      character(:), allocatable :: spacing
+      !! 'linear' or 'log'
+      real(wp), allocatable :: gamma(:)
+      !! mass ratios [-]; absent: the case's
+      real(wp), allocatable :: b(:)
+      !! half widths of the wall [m]; absent: the case's
+   end type spectrum_spec_t
+
+   !> One case. Groups that are not allocated are effects that the scene does not call for.
+   type :: case_t
+      character(:), allocatable :: text
+      !! the namelist text that the case was read from
+      type(wall_t), allocatable :: wall
+      type(frame_t), allocatable :: frame
+      type(cable_t), allocatable :: cable
+      type(impact_t), allocatable :: impact
+      type(motion_spec_t), allocatable :: motion
+      type(initial_t), allocatable :: initial
+      type(model_t) :: model
+      type(solver_t) :: solver
+      type(output_t), allocatable :: output
+      type(spectrum_spec_t), allocatable :: spectrum
+      type(record_t), allocatable :: record
+      !! samples of the record that `&motion file` names
+   end type case_t
+
+end module rwmf_case

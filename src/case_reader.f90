@@ -1,0 +1,219 @@
+!> From namelist text to a validated case.
+module rwmf_case_reader
+   use rwmf_case, only: cable_t, case_t, frame_t, impact_t, initial_t, motion_spec_t, output_t, &
+      spectrum_spec_t, wall_t
+   use rwmf_case_rules, only: check_rules
+   use rwmf_errors, only: add_context, err_input, error_t, fail
+   use rwmf_files, only: read_file
+   use rwmf_given, only: entry_of, get_list, get_real, get_text, group_of, has_group, has_key, &
+      integer_of, logical_of, real_of, text_of
+   use rwmf_namelist, only: group_t, parse_namelist
+   use rwmf_record, only: read_record
+   use rwmf_text, only: integer_to_text, real_to_text, shown
+   use rwmf_validation, only: check_groups
+   implicit none
+   private
+
+   public :: read_case_file, read_case_text
+
+contains
+
+   !> Read and validate a case file, the record that it names included.
+   !>
+   !> Errors: the file cannot be read, and those of `read_case_text`; messages begin with the path.
+   subroutine read_case_file(path, case, error)
+      character(*), intent(in) :: path
+      !! a relative path in the file is resolved against its folder
+      type(case_t), intent(out) :: case
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: text
+
+      call read_file(path, text, error)
+      if (.not. allocated(error)) then
+         call read_case_text(text, path(:index(path, '/', back=.true.)), case, error)
+      end if
+      if (allocated(error)) call add_context(error, path)
+   end subroutine read_case_file
+
+   !> Read and validate a case, the record that it names included.
+   !>
+   !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
+   !> allowed, groups that contradict each other, a record that is missing or damaged.
+   subroutine read_case_text(text, folder, case, error)
+      character(*), intent(in) :: text
+      !! namelist text
+      character(*), intent(in) :: folder
+      !! what a relative path in the text starts from; '' is the current folder
+      type(case_t), intent(out) :: case
+      type(error_t), allocatable, intent(out) :: error
+      type(group_t), allocatable :: groups(:)
+
+      call parse_namelist(text, groups, error)
+      if (.not. allocated(error)) call check_groups(groups, error)
+      if (.not. allocated(error)) call check_rules(groups, error)
+      if (allocated(error)) return
+      case%text = text
+      call fill_structure(groups, case)
+      call fill_run(groups, case)
+      if (has_group(groups, 'motion')) then
+         allocate (case%motion)
+         call fill_motion(groups, case%motion)
+         if (case%motion%kind == 'record') call add_record(groups, folder, case, error)
+      end if
+   end subroutine read_case_text
+
+   !> Wall, frame, cable, impact and initial state.
+   subroutine fill_structure(groups, case)
+      type(group_t), intent(in) :: groups(:)
+      type(case_t), intent(inout) :: case
+
+      if (has_group(groups, 'wall')) then
+         case%wall = wall_t(real_of(groups, 'wall', 'h'), real_of(groups, 'wall', 'b'))
+         call get_real(groups, 'wall', 'm_w', case%wall%m_w)
+      end if
+      if (has_group(groups, 'frame')) then
+         case%frame = frame_t(xi_s=real_of(groups, 'frame', 'xi_s'))
+         call get_real(groups, 'frame', 'T_s', case%frame%T_s)
+         call get_real(groups, 'frame', 'gamma', case%frame%gamma)
+      end if
+      if (has_group(groups, 'cable')) then
+         case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &
+            real_of(groups, 'cable', 'eta_alpha'))
+         ! not in the constructor, where gfortran 12 loses the memory of the function's result
+         case%cable%law = text_of(groups, 'cable', 'law')
+      end if
+      if (has_group(groups, 'impact')) then
+         allocate (case%impact)
+         call fill_impact(groups, case%impact)
+      end if
+      if (has_group(groups, 'initial')) then
+         case%initial = initial_t(real_of(groups, 'initial', 'theta_over_alpha'), &
+            real_of(groups, 'initial', 'theta_dot'))
+      end if
+   end subroutine fill_structure
+
+   !> Energy loss at impact: the equations use e, the case may give r.
+   subroutine fill_impact(groups, impact)
+      type(group_t), intent(in) :: groups(:)
+      type(impact_t), intent(out) :: impact
+
+      impact%rule = text_of(groups, 'impact', 'rule')
+      impact%given_as_r = has_key(groups, 'impact', 'r')
+      if (impact%given_as_r) then
+         impact%e = sqrt(real_of(groups, 'impact', 'r'))
+      else
+         call get_real(groups, 'impact', 'e', impact%e)
+      end if
+   end subroutine fill_impact
+
+   !> Model, solver, output and spectrum.
+   subroutine fill_run(groups, case)
+      type(group_t), intent(in) :: groups(:)
+      type(case_t), intent(inout) :: case
+
+      case%model%formulation = text_of(groups, 'model', 'formulation')
+      case%model%g = real_of(groups, 'model', 'g')
+      case%model%overturning_angle = real_of(groups, 'model', 'overturning_angle')
+      case%solver%method = text_of(groups, 'solver', 'method')
+      case%solver%rtol = real_of(groups, 'solver', 'rtol')
+      case%solver%max_steps = integer_of(groups, 'solver', 'max_steps')
+      case%solver%verify = logical_of(groups, 'solver', 'verify')
+      call get_real(groups, 'solver', 'accuracy', case%solver%accuracy)
+      call get_real(groups, 'solver', 'atol', case%solver%atol)
+      call get_real(groups, 'solver', 't_end', case%solver%t_end)
+      if (has_group(groups, 'output')) then
+         case%output = output_t(energy=logical_of(groups, 'output', 'energy'))
+         call get_real(groups, 'output', 'dt', case%output%dt)
+      end if
+      if (has_group(groups, 'spectrum')) then
+         allocate (case%spectrum)
+         call fill_spectrum(groups, case%spectrum)
+      end if
+   end subroutine fill_run
+
+   !> Periods, one by one or as a grid, mass ratios and widths.
+   subroutine fill_spectrum(groups, spectrum)
+      type(group_t), intent(in) :: groups(:)
+      type(spectrum_spec_t), intent(out) :: spectrum
+
+      call get_list(groups, 'spectrum', 'gamma', spectrum%gamma)
+      call get_list(groups, 'spectrum', 'b', spectrum%b)
+      call get_list(groups, 'spectrum', 'T_s', spectrum%T_s)
+      if (allocated(spectrum%T_s)) return
+      call get_real(groups, 'spectrum', 'T_s_min', spectrum%T_s_min)
+      call get_real(groups, 'spectrum', 'T_s_max', spectrum%T_s_max)
+      spectrum%n = integer_of(groups, 'spectrum', 'n')
+      spectrum%spacing = text_of(groups, 'spectrum', 'spacing')
+   end subroutine fill_spectrum
+
+   !> What the case says about the motion; the record itself is read by `add_record`.
+   subroutine fill_motion(groups, motion)
+      type(group_t), intent(in) :: groups(:)
+      type(motion_spec_t), intent(out) :: motion
+
+      motion%kind = text_of(groups, 'motion', 'kind')
+      motion%cycles = real_of(groups, 'motion', 'cycles')
+      motion%t_0 = real_of(groups, 'motion', 't_0')
+      motion%scale = real_of(groups, 'motion', 'scale')
+      call get_real(groups, 'motion', 'a_max_g', motion%a_max_g)
+      call get_real(groups, 'motion', 'v_p', motion%v_p)
+      call get_real(groups, 'motion', 'omega_p', motion%omega_p)
+      call get_real(groups, 'motion', 'T_p', motion%T_p)
+      call get_real(groups, 'motion', 'dt', motion%dt)
+      call get_text(groups, 'motion', 'file', motion%file)
+      call get_text(groups, 'motion', 'unit', motion%unit)
+   end subroutine fill_motion
+
+   !> Read the record, which ends the simulation unless the case says when.
+   subroutine add_record(groups, folder, case, error)
+      type(group_t), intent(in) :: groups(:)
+      character(*), intent(in) :: folder
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      integer :: at
+
+      case%motion%path = resolved(folder, case%motion%file)
+      allocate (case%record)
+      ! what is not given is unallocated and arrives as an absent argument
+      call read_record(case%motion%path, case%motion%dt, case%motion%unit, case%motion%scale, &
+         case%model%g, case%record, error)
+      if (.not. allocated(error)) call check_last_sample(case, error)
+      if (.not. allocated(error)) return
+      if (case%motion%path /= case%motion%file) call add_context(error, case%motion%path)
+      at = group_of(groups, 'motion')
+      associate (entry => groups(at)%entries(entry_of(groups(at), 'file')))
+         call add_context(error, "&motion: file = '"//shown(case%motion%file)//"' (line " &
+            //integer_to_text(entry%line)//')')
+      end associate
+   end subroutine add_record
+
+   !> A simulation cannot end before it starts.
+   subroutine check_last_sample(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      if (allocated(case%solver%t_end)) return
+      associate (t_last => case%record%t(case%record%n))
+         case%solver%t_end = t_last
+         if (t_last >= 0) return
+         call fail(error, err_input, 'the record ends at '//real_to_text(t_last) &
+            //' s, before t = 0: &solver t_end must be given')
+      end associate
+   end subroutine check_last_sample
+
+   !> A path of the case, seen from the current folder.
+   pure function resolved(folder, name) result(path)
+      character(*), intent(in) :: folder
+      character(*), intent(in) :: name
+      character(:), allocatable :: path
+
+      if (len(folder) == 0 .or. index(name, '/') == 1) then
+         path = name
+      else if (folder(len(folder):) == '/') then
+         path = folder//name
+      else
+         path = folder//'/'//name
+      end if
+   end function resolved
+
+end module rwmf_case_reader

@@ -1,0 +1,83 @@
+!> Energies and powers of wall, frame and cable per unit m_w (bare frame: per unit m_s).
+!>
+!> They belong to the virtual work of the kinematics u, j. The `published` formulation violates it
+!> for theta < 0; its ledger therefore does not close, and the residual shows by how much.
+module rwmf_energy
+   use rwmf_cable, only: cable_state_t
+   use rwmf_equation, only: cable_at, equation_t, kinematics_at
+   use rwmf_kinds, only: wp
+   use rwmf_kinematics, only: kinematics_t
+   use rwmf_motion, only: acceleration
+   implicit none
+   private
+
+   public :: mechanical_energy, input_power, viscous_power, impact_loss
+
+contains
+
+   !> Kinetic energy, strain energy of the frame, work stored in cable and gravity [J/kg].
+   real(wp) function mechanical_energy(equation, y) result(energy)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      real(wp) :: phi
+
+      associate (p => equation%p)
+         if (.not. equation%has_wall) then
+            energy = (y(2)**2 + (p%omega_s*y(1))**2)/2
+            return
+         end if
+         kin = kinematics_at(equation, y(1))
+         cable = cable_at(equation, y(1))
+         phi = equation%side*y(1)
+         energy = p%R**2*((4.0_wp/3 + p%gamma*kin%j**2)*y(2)**2 &
+            + p%gamma*(p%omega_s*kin%u)**2)/2 &
+            + p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2) + cable%energy)
+      end associate
+   end function mechanical_energy
+
+   !> Power of the ground motion [W/kg].
+   real(wp) function input_power(equation, t, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(kinematics_t) :: kin
+
+      power = -acceleration(equation%motion, equation%interval, t)*y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
+   end function input_power
+
+   !> Power that the frame's damper takes [W/kg].
+   real(wp) function viscous_power(equation, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(kinematics_t) :: kin
+
+      associate (p => equation%p)
+         power = 2*p%xi_s*p%omega_s*y(2)**2
+         if (.not. equation%has_wall) return
+         kin = kinematics_at(equation, y(1))
+         power = power*p%gamma*(p%R*kin%j)**2
+      end associate
+   end function viscous_power
+
+   !> Kinetic energy that an impact takes [J/kg].
+   real(wp) function impact_loss(equation, before, after) result(loss)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: before
+      !! angular velocity before [rad/s]
+      real(wp), intent(in) :: after
+      !! and after [rad/s]
+
+      loss = equation%p%R**2*(4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2) &
+         *(before**2 - after**2)/2
+   end function impact_loss
+
+end module rwmf_energy

@@ -1,0 +1,413 @@
+!> Right-hand side of the equation of motion, put together once per run from the effects of a case.
+!>
+!> Per unit m_w R**2, with phi = |theta|, f = sigma u_g'' and the kinematics u, j, k of the side:
+!>
+!>    (4/3 + gamma lever j) phi'' = - gamma lever (k phi'**2 + 2 xi_s omega_s j phi' + omega_s**2 u)
+!>                                  - (gamma lever + c) f/R - (g/R) (s + q r)
+!>
+!> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
+module rwmf_equation
+   use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t, linear_cable, no_cable, &
+      signed_linear_cable, truss_cable
+   use rwmf_case, only: case_t
+   use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
+   use rwmf_kinds, only: i8, pi, wp
+   use rwmf_kinematics, only: kinematics_i, kinematics_t, left_corner, published_negative, &
+      top_corner
+   use rwmf_motion, only: acceleration, motion_t
+   implicit none
+   private
+
+   public :: equation_t, build_equation
+   public :: rhs, second_derivative, jacobian, kinematics_at, cable_at, lift_off_drive
+   public :: frame_displacement
+
+   !> The equation of one scene, its ground motion, and the piece of both that is in force.
+   type :: equation_t
+      type(paper_t) :: p
+      !! parameters in the paper's letters; those of absent effects are zero
+      real(wp) :: sin_alpha
+      real(wp) :: cos_alpha
+      real(wp) :: threshold
+      !! ground acceleration at which the resting wall lifts off [m/s2]
+      logical :: has_wall
+      logical :: has_frame
+      logical :: has_cable
+      integer :: n = 2
+      !! number of states
+      type(cable_law_t) :: cable
+      type(motion_t), pointer :: motion => null()
+      integer :: interval = 0
+      !! of the motion, set by the hybrid loop
+      integer :: side = 1
+      !! sign of theta in this flight, set by the hybrid loop
+      integer(i8) :: rhs_evaluations = 0
+      procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
+      procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
+      procedure(cable_law_i), pointer, nopass :: cable_law => null()
+      procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
+      procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
+   end type equation_t
+
+   abstract interface
+      !> theta'' [rad/s2] (bare frame: u'' [m/s2]) in the flight and interval that are in force.
+      real(wp) function second_derivative_i(equation, t, y)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
+      end function second_derivative_i
+   end interface
+
+contains
+
+   !> Choose the terms that the case calls for.
+   subroutine build_equation(case, motion, equation)
+      type(case_t), intent(in) :: case
+      !! valid, with the frame's T_s given
+      type(motion_t), intent(in), target :: motion
+      !! outlives the equation
+      type(equation_t), intent(out) :: equation
+
+      equation%has_wall = allocated(case%wall)
+      equation%has_frame = allocated(case%frame)
+      equation%has_cable = allocated(case%cable)
+      equation%motion => motion
+      equation%p = paper_parameters(case)
+      equation%sin_alpha = sin(equation%p%alpha)
+      equation%cos_alpha = cos(equation%p%alpha)
+      if (equation%has_wall) then
+         call choose_kinematics(case%model%formulation, equation)
+         call choose_cable(case, equation)
+         if (equation%has_cable) then
+            call choose_acceleration(case%model%formulation, case%cable%law, equation)
+         else
+            call choose_acceleration(case%model%formulation, '', equation)
+         end if
+         equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
+            /(1 + 2*equation%p%gamma)
+      else
+         equation%acceleration_positive => bare_frame
+         equation%acceleration_negative => bare_frame
+      end if
+   end subroutine build_equation
+
+   !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
+   pure type(paper_t) function paper_parameters(case) result(p)
+      type(case_t), intent(in) :: case
+
+      p = paper_t(0, 1, 0, 0, 0, 0, 0, case%model%g)
+      if (allocated(case%wall)) then
+         p%alpha = atan2(case%wall%b, case%wall%h)
+         p%R = hypot(case%wall%h, case%wall%b)
+      end if
+      if (allocated(case%frame)) then
+         if (allocated(case%frame%gamma)) p%gamma = case%frame%gamma
+         p%omega_s = 2*pi/case%frame%T_s
+         p%xi_s = case%frame%xi_s
+      end if
+      if (allocated(case%cable)) then
+         p%eta_0 = case%cable%eta_0
+         p%eta_alpha = case%cable%eta_alpha
+      end if
+   end function paper_parameters
+
+   subroutine choose_kinematics(formulation, equation)
+      character(*), intent(in) :: formulation
+      type(equation_t), intent(inout) :: equation
+
+      equation%kinematics_positive => top_corner
+      select case (formulation)
+      case ('symmetric')
+         equation%kinematics_negative => top_corner
+      case ('exact')
+         equation%kinematics_negative => left_corner
+      case default
+         equation%kinematics_negative => published_negative
+      end select
+   end subroutine choose_kinematics
+
+   subroutine choose_cable(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(cable_law_t) :: unit_law
+      type(cable_state_t) :: at_alpha
+
+      equation%cable_law => no_cable
+      if (.not. equation%has_cable) return
+      equation%cable%eta_0 = case%cable%eta_0
+      equation%cable%R = equation%p%R
+      equation%cable%h = case%wall%h
+      equation%cable%b = case%wall%b
+      if (case%cable%law == 'truss') then
+         equation%cable_law => truss_cable
+         unit_law = equation%cable
+         unit_law%eta_0 = 0
+         unit_law%rate = 1
+         call truss_cable(unit_law, equation%sin_alpha, equation%p%alpha, 1, at_alpha)
+         equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/at_alpha%force
+      else
+         equation%cable_law => linear_cable
+         equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
+         if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
+      end if
+   end subroutine choose_cable
+
+   subroutine choose_acceleration(formulation, law, equation)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: law
+      !! of the cable; '' without one
+      type(equation_t), intent(inout) :: equation
+
+      equation%acceleration_negative => wall_and_frame
+      equation%acceleration_positive => wall_and_frame
+      if (law /= 'truss') then
+         equation%acceleration_positive => corner_linear
+         if (formulation == 'symmetric') equation%acceleration_negative => corner_linear
+      end if
+      if (formulation == 'published') then
+         equation%acceleration_negative => published
+         equation%acceleration_positive => published
+      end if
+      if (.not. equation%has_frame) then
+         equation%acceleration_negative => wall_alone
+         equation%acceleration_positive => wall_alone
+      end if
+   end subroutine choose_acceleration
+
+   !> First-order form: y' = (theta', theta'').
+   subroutine rhs(equation, t, y, y_dot)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: y_dot(:)
+      !! (states)
+
+      equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
+      y_dot(1) = y(2)
+      y_dot(2) = second_derivative(equation, t, y)
+   end subroutine rhs
+
+   !> theta'' without counting an evaluation: for events and outputs [rad/s2].
+   real(wp) function second_derivative(equation, t, y)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      if (equation%side > 0) then
+         second_derivative = equation%acceleration_positive(equation, t, y)
+      else
+         second_derivative = equation%acceleration_negative(equation, t, y)
+      end if
+   end function second_derivative
+
+   !> Eq. (15) with the printed coefficients.
+   real(wp) function published(equation, t, y)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp) :: C(4)
+      !! A_i or B_i
+
+      if (equation%side > 0) then
+         C = coefficients_b(equation%p, y(1))
+      else
+         C = coefficients_a(equation%p, y(1))
+      end if
+      published = C(1)*y(2)**2 + C(2)*y(2) + C(3)*ground(equation, t) + C(4)
+   end function published
+
+   !> Eq. (8), link at the top corner and linear cable (or none): the commonest scene written out,
+   !> because calls through pointers would cost as much as the arithmetic.
+   real(wp) function corner_linear(equation, t, y) result(theta_ddot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp) :: phi
+      real(wp) :: phi_dot
+      real(wp) :: half_sine
+      real(wp) :: half_cosine
+      real(wp) :: lift
+      !! sin(alpha) - sin(alpha - phi)
+      real(wp) :: c
+      !! cos(alpha - phi)
+
+      phi = equation%side*y(1)
+      phi_dot = equation%side*y(2)
+      half_sine = sin(phi/2)
+      half_cosine = cos(phi/2)
+      lift = 2*half_sine*(equation%sin_alpha*half_sine + equation%cos_alpha*half_cosine)
+      c = equation%cos_alpha - 2*half_sine*(equation%cos_alpha*half_sine &
+         - equation%sin_alpha*half_cosine)
+      associate (p => equation%p, s => equation%sin_alpha - lift)
+         theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
+            + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g/p%R*(s &
+            + (p%eta_0 + equation%cable%rate*phi)*equation%sin_alpha)) &
+            + (2*p%gamma + 1)*c*ground(equation, t)/p%R)/(4.0_wp/3 + 4*p%gamma*c**2)
+      end associate
+   end function corner_linear
+
+   !> Wall and frame, any kinematics and cable law.
+   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t) :: kin
+      real(wp) :: phi_dot
+      real(wp) :: force
+      !! of the frame's spring and damper and the centripetal term, over gamma m_w R [1/s2]
+
+      kin = kinematics_at(equation, y(1))
+      phi_dot = equation%side*y(2)
+      associate (p => equation%p)
+         force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
+         theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
+            + p%g/p%R*(kin%s + cable_moment(equation, y(1)))) &
+            + (p%gamma*kin%lever + kin%c)*ground(equation, t)/p%R) &
+            /(4.0_wp/3 + p%gamma*kin%lever*kin%j)
+      end associate
+   end function wall_and_frame
+
+   !> Wall without frame, Eqs (11) and (12).
+   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp) :: angle
+      !! alpha - phi [rad]
+
+      angle = equation%p%alpha - equation%side*y(1)
+      theta_ddot = -0.75_wp/equation%p%R*(cos(angle)*ground(equation, t) &
+         + equation%side*equation%p%g*(sin(angle) + cable_moment(equation, y(1))))
+   end function wall_alone
+
+   !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
+   real(wp) function bare_frame(equation, t, y) result(u_ddot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+
+      associate (p => equation%p)
+         u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - ground(equation, t)
+      end associate
+   end function bare_frame
+
+   !> Ground acceleration of the interval in force [m/s2].
+   real(wp) function ground(equation, t)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      ground = acceleration(equation%motion, equation%interval, t)
+   end function ground
+
+   !> Kinematics of the side in force.
+   type(kinematics_t) function kinematics_at(equation, theta) result(kin)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%sin_alpha, equation%cos_alpha, theta, kin)
+      else
+         call equation%kinematics_negative(equation%sin_alpha, equation%cos_alpha, -theta, kin)
+      end if
+   end function kinematics_at
+
+   !> Cable on the side in force.
+   type(cable_state_t) function cable_at(equation, theta) result(cable)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
+         equation%side, cable)
+   end function cable_at
+
+   !> Moment of the cable over m_w g R [-].
+   real(wp) function cable_moment(equation, theta)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      type(cable_state_t) :: cable
+
+      cable = cable_at(equation, theta)
+      cable_moment = cable%moment
+   end function cable_moment
+
+   !> Derivatives of theta'' by theta [1/s2] and by theta' [1/s].
+   subroutine jacobian(equation, t, y, by_theta, by_theta_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: by_theta
+      real(wp), intent(out) :: by_theta_dot
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      real(wp) :: phi_dot
+      real(wp) :: force
+      real(wp) :: force_1
+      real(wp) :: inertia
+      real(wp) :: moment_1
+
+      associate (p => equation%p)
+         if (.not. equation%has_wall) then
+            by_theta = -p%omega_s**2
+            by_theta_dot = -2*p%xi_s*p%omega_s
+            return
+         end if
+         kin = kinematics_at(equation, y(1))
+         cable = cable_at(equation, y(1))
+         phi_dot = equation%side*y(2)
+         force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
+         force_1 = kin%k_1*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%k*phi_dot + p%omega_s**2*kin%j
+         inertia = 4.0_wp/3 + p%gamma*kin%lever*kin%j
+         moment_1 = -p%gamma*(kin%lever_1*force + kin%lever*force_1) &
+            - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
+            - p%g/p%R*(cable%moment_1 - kin%c)
+         by_theta = (moment_1 - p%gamma*(kin%lever_1*kin%j + kin%lever*kin%k) &
+            *equation%side*second_derivative(equation, t, y))/inertia
+         by_theta_dot = -2*p%gamma*kin%lever*(kin%k*phi_dot + p%xi_s*p%omega_s*kin%j)/inertia
+      end associate
+   end subroutine jacobian
+
+   !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
+   !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
+   !> theta = 0).
+   pure real(wp) function lift_off_drive(equation, side, interval, t) result(drive)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: side
+      !! +1 or -1
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      drive = -side*acceleration(equation%motion, interval, t) - equation%threshold
+   end function lift_off_drive
+
+   !> Displacement of the frame u_s [m].
+   real(wp) function frame_displacement(equation, theta) result(u_s)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]; bare frame: the displacement itself [m]
+      type(kinematics_t) :: kin
+
+      if (equation%has_wall) then
+         kin = kinematics_at(equation, theta)
+         u_s = equation%side*equation%p%R*kin%u
+      else
+         u_s = theta
+      end if
+   end function frame_displacement
+
+end module rwmf_equation

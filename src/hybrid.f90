@@ -1,0 +1,332 @@
+!> The hybrid system: rest, rocking on either corner, overturned, and what leads from one to another.
+!>
+!> Between events an integrator follows the equation of motion of one side in one interval of the
+!> ground motion. After each of its steps the states inside the step are searched for events, in the
+!> order of time: peaks (theta' = 0) split the step into monotone pieces; in each of them a return to
+!> theta = 0 or a passage of the overturning angle shows by the values at its ends. So two returns
+!> in one step, or a peak and an impact, are found as well. A flight knows its side, so that a start
+!> on theta = 0 is no event.
+module rwmf_hybrid
+   use rwmf_control, only: control_t, is_cancelled
+   use rwmf_equation, only: equation_t, second_derivative
+   use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
+   use rwmf_kinds, only: i8, wp
+   use rwmf_locate, only: locate
+   use rwmf_motion, only: has_jump, interval_at, interval_end
+   use rwmf_observer, only: observe_event, observe_impact, observe_piece, observe_rest, &
+      observe_state, observer_t
+   use rwmf_rest, only: find_lift_off, may_rest
+   use rwmf_result, only: event_impact, event_lift_off, event_overturned, event_peak, event_rest
+   use rwmf_stepper, only: stepper_t
+   use rwmf_text, only: real_to_text
+   implicit none
+   private
+
+   public :: hybrid_t, begin_hybrid, advance_hybrid
+   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
+
+   integer, parameter :: mode_rest = 0
+   integer, parameter :: mode_rocking = 1
+   integer, parameter :: mode_overturned = 2
+   integer, parameter :: mode_no_impacts = 3
+   !! bare frame: one smooth regime
+
+   !> State of the hybrid system and the numbers that its transitions need.
+   type :: hybrid_t
+      integer :: mode
+      real(wp) :: t
+      !! [s]
+      real(wp), allocatable :: y(:)
+      !! (states)
+      logical :: must_restart
+      !! the integrator has to begin anew at (t, y)
+      real(wp) :: e
+      !! velocity factor at impact [-]
+      real(wp) :: overturning_angle
+      !! [rad]
+      real(wp) :: rtol
+      !! requested relative tolerance [-]
+      integer(i8) :: max_steps
+   end type hybrid_t
+
+   real(wp), parameter :: negligible = 0.01_wp
+   !! part of the tolerance below which a motion may be put to rest
+
+contains
+
+   !> Set out at time t with the state y.
+   subroutine begin_hybrid(hybrid, equation, t, y)
+      type(hybrid_t), intent(inout) :: hybrid
+      !! with e, overturning_angle, rtol and max_steps set
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      hybrid%t = t
+      hybrid%y = y
+      hybrid%must_restart = .true.
+      equation%interval = interval_at(equation%motion, t)
+      equation%side = 1
+      if (.not. equation%has_wall) then
+         hybrid%mode = mode_no_impacts
+         return
+      end if
+      if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
+      hybrid%mode = mode_rocking
+      if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
+      if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
+   end subroutine begin_hybrid
+
+   !> Follow the system to the time t_target, or to overturning.
+   subroutine advance_hybrid(hybrid, equation, stepper, observer, t_target, control, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_target
+      !! [s]
+      type(control_t), intent(in) :: control
+      type(error_t), allocatable, intent(out) :: error
+
+      do while (hybrid%t < t_target .and. hybrid%mode /= mode_overturned)
+         if (hybrid%mode == mode_rest) then
+            call stay_at_rest(hybrid, equation, observer, t_target)
+         else
+            call fly(hybrid, equation, stepper, observer, t_target, error)
+            if (allocated(error)) return
+         end if
+         call check_work(hybrid, stepper, control, error)
+         if (allocated(error)) return
+      end do
+   end subroutine advance_hybrid
+
+   !> Bound on the work, and the caller's wish to stop.
+   subroutine check_work(hybrid, stepper, control, error)
+      type(hybrid_t), intent(in) :: hybrid
+      class(stepper_t), intent(in) :: stepper
+      type(control_t), intent(in) :: control
+      type(error_t), allocatable, intent(out) :: error
+
+      if (is_cancelled(control)) then
+         call fail(error, err_interrupt, 'interrupted at t = '//real_to_text(hybrid%t)//' s')
+      else if (stepper%steps > hybrid%max_steps) then
+         call fail(error, err_numerical, 'more than &solver max_steps steps by t = ' &
+            //real_to_text(hybrid%t)//' s, theta = '//real_to_text(hybrid%y(1)) &
+            //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
+      end if
+   end subroutine check_work
+
+   !> Rest until the ground motion lifts the wall.
+   subroutine stay_at_rest(hybrid, equation, observer, t_target)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_target
+      real(wp) :: t_limit
+      integer :: side
+
+      side = 0
+      do while (side == 0 .and. hybrid%t < t_target)
+         ! One interval at a time, because the history shows the ground motion as well.
+         t_limit = min(t_target, interval_end(equation%motion, equation%interval))
+         call find_lift_off(equation, t_limit, hybrid%t, equation%interval, side)
+         call observe_rest(observer, equation, hybrid%t)
+      end do
+      if (side == 0) return
+      equation%side = side
+      hybrid%mode = mode_rocking
+      hybrid%must_restart = .true.
+      observer%lift_offs = observer%lift_offs + 1_i8
+      call observe_event(observer, event_lift_off, hybrid%t, hybrid%y)
+   end subroutine stay_at_rest
+
+   !> One step of the integrator, cut at the first event that ends the flight.
+   subroutine fly(hybrid, equation, stepper, observer, t_target, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_target
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_limit
+      integer :: event
+
+      t_limit = min(t_target, interval_end(equation%motion, equation%interval))
+      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
+         ! An event within round-off of a knot: no integrator can step that far.
+         hybrid%t = t_limit
+         call pass_knot(hybrid, equation)
+         return
+      end if
+      if (hybrid%must_restart) then
+         call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
+      end if
+      if (allocated(error)) return
+      hybrid%must_restart = .false.
+      call stepper%step(t_limit, error)
+      if (allocated(error)) return
+      call search_step(hybrid, equation, stepper, observer, event, error)
+      if (allocated(error)) return
+      call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
+      if (allocated(error)) return
+      select case (event)
+      case (event_impact)
+         call bounce(hybrid, equation, observer)
+      case (event_overturned)
+         hybrid%mode = mode_overturned
+         call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
+      case default
+         ! Nothing happened: the flight goes on with the next step.
+      end select
+      call pass_knot(hybrid, equation)
+   end subroutine fly
+
+   !> Estimated duration of a flight that begins at theta = 0 against an acceleration that pulls it
+   !> back, a little more than 2 v/a; else no limit [s].
+   real(wp) function flight_time(hybrid, equation) result(time)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp) :: pull
+      !! towards the base [rad/s2]
+
+      time = huge(time)
+      if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
+      pull = -equation%side*second_derivative(equation, hybrid%t, hybrid%y)
+      if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
+         time = 2.2_wp*abs(hybrid%y(2))/max(pull, tiny(pull))
+      end if
+      if (time <= 0) time = huge(time)
+   end function flight_time
+
+   !> Enter the next interval of the motion when the present one is over.
+   subroutine pass_knot(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      if (hybrid%t < interval_end(equation%motion, equation%interval)) return
+      equation%interval = equation%interval + 1
+      ! A kink of the motion costs a multistep method less than a restart; a jump does not.
+      if (has_jump(equation%motion, equation%interval)) hybrid%must_restart = .true.
+   end subroutine pass_knot
+
+   !> Search the integrator's last step; leaves time and state of its end or of the event in hybrid.
+   subroutine search_step(hybrid, equation, stepper, observer, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      integer, intent(out) :: event
+      !! `event_impact`, `event_overturned`, or 0
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_a
+      real(wp) :: y_a(equation%n)
+
+      t_a = stepper%t0
+      y_a = stepper%y0
+      event = 0
+      if (has_peak(hybrid, equation, stepper)) then
+         call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, stepper%t1, stepper%y1, &
+            hybrid%t, hybrid%y, error)
+         if (allocated(error)) return
+         call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+         if (allocated(error) .or. event /= 0) return
+         call observe_state(observer, equation, hybrid%t, hybrid%y)
+         call observe_event(observer, event_peak, hybrid%t, hybrid%y)
+         t_a = hybrid%t
+         y_a = hybrid%y
+      end if
+      hybrid%t = stepper%t1
+      hybrid%y(:) = stepper%y1
+      call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+   end subroutine search_step
+
+   !> Does theta' change its sign in the last step? A flight that starts with theta' = 0 moves
+   !> away from the base.
+   logical function has_peak(hybrid, equation, stepper)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(in) :: stepper
+      real(wp) :: v_0
+
+      v_0 = stepper%y0(2)
+      if (abs(v_0) <= 0 .and. abs(stepper%y0(1)) <= 0 .and. hybrid%mode == mode_rocking) then
+         v_0 = equation%side
+      end if
+      has_peak = (v_0 > 0 .and. stepper%y1(2) <= 0) .or. (v_0 < 0 .and. stepper%y1(2) >= 0)
+   end function has_peak
+
+   !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it?
+   subroutine end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      integer, intent(out) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: level
+      real(wp) :: t_b
+      real(wp) :: y_b(size(y_a))
+
+      event = 0
+      if (hybrid%mode /= mode_rocking) return
+      level = 0
+      if (equation%side*hybrid%y(1) < 0) event = event_impact
+      if (abs(hybrid%y(1)) >= hybrid%overturning_angle .and. event == 0) then
+         event = event_overturned
+         level = equation%side*hybrid%overturning_angle
+      end if
+      if (event == 0) return
+      t_b = hybrid%t
+      y_b = hybrid%y
+      call locate(equation, stepper, 1, level, t_a, y_a, t_b, y_b, hybrid%t, hybrid%y, error)
+      hybrid%y(1) = level
+   end subroutine end_piece
+
+   !> Impact: the velocity falls by the factor e, the other side's equation takes over, or the wall
+   !> comes to rest.
+   subroutine bounce(hybrid, equation, observer)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(inout) :: observer
+      real(wp) :: after
+
+      after = hybrid%e*hybrid%y(2)
+      call observe_event(observer, event_impact, hybrid%t, hybrid%y)
+      call observe_impact(observer, equation, hybrid%y(2), after)
+      hybrid%y(:2) = [0.0_wp, after]
+      hybrid%must_restart = .true.
+      equation%side = -equation%side
+      if (may_rest(equation, hybrid%t, abs(after), hybrid%e, &
+         negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
+         negligible*hybrid%rtol*observer%theta_dot_max)) then
+         hybrid%y(:2) = 0
+         hybrid%mode = mode_rest
+         call observe_event(observer, event_rest, hybrid%t, hybrid%y)
+      else if (abs(after) <= 0) then
+         ! Nothing bounces (e = 0) and the motion pulls: the drive says to which side.
+         call leave_with_no_velocity(hybrid, equation)
+      end if
+   end subroutine bounce
+
+   !> The wall touches its base without velocity while one side is pulled.
+   subroutine leave_with_no_velocity(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      real(wp) :: t
+      integer :: interval
+      integer :: side
+
+      t = hybrid%t
+      interval = equation%interval
+      call find_lift_off(equation, t, t, interval, side)
+      if (side /= 0) then
+         equation%side = side
+      else
+         hybrid%mode = mode_rest
+      end if
+   end subroutine leave_with_no_velocity
+
+end module rwmf_hybrid

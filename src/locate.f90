@@ -1,0 +1,127 @@
+!> Instant inside the last step of an integrator at which a state passes a level, to round-off.
+module rwmf_locate
+   use rwmf_equation, only: equation_t, rhs
+   use rwmf_errors, only: error_t
+   use rwmf_kinds, only: wp
+   use rwmf_stepper, only: stepper_t
+   implicit none
+   private
+
+   public :: locate
+
+   integer, parameter :: most_iterations = 200
+   !! a bisection of the whole range of exponents takes fewer
+
+contains
+
+   !> Find t in [t_a, t_b] with y(component) = level.
+   !>
+   !> Newton's method from the inverse cubic through both ends, kept inside a bracket that every
+   !> evaluation tightens. A correction below sqrt(epsilon) of the step is carried out by Taylor's
+   !> formula, whose remainder is then round-off: usually two states are asked of the integrator.
+   subroutine locate(equation, stepper, component, level, t_a, y_a, t_b, y_b, t, y, error)
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      integer, intent(in) :: component
+      !! 1: theta, 2: theta'
+      real(wp), intent(in) :: level
+      !! [rad] or [rad/s]
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: y_a(:)
+      !! (states) at t_a
+      real(wp), intent(in) :: t_b
+      !! [s]; y_b - level has the other sign than y_a - level, or is zero
+      real(wp), intent(in) :: y_b(:)
+      !! (states) at t_b
+      real(wp), intent(out) :: t
+      !! [s]
+      real(wp), intent(out) :: y(:)
+      !! (states) there
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: low
+      real(wp) :: high
+      !! bracket [s]
+      real(wp) :: g
+      real(wp) :: correction
+      real(wp) :: y_dot(size(y))
+      logical :: is_falling
+      !! y - level is positive at t_a, or zero there and negative at t_b
+      integer :: i
+
+      low = t_a
+      high = t_b
+      is_falling = y_a(component) > level &
+         .or. (y_a(component) >= level .and. y_b(component) < level)
+      t = first_guess(equation, component, level, t_a, y_a, t_b, y_b)
+      do i = 1, most_iterations
+         call stepper%state_at(t, y, error)
+         if (allocated(error)) return
+         g = y(component) - level
+         if (abs(g) <= tiny(g)) return
+         if ((g > 0) .eqv. is_falling) then
+            low = t
+         else
+            high = t
+         end if
+         if (high - low <= 2*spacing(high)) exit
+         call rhs(equation, t, y, y_dot)
+         correction = newton_correction(g, y_dot(component))
+         if (abs(correction) <= sqrt(epsilon(g))/10*(t_b - t_a) .and. t + correction >= t_a &
+            .and. t + correction <= t_b) then
+            t = t + correction
+            y = y + correction*y_dot
+            return
+         end if
+         if (t + correction > low .and. t + correction < high) then
+            t = t + correction
+         else
+            t = low + (high - low)/2
+         end if
+      end do
+      t = high
+      call stepper%state_at(t, y, error)
+   end subroutine locate
+
+   !> Newton's correction; a vanishing rate gives one that leaves every bracket.
+   pure real(wp) function newton_correction(g, rate) result(correction)
+      real(wp), intent(in) :: g
+      real(wp), intent(in) :: rate
+
+      correction = huge(g)
+      if (abs(g) < abs(rate)*sqrt(huge(g))) correction = -g/rate
+   end function newton_correction
+
+   !> Time as the cubic function of the state through both ends, at the level [s].
+   real(wp) function first_guess(equation, component, level, t_a, y_a, t_b, y_b) result(t)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: component
+      real(wp), intent(in) :: level
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      real(wp) :: slope_a(size(y_a))
+      real(wp) :: slope_b(size(y_a))
+      real(wp) :: rise
+      real(wp) :: x
+      !! position between the end values [-]
+      real(wp) :: s_a
+      real(wp) :: s_b
+      !! slopes of time over state, per unit of x [s]
+
+      t = t_a + (t_b - t_a)/2
+      rise = y_b(component) - y_a(component)
+      if (abs(rise) <= tiny(rise)) return
+      x = (level - y_a(component))/rise
+      call rhs(equation, t_a, y_a, slope_a)
+      call rhs(equation, t_b, y_b, slope_b)
+      ! A slope far from the secant's means that time is no smooth function of the state here.
+      s_a = rise/sign(max(abs(slope_a(component)), abs(rise)/(4*(t_b - t_a))), slope_a(component))
+      s_b = rise/sign(max(abs(slope_b(component)), abs(rise)/(4*(t_b - t_a))), slope_b(component))
+      t = t_a + x*(t_b - t_a) + x*(1 - x)*((1 - x)*(s_a - (t_b - t_a)) - x*(s_b - (t_b - t_a)))
+      if (.not. (t > t_a .and. t < t_b)) t = t_a + x*(t_b - t_a)
+      if (.not. (t > t_a .and. t < t_b)) t = t_a + (t_b - t_a)/2
+   end function first_guess
+
+end module rwmf_locate

@@ -1,0 +1,182 @@
+!> What a comparison of methods needs of one simulation: numbers, impact times and cost, in the same
+!> form for every method and for the reference.
+module rwmf_measure
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_case, only: case_t
+   use rwmf_control, only: control_t
+   use rwmf_errors, only: error_t
+   use rwmf_kinds, only: dp, i8, wp
+   use rwmf_motion, only: motion_t
+   use rwmf_result, only: event_impact, result_t
+   use rwmf_run, only: run_once
+   implicit none
+   private
+
+   public :: measured_t, measure_method, value_names, empty_measured
+   public :: put_measured, put_differences
+   public :: n_values, at_u_s_max, at_theta_max, at_theta_end, at_theta_dot_end, at_t_end
+
+   integer, parameter :: n_values = 7
+   integer, parameter :: at_u_s_max = 1
+   integer, parameter :: at_t_u_s_max = 2
+   integer, parameter :: at_theta_max = 3
+   integer, parameter :: at_theta_dot_max = 4
+   integer, parameter :: at_theta_end = 5
+   integer, parameter :: at_theta_dot_end = 6
+   integer, parameter :: at_t_end = 7
+
+   !> One simulation in numbers.
+   type :: measured_t
+      real(wp) :: values(n_values)
+      !! in the order of `value_names`; NaN for what does not apply to the scene
+      real(wp), allocatable :: impact_times(:)
+      !! (impacts) [s]
+      integer(i8) :: steps
+      integer(i8) :: rhs_evaluations
+      logical :: overturned
+      real(wp) :: seconds
+      !! wall-clock time of one run that keeps nothing, the fastest of all repeats [s]
+      integer :: repeats
+   end type measured_t
+
+contains
+
+   !> Names of the values, one a line.
+   pure function value_names() result(names)
+      character(:), allocatable :: names
+      character(1), parameter :: feed = new_line('a')
+
+      names = 'u_s_max_m'//feed//'t_u_s_max_s'//feed//'theta_max_rad'//feed &
+         //'theta_dot_max_rad_s'//feed//'theta_end_rad'//feed//'theta_dot_end_rad_s'//feed &
+         //'t_end_s'//feed
+   end function value_names
+
+   !> Nothing measured yet.
+   type(measured_t) function empty_measured() result(measured)
+
+      measured%values = ieee_value(1.0_wp, ieee_quiet_nan)
+      allocate (measured%impact_times(0))
+      measured%steps = 0_i8
+      measured%rhs_evaluations = 0_i8
+      measured%overturned = .false.
+      measured%seconds = huge(1.0_wp)
+      measured%repeats = 0
+   end function empty_measured
+
+   !> Run a case with another method and tolerance.
+   !>
+   !> Errors: those of `run_once`.
+   subroutine measure_method(case, motion, method, rtol, budget, control, measured, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      !! of the case
+      character(*), intent(in) :: method
+      !! as `&solver method`
+      real(wp), intent(in) :: rtol
+      !! as `&solver rtol` [-]
+      real(wp), intent(in) :: budget
+      !! repeat the run for its time until this much is spent, or not at all for 0 [s]
+      type(control_t), intent(in) :: control
+      type(measured_t), intent(out) :: measured
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most_repeats = 1000, least_repeats = 3
+      type(case_t) :: trial
+      type(result_t) :: result
+      real(wp) :: spent
+
+      measured = empty_measured()
+      trial = plain_case(case, method, rtol)
+      ! two rows of history: events are kept together with a history
+      allocate (trial%output)
+      trial%output%dt = trial%solver%t_end
+      trial%output%energy = .false.
+      call run_once(trial, motion, control, result, error)
+      if (allocated(error)) return
+      call take_result(result, measured)
+      deallocate (trial%output)
+      spent = result%seconds
+      do while (budget > 0 .and. measured%repeats < most_repeats)
+         if (spent > budget .and. measured%repeats >= least_repeats) exit
+         if (spent > 3*budget .and. measured%repeats >= 1) exit
+         call run_once(trial, motion, control, result, error)
+         if (allocated(error)) return
+         measured%repeats = measured%repeats + 1
+         measured%seconds = min(measured%seconds, result%seconds)
+         spent = spent + result%seconds
+      end do
+   end subroutine measure_method
+
+   !> The case without what costs time besides the integration, and with tolerances derived from rtol.
+   type(case_t) function plain_case(case, method, rtol) result(plain)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: method
+      real(wp), intent(in) :: rtol
+
+      plain = case
+      plain%solver%method = method
+      plain%solver%rtol = rtol
+      plain%solver%verify = .false.
+      if (allocated(plain%solver%accuracy)) deallocate (plain%solver%accuracy)
+      if (allocated(plain%solver%atol)) deallocate (plain%solver%atol)
+      if (allocated(plain%output)) deallocate (plain%output)
+   end function plain_case
+
+   subroutine take_result(result, measured)
+      type(result_t), intent(in) :: result
+      type(measured_t), intent(inout) :: measured
+
+      associate (values => measured%values)
+         if (allocated(result%u_s_max)) values(at_u_s_max) = result%u_s_max
+         if (allocated(result%t_u_s_max)) values(at_t_u_s_max) = result%t_u_s_max
+         if (allocated(result%theta_max)) then
+            values(at_theta_max) = max(result%theta_max, -result%theta_min)
+            values(at_theta_dot_max) = result%theta_dot_max
+         end if
+         values(at_theta_end) = result%final_state(1)
+         values(at_theta_dot_end) = result%final_state(2)
+         values(at_t_end) = result%t_end
+      end associate
+      measured%impact_times = pack(result%events%t, result%events%kind == event_impact)
+      if (.not. result%has_impacts) measured%impact_times = [real(wp) ::]
+      measured%steps = result%steps
+      measured%rhs_evaluations = result%rhs_evaluations
+      measured%overturned = result%overturned
+      measured%seconds = result%seconds
+   end subroutine take_result
+
+   !> Copy a measurement into a caller's arrays in double precision, as much as there is room for.
+   pure subroutine put_measured(measured, values, counts, impact_times)
+      type(measured_t), intent(in) :: measured
+      real(dp), intent(inout) :: values(:)
+      !! in the order of `value_names`
+      integer(i8), intent(out) :: counts(5)
+      !! steps, right-hand sides, impacts, overturned, repeats
+      real(dp), intent(inout) :: impact_times(:)
+      !! [s]
+      integer :: n
+
+      n = min(size(values), n_values)
+      values(:n) = real(measured%values(:n), dp)
+      n = min(size(impact_times), size(measured%impact_times))
+      impact_times(:n) = real(measured%impact_times(:n), dp)
+      counts = [measured%steps, measured%rhs_evaluations, size(measured%impact_times, kind=i8), &
+         merge(1_i8, 0_i8, measured%overturned), int(measured%repeats, i8)]
+   end subroutine put_measured
+
+   !> Magnitudes of the differences of two measurements, as many impacts as both have.
+   pure subroutine put_differences(one, other, differences, impact_differences)
+      type(measured_t), intent(in) :: one
+      type(measured_t), intent(in) :: other
+      real(dp), intent(inout) :: differences(:)
+      !! in the order of `value_names`
+      real(dp), intent(inout) :: impact_differences(:)
+      !! [s]
+      integer :: n
+
+      n = min(size(differences), n_values)
+      differences(:n) = real(abs(other%values(:n) - one%values(:n)), dp)
+      n = min(size(impact_differences), size(one%impact_times), size(other%impact_times))
+      impact_differences(:n) = real(abs(other%impact_times(:n) - one%impact_times(:n)), dp)
+   end subroutine put_differences
+
+end module rwmf_measure

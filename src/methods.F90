@@ -1,0 +1,50 @@
+!> Integrators by name.
+!>
+!> The quadruple-precision build has only our own: SUNDIALS computes in double precision.
+module rwmf_methods
+   use rwmf_dop853, only: dop853_t
+   use rwmf_extrapolation, only: extrapolation_t
+   use rwmf_stepper, only: stepper_t
+#ifndef RWMF_QUAD
+   use rwmf_sundials, only: cvode_t, erk_t
+#endif
+   implicit none
+   private
+
+   public :: new_stepper
+
+contains
+
+   !> The integrator that `&solver method` names.
+   subroutine new_stepper(method, stepper)
+      character(*), intent(in) :: method
+      !! 'adams', 'bdf', 'erk54', 'dop853' or 'extrapolation'
+      class(stepper_t), allocatable, intent(out) :: stepper
+
+      select case (method)
+      case ('dop853')
+         allocate (dop853_t :: stepper)
+#ifndef RWMF_QUAD
+      case ('adams', 'bdf')
+         call new_cvode(method == 'bdf', stepper)
+      case ('erk54')
+         allocate (erk_t :: stepper)
+#endif
+      case default
+         allocate (extrapolation_t :: stepper)
+      end select
+   end subroutine new_stepper
+
+#ifndef RWMF_QUAD
+   subroutine new_cvode(is_stiff, stepper)
+      logical, intent(in) :: is_stiff
+      class(stepper_t), allocatable, intent(out) :: stepper
+      type(cvode_t), allocatable :: cvode
+
+      allocate (cvode)
+      cvode%is_stiff = is_stiff
+      call move_alloc(cvode, stepper)
+   end subroutine new_cvode
+#endif
+
+end module rwmf_methods

@@ -1,0 +1,267 @@
+!> Ground motion as a sequence of intervals between knots, inside which it is smooth.
+!>
+!> Knot k lies between the intervals k-1 and k. Interval 0 comes before the first knot and the last
+!> interval follows the last one; in both the ground acceleration is zero. An integrator that stops
+!> at every knot and asks for the acceleration *of an interval* never sees a kink or a jump.
+module rwmf_motion
+   use rwmf_case, only: case_t, motion_spec_t
+   use rwmf_kinds, only: pi, wp
+   implicit none
+   private
+
+   public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
+   public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
+   public :: peak_acceleration
+
+   integer, parameter :: shape_linear = 1
+   !! straight lines between the knots
+   integer, parameter :: shape_harmonic = 2
+   !! amplitude*sin(omega*(t - t_0) + phase) in interval 1
+
+   !> Ground acceleration.
+   type :: motion_t
+      private
+      integer :: shape = shape_linear
+      !! one of the `shape_` numbers
+      real(wp), allocatable :: knot(:)
+      !! (knots) strictly increasing times [s]
+      real(wp), allocatable :: a(:)
+      !! (knots) acceleration just after the knot [m/s2]
+      real(wp), allocatable :: slope(:)
+      !! (knots) its rate in the interval after the knot [m/s3]
+      real(wp) :: amplitude = 0
+      !! largest magnitude; of the harmonic pulse the (signed) amplitude [m/s2]
+      real(wp) :: omega = 0
+      !! [rad/s]
+      real(wp) :: phase = 0
+      !! [rad]
+   end type motion_t
+
+contains
+
+   !> The ground motion that a case describes; none when it has no `&motion`.
+   pure function motion_from_case(case) result(motion)
+      type(case_t), intent(in) :: case
+      type(motion_t) :: motion
+
+      if (.not. allocated(case%motion)) then
+         motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+         return
+      end if
+      select case (case%motion%kind)
+      case ('one_sine', 'one_cosine', 'sine')
+         motion = harmonic_pulse(case%motion, case%model%g)
+      case ('record')
+         motion = piecewise_linear_motion(case%record%t, case%record%a)
+      case default
+         motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+      end select
+   end function motion_from_case
+
+   !> Motion that is linear between samples and zero before the first and after the last one.
+   pure function piecewise_linear_motion(t, a) result(motion)
+      real(wp), intent(in) :: t(:)
+      !! (n) strictly increasing times [s]
+      real(wp), intent(in) :: a(:)
+      !! (n) accelerations [m/s2]
+      type(motion_t) :: motion
+      integer :: n
+
+      n = size(t)
+      motion%shape = shape_linear
+      allocate (motion%knot(n), motion%a(n), motion%slope(n))
+      motion%knot(:) = t
+      motion%a(:) = a
+      if (n == 0) return
+      motion%amplitude = maxval(abs(a))
+      motion%slope(:n - 1) = (a(2:) - a(:n - 1))/(t(2:) - t(:n - 1))
+      motion%slope(n) = 0
+      ! After the last sample the ground is still; its value belongs to the interval before.
+      motion%a(n) = 0
+   end function piecewise_linear_motion
+
+   !> The same motion with another amplitude.
+   pure function scaled_motion(motion, factor) result(scaled)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: factor
+      !! [-]
+      type(motion_t) :: scaled
+
+      scaled = motion
+      scaled%amplitude = factor*motion%amplitude
+      scaled%a = factor*motion%a
+      scaled%slope = factor*motion%slope
+   end function scaled_motion
+
+   !> One-sine pulse (16), one-cosine pulse (17) or several cycles of a sine.
+   !>
+   !> Eq. (16) has the amplitude omega_p v_p/2, Eq. (17) omega_p v_p.
+   pure function harmonic_pulse(spec, g) result(motion)
+      type(motion_spec_t), intent(in) :: spec
+      real(wp), intent(in) :: g
+      !! unit of `a_max_g` [m/s2]
+      type(motion_t) :: motion
+      real(wp) :: T_p
+
+      if (allocated(spec%omega_p)) then
+         motion%omega = spec%omega_p
+         T_p = 2*pi/spec%omega_p
+      else
+         motion%omega = 2*pi/spec%T_p
+         T_p = spec%T_p
+      end if
+      if (allocated(spec%a_max_g)) then
+         motion%amplitude = spec%a_max_g*g
+      else if (spec%kind == 'one_cosine') then
+         motion%amplitude = motion%omega*spec%v_p
+      else
+         motion%amplitude = motion%omega*spec%v_p/2
+      end if
+      motion%shape = shape_harmonic
+      motion%phase = merge(pi/2, 0.0_wp, spec%kind == 'one_cosine')
+      allocate (motion%knot(2), motion%a(0), motion%slope(0))
+      motion%knot(:) = [spec%t_0, spec%t_0 + spec%cycles*T_p]
+   end function harmonic_pulse
+
+   !> Ground acceleration in an interval [m/s2].
+   pure real(wp) function acceleration(motion, interval, t)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+      real(wp), intent(in) :: t
+      !! [s], in the closed interval
+
+      if (interval < 1 .or. interval >= size(motion%knot)) then
+         acceleration = 0
+      else if (motion%shape == shape_linear) then
+         acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
+      else
+         acceleration = motion%amplitude*harmonic(motion, t)
+      end if
+   end function acceleration
+
+   !> Unit harmonic of the pulse [-].
+   pure real(wp) function harmonic(motion, t)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      harmonic = sin(motion%omega*(t - motion%knot(1)) + motion%phase)
+   end function harmonic
+
+   !> Interval that begins at or before t and ends after it.
+   pure integer function interval_at(motion, t)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t
+      !! [s]
+      integer :: low
+      integer :: high
+      integer :: middle
+
+      low = 0
+      high = size(motion%knot) + 1
+      do while (high - low > 1)
+         middle = (low + high)/2
+         if (motion%knot(middle) <= t) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      interval_at = low
+   end function interval_at
+
+   !> End of an interval [s]; the largest number after the last knot.
+   pure real(wp) function interval_end(motion, interval)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+
+      if (interval < size(motion%knot)) then
+         interval_end = motion%knot(interval + 1)
+      else
+         interval_end = huge(1.0_wp)
+      end if
+   end function interval_end
+
+   !> Number of the interval after the last knot.
+   pure integer function interval_last(motion)
+      type(motion_t), intent(in) :: motion
+
+      interval_last = size(motion%knot)
+   end function interval_last
+
+   !> Is the acceleration discontinuous at the beginning of an interval?
+   !>
+   !> Linear interpolation meets the next sample only to round-off, which is no jump.
+   pure logical function has_jump(motion, interval)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! >= 1
+      real(wp) :: before
+      real(wp) :: after
+      real(wp) :: t
+
+      t = motion%knot(interval)
+      before = acceleration(motion, interval - 1, t)
+      after = acceleration(motion, interval, t)
+      has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp)*peak_near(motion, interval)
+   end function has_jump
+
+   !> Largest magnitude of acceleration around a knot, the measure of round-off there [m/s2].
+   pure real(wp) function peak_near(motion, interval)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+
+      if (motion%shape == shape_harmonic) then
+         peak_near = abs(motion%amplitude)
+      else
+         peak_near = maxval(abs(motion%a(max(1, interval - 1):interval)))
+      end if
+   end function peak_near
+
+   !> First time after t at which the acceleration is extremal inside the interval, else its end
+   !> [s].
+   !>
+   !> Between t and that time the acceleration is monotone.
+   pure real(wp) function turning_point(motion, interval, t)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s], inside the interval
+      real(wp) :: angle
+      real(wp) :: half_turns
+
+      turning_point = interval_end(motion, interval)
+      if (motion%shape /= shape_harmonic .or. interval /= 1) return
+      angle = motion%omega*(t - motion%knot(1)) + motion%phase
+      half_turns = floor_real(angle/pi + 0.5_wp)
+      turning_point = next_extremum(half_turns)
+      if (turning_point <= t) turning_point = next_extremum(half_turns + 1)
+      turning_point = min(turning_point, interval_end(motion, interval))
+
+   contains
+
+      pure real(wp) function next_extremum(number)
+         real(wp), intent(in) :: number
+         !! count of half turns, integral
+
+         next_extremum = motion%knot(1) + ((number + 0.5_wp)*pi - motion%phase)/motion%omega
+      end function next_extremum
+
+      pure real(wp) function floor_real(x)
+         real(wp), intent(in) :: x
+
+         floor_real = aint(x)
+         if (floor_real > x) floor_real = floor_real - 1
+      end function floor_real
+
+   end function turning_point
+
+   !> Largest magnitude of the ground acceleration (for pulses: the amplitude) [m/s2].
+   pure real(wp) function peak_acceleration(motion)
+      type(motion_t), intent(in) :: motion
+
+      peak_acceleration = abs(motion%amplitude)
+   end function peak_acceleration
+
+end module rwmf_motion

@@ -1,0 +1,376 @@
+!> What is remembered of a simulation: maxima, counts, and on request history, events and energy.
+!>
+!> The observer reads the states that the hybrid loop passes by; nothing that it does changes them.
+module rwmf_observer
+   use rwmf_cable, only: cable_state_t
+   use rwmf_case, only: case_t
+   use rwmf_energy, only: impact_loss, input_power, mechanical_energy, viscous_power
+   use rwmf_equation, only: cable_at, equation_t, frame_displacement, kinematics_at, &
+      second_derivative
+   use rwmf_errors, only: err_numerical, error_t, fail
+   use rwmf_kinds, only: i8, wp
+   use rwmf_kinematics, only: kinematics_t
+   use rwmf_motion, only: acceleration
+   use rwmf_result, only: append_event, energy_t, event_t, history_t
+   use rwmf_stepper, only: stepper_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   implicit none
+   private
+
+   public :: observer_t, create_observer, observe_state, observe_piece, observe_rest
+   public :: observe_impact, observe_event, finish_observer
+
+   !> Running maxima, counts and records.
+   type :: observer_t
+      real(wp) :: u_max
+      !! largest |u_s| so far [m]
+      real(wp) :: t_u_max
+      !! its first time [s]
+      real(wp) :: theta_max
+      !! largest theta [rad]; bare frame: displacement [m]
+      real(wp) :: theta_min
+      real(wp) :: theta_dot_max
+      !! largest |theta'| [rad/s]
+      integer(i8) :: impacts
+      integer(i8) :: lift_offs
+      logical :: keeps_energy
+      type(energy_t) :: energy
+      logical :: keeps_history
+      type(history_t) :: history
+      real(wp) :: dt
+      !! interval of the history [s]
+      real(wp) :: m_w_g
+      !! weight of the wall, 0 when the case gives no mass [N]
+      integer :: next_row
+      !! first row of the history that is still to be filled
+      type(event_t), allocatable :: events(:)
+      integer :: n_events
+   end type observer_t
+
+contains
+
+   !> Begin to observe, with the state at t = 0.
+   subroutine create_observer(observer, case, equation, t_end, y, error)
+      type(observer_t), intent(out) :: observer
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_end
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(error_t), allocatable, intent(out) :: error
+
+      observer%u_max = -1
+      observer%theta_max = -huge(1.0_wp)
+      observer%theta_min = huge(1.0_wp)
+      observer%theta_dot_max = 0
+      observer%impacts = 0
+      observer%lift_offs = 0
+      observer%keeps_energy = .false.
+      observer%keeps_history = .false.
+      observer%n_events = 0
+      allocate (observer%events(0))
+      call observe_state(observer, equation, 0.0_wp, y)
+      if (.not. allocated(case%output)) return
+      observer%keeps_energy = case%output%energy
+      observer%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
+      if (allocated(case%output%dt)) then
+         call create_history(observer, case, equation, case%output%dt, t_end, error)
+      end if
+   end subroutine create_observer
+
+   subroutine create_history(observer, case, equation, dt, t_end, error)
+      type(observer_t), intent(inout) :: observer
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: dt
+      !! [s]
+      real(wp), intent(in) :: t_end
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+      real(wp) :: rows
+
+      observer%keeps_history = .true.
+      observer%dt = dt
+      observer%next_row = 1
+      observer%m_w_g = 0
+      if (equation%has_wall) then
+         if (allocated(case%wall%m_w)) observer%m_w_g = case%wall%m_w*equation%p%g
+      end if
+      call name_columns(observer, equation)
+      rows = aint(t_end/dt*(1 + 8*epsilon(1.0_wp))) + 1
+      status = 1
+      if (rows < real(huge(1), wp)) then
+         allocate (observer%history%values(int(rows), size(observer%history%names)), stat=status)
+      end if
+      if (status /= 0) then
+         call fail(error, err_numerical, 'out of memory for the history: &output dt asks for ' &
+            //'more rows than fit; raise dt or lower t_end', 'out_of_memory')
+         return
+      end if
+      observer%history%values = ieee_value(1.0_wp, ieee_quiet_nan)
+   end subroutine create_history
+
+   !> Columns that apply to the scene.
+   subroutine name_columns(observer, equation)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      character(32), allocatable :: names(:)
+
+      names = [character(32) :: 't_s']
+      if (equation%has_wall) names = [character(32) :: names, 'theta_rad', 'theta_dot_rad_s', &
+         'theta_ddot_rad_s2']
+      if (equation%has_frame) names = [character(32) :: names, 'u_s_m', 'u_s_dot_m_s']
+      names = [character(32) :: names, 'u_g_ddot_m_s2']
+      if (equation%has_cable) then
+         names = [character(32) :: names, 'cable_force_over_m_w_g']
+         if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
+      end if
+      call move_alloc(names, observer%history%names)
+   end subroutine name_columns
+
+   !> Let a state take part in the maxima.
+   subroutine observe_state(observer, equation, t, y)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: u
+
+      observer%theta_max = max(observer%theta_max, y(1))
+      observer%theta_min = min(observer%theta_min, y(1))
+      observer%theta_dot_max = max(observer%theta_dot_max, abs(y(2)))
+      if (.not. equation%has_frame) return
+      u = abs(frame_displacement(equation, y(1)))
+      if (u > observer%u_max) then
+         observer%u_max = u
+         observer%t_u_max = t
+      end if
+   end subroutine observe_state
+
+   !> A piece of smooth motion inside the last step of the integrator.
+   subroutine observe_piece(observer, equation, stepper, t_a, t_b, y_b, error)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      !! beginning of the step [s]
+      real(wp), intent(in) :: t_b
+      !! end of the piece [s]
+      real(wp), intent(in) :: y_b(:)
+      !! (states) there
+      type(error_t), allocatable, intent(out) :: error
+
+      call observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
+      if (allocated(error)) return
+      if (observer%keeps_history) call sample_piece(observer, equation, stepper, t_b, error)
+      if (allocated(error)) return
+      if (observer%keeps_energy) then
+         call integrate_powers(observer, equation, stepper, t_a, t_b, error)
+      end if
+   end subroutine observe_piece
+
+   !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far.
+   !>
+   !> The cubic through both ends gives the instant; theta' is stationary there, so that its error
+   !> is of second order in that of the instant.
+   subroutine observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: slope_a
+      real(wp) :: slope_b
+      real(wp) :: x
+      real(wp) :: y(size(y_b))
+
+      observer%theta_dot_max = max(observer%theta_dot_max, abs(y_b(2)))
+      if (max(abs(stepper%y0(2)), abs(y_b(2))) < 0.8_wp*observer%theta_dot_max) return
+      slope_a = second_derivative(equation, t_a, stepper%y0)*(t_b - t_a)
+      slope_b = second_derivative(equation, t_b, y_b)*(t_b - t_a)
+      if (slope_a*slope_b >= 0) return
+      x = stationary_point(stepper%y0(2), slope_a, y_b(2), slope_b)
+      call stepper%state_at(t_a + x*(t_b - t_a), y, error)
+      if (.not. allocated(error)) observer%theta_dot_max = max(observer%theta_dot_max, abs(y(2)))
+   end subroutine observe_fastest
+
+   !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
+   pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
+      real(wp), intent(in) :: v_0, s_0, v_1, s_1
+      real(wp) :: a
+      real(wp) :: b
+      real(wp) :: root
+
+      ! Slope of the cubic: a x**2 + 2 b x + s_0.
+      a = 3*(s_0 + s_1 - 2*(v_1 - v_0))
+      b = 3*(v_1 - v_0) - 2*s_0 - s_1
+      root = sqrt(max(0.0_wp, b**2 - a*s_0))
+      ! The slopes differ in sign, so exactly one root lies inside; this form never cancels there.
+      x = s_0/(-b + sign(root, s_0))
+      if (.not. (x >= 0 .and. x <= 1)) x = s_0/(s_0 - s_1)
+   end function stationary_point
+
+   !> Rows of the history up to t_b from the integrator's last step.
+   subroutine sample_piece(observer, equation, stepper, t_b, error)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_b
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: y(equation%n)
+      real(wp) :: t
+
+      do while (observer%next_row <= size(observer%history%values, 1))
+         t = (observer%next_row - 1)*observer%dt
+         if (t > t_b) exit
+         call stepper%state_at(t, y, error)
+         if (allocated(error)) return
+         call write_row(observer, equation, t, y, second_derivative(equation, t, y))
+      end do
+   end subroutine sample_piece
+
+   !> The wall stays at rest until t_b.
+   subroutine observe_rest(observer, equation, t_b)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_b
+      !! [s]
+      real(wp) :: t
+      real(wp) :: y(equation%n)
+
+      if (.not. observer%keeps_history) return
+      y = 0
+      do while (observer%next_row <= size(observer%history%values, 1))
+         t = (observer%next_row - 1)*observer%dt
+         if (t > t_b) exit
+         call write_row(observer, equation, t, y, 0.0_wp)
+      end do
+   end subroutine observe_rest
+
+   subroutine write_row(observer, equation, t, y, y_ddot)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' or u''
+      real(wp) :: row(size(observer%history%names))
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      integer :: i
+
+      i = 1
+      row(1) = t
+      if (equation%has_wall) then
+         row(2:4) = [y(1:2), y_ddot]
+         i = 4
+      end if
+      if (equation%has_frame) then
+         row(i + 1:i + 2) = y(1:2)
+         if (equation%has_wall) then
+            kin = kinematics_at(equation, y(1))
+            row(i + 1:i + 2) = [frame_displacement(equation, y(1)), equation%p%R*kin%j*y(2)]
+         end if
+         i = i + 2
+      end if
+      i = i + 1
+      row(i) = acceleration(equation%motion, equation%interval, t)
+      if (equation%has_cable) then
+         cable = cable_at(equation, y(1))
+         row(i + 1:) = cable%force*[1.0_wp, observer%m_w_g]
+      end if
+      ! A wall at rest on its left side is at 0, not at -0.
+      observer%history%values(observer%next_row, :) = row + 0.0_wp
+      observer%next_row = observer%next_row + 1
+   end subroutine write_row
+
+   !> Work of ground and damper over a piece, by the Gauss rule with five points.
+   subroutine integrate_powers(observer, equation, stepper, t_a, t_b, error)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: t_b
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: inner = sqrt(5 - 2*sqrt(10.0_wp/7))/3
+      real(wp), parameter :: outer = sqrt(5 + 2*sqrt(10.0_wp/7))/3
+      real(wp), parameter :: node(5) = [-outer, -inner, 0.0_wp, inner, outer]
+      real(wp), parameter :: weight(5) = [322 - 13*sqrt(70.0_wp), 322 + 13*sqrt(70.0_wp), &
+         512.0_wp, 322 + 13*sqrt(70.0_wp), 322 - 13*sqrt(70.0_wp)]/900
+      real(wp) :: y(equation%n)
+      real(wp) :: t
+      real(wp) :: share
+      integer :: i
+
+      do i = 1, size(node)
+         t = t_a + (t_b - t_a)*(1 + node(i))/2
+         call stepper%state_at(t, y, error)
+         if (allocated(error)) return
+         share = weight(i)*(t_b - t_a)/2
+         observer%energy%input = observer%energy%input + share*input_power(equation, t, y)
+         observer%energy%viscous = observer%energy%viscous + share*viscous_power(equation, y)
+      end do
+      observer%energy%input_max = max(observer%energy%input_max, abs(observer%energy%input))
+   end subroutine integrate_powers
+
+   !> An impact with the angular velocity before and after it.
+   subroutine observe_impact(observer, equation, before, after)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: before
+      !! [rad/s]
+      real(wp), intent(in) :: after
+      !! [rad/s]
+
+      observer%impacts = observer%impacts + 1_i8
+      if (observer%keeps_energy) then
+         observer%energy%impact = observer%energy%impact + impact_loss(equation, before, after)
+      end if
+   end subroutine observe_impact
+
+   !> Keep an event for the list, which goes with a history.
+   subroutine observe_event(observer, kind, t, y)
+      type(observer_t), intent(inout) :: observer
+      integer, intent(in) :: kind
+      !! one of the `event_` numbers
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      if (observer%keeps_history) then
+         call append_event(observer%events, observer%n_events, event_t(kind, t, y(1), y(2)))
+      end if
+   end subroutine observe_event
+
+   !> The simulation has reached its end with the state y.
+   subroutine finish_observer(observer, equation, t, y, is_at_rest)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      logical, intent(in) :: is_at_rest
+      real(wp) :: y_ddot
+
+      call observe_state(observer, equation, t, y)
+      if (observer%keeps_energy) observer%energy%final = mechanical_energy(equation, y)
+      if (.not. observer%keeps_history) return
+      observer%events = observer%events(:observer%n_events)
+      if (observer%next_row > size(observer%history%values, 1)) return
+      ! The last row may lie within round-off beyond the end.
+      if ((observer%next_row - 1)*observer%dt <= t*(1 + 16*epsilon(t))) then
+         y_ddot = 0
+         if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
+         call write_row(observer, equation, t, y, y_ddot)
+      end if
+   end subroutine finish_observer
+
+end module rwmf_observer

@@ -1,0 +1,79 @@
+!> The kernel in quadruple precision as a flat procedure for f2py: the extension `rwmf._reference`,
+!> against which the errors of all methods are measured.
+!>
+!> Compiled from the kernel's own sources with `RWMF_QUAD`, and a library of its own, so that nothing
+!> of it meets the double-precision kernel in the same process. The case is read as everywhere: its
+!> numbers are those of double precision.
+module rwmf_reference
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
+   use rwmf_case, only: case_t
+   use rwmf_errors, only: error_t
+   use rwmf_handles, only: make_control, put_error, read_source
+   use rwmf_kinds, only: wp
+   use rwmf_measure, only: empty_measured, measure_method, measured_t, put_differences, &
+      put_measured
+   use rwmf_motion, only: motion_from_case, motion_t
+   implicit none
+   public
+
+contains
+
+   !> Run a case at two tolerances; return the results at the tighter one and how much they differ
+   !> from those at the other: a bound of their error, because it shrinks with the tolerance.
+   !>
+   !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
+   !> `control` is (finished runs, cancel).
+   subroutine solve(text, source, rtol_loose, rtol, control, n, values, differences, seconds, &
+      counts, n_room, impact_times, impact_differences, status, n_message, message, &
+      message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      real(c_double), intent(in) :: rtol_loose
+      real(c_double), intent(in) :: rtol
+      integer(c_int64_t), intent(inout), target :: control(2)
+      integer(c_int), intent(in) :: n
+      real(c_double), intent(inout) :: values(n)
+      real(c_double), intent(inout) :: differences(n)
+      real(c_double), intent(out) :: seconds
+      integer(c_int64_t), intent(out) :: counts(5)
+      integer(c_int), intent(in) :: n_room
+      real(c_double), intent(inout) :: impact_times(n_room)
+      real(c_double), intent(inout) :: impact_differences(n_room)
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(in) :: n_message
+      integer(c_int8_t), intent(inout) :: message(n_message)
+      ! f2py declares the C types of int8 and int64 only when they are written this way
+      !f2py integer*1 :: message
+      !f2py integer*8 :: control
+      integer(c_int), intent(out) :: message_length
+      character(*), parameter :: method = 'extrapolation'
+      real(wp), parameter :: once = 0
+      type(case_t) :: the_case
+      type(motion_t) :: motion
+      type(measured_t) :: loose
+      type(measured_t) :: tight
+      type(error_t), allocatable :: error
+      !f2py threadsafe
+
+      loose = empty_measured()
+      tight = empty_measured()
+      call read_source(text, source, the_case, error)
+      if (.not. allocated(error)) then
+         motion = motion_from_case(the_case)
+         call measure_method(the_case, motion, method, real(rtol_loose, wp), once, &
+            make_control(control), loose, error)
+         control(1) = control(1) + 1_c_int64_t
+      end if
+      if (.not. allocated(error)) then
+         call measure_method(the_case, motion, method, real(rtol, wp), once, &
+            make_control(control), tight, error)
+         control(1) = control(1) + 1_c_int64_t
+      end if
+      seconds = real(loose%seconds + tight%seconds, c_double)
+      call put_measured(tight, values, counts, impact_times)
+      call put_differences(loose, tight, differences, impact_differences)
+      counts(5) = size(loose%impact_times, kind=c_int64_t)
+      call put_error(error, status, message, message_length)
+   end subroutine solve
+
+end module rwmf_reference

@@ -1,0 +1,158 @@
+!> What one simulation returns: maxima, counts, the history and the events that were asked for.
+module rwmf_result
+   use rwmf_kinds, only: i8, wp
+   implicit none
+   private
+
+   public :: result_t, history_t, event_t, energy_t, append_event, add_warning
+   public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
+
+   integer, parameter :: event_impact = 1
+   integer, parameter :: event_peak = 2
+   integer, parameter :: event_lift_off = 3
+   integer, parameter :: event_rest = 4
+   integer, parameter :: event_overturned = 5
+
+   !> An instant at which the regime of motion changes, or a peak of the rotation.
+   type :: event_t
+      integer :: kind
+      !! one of the `event_` numbers
+      real(wp) :: t
+      !! [s]
+      real(wp) :: theta
+      !! rotation [rad]; for the bare frame the displacement u_s [m]
+      real(wp) :: theta_dot
+      !! angular velocity [rad/s], at an impact the one before it; bare frame [m/s]
+   end type event_t
+
+   !> Response on a uniform grid of times.
+   type :: history_t
+      character(32), allocatable :: names(:)
+      !! (columns), with unit suffix as in the CSV file: 't_s', 'theta_rad', ...
+      real(wp), allocatable :: values(:, :)
+      !! (rows, columns); after overturning NaN
+   end type history_t
+
+   !> Energy ledger per unit m_w (bare frame: per unit m_s) [J/kg].
+   type :: energy_t
+      real(wp) :: initial
+      !! at t = 0
+      real(wp) :: final
+      !! kinetic and potential at the end
+      real(wp) :: input
+      !! work of the ground motion in the end
+      real(wp) :: input_max
+      !! largest magnitude of that work at any time
+      real(wp) :: viscous
+      !! dissipated by the frame's damper
+      real(wp) :: impact
+      !! dissipated by impacts
+   end type energy_t
+
+   !> Result of one simulation. A component that is not allocated does not apply to the scene.
+   type :: result_t
+      real(wp), allocatable :: u_s_max
+      !! supremum of |u_s| over [0, t_end] [m]; absent without a frame
+      real(wp), allocatable :: t_u_s_max
+      !! its first time [s]
+      real(wp), allocatable :: theta_max
+      !! largest theta [rad]; absent without a wall, as the following
+      real(wp), allocatable :: theta_min
+      !! smallest theta [rad]
+      real(wp), allocatable :: theta_max_over_alpha
+      !! maximum of |theta|/alpha [-]
+      real(wp), allocatable :: theta_dot_max
+      !! maximum of |theta_dot|, velocities before impacts included [rad/s]
+      real(wp), allocatable :: cable_increment_max
+      !! maximum of P/(m_w g) - eta_0 [-]; absent without a cable
+      real(wp), allocatable :: e
+      !! velocity factor at impact [-]; absent without impacts
+      real(wp), allocatable :: e_max
+      !! what the momentum balance allows [-]
+      integer(i8) :: impacts
+      integer(i8) :: lift_offs
+      logical :: has_impacts
+      !! the scene has a rocking wall: impacts and lift-offs apply
+      logical :: overturned
+      integer(i8) :: steps
+      !! accepted steps of the integrator
+      integer(i8) :: rhs_evaluations
+      real(wp) :: t_end
+      !! where the simulation ended: the case's end, or overturning [s]
+      real(wp), allocatable :: final_state(:)
+      !! state at that time
+      real(wp) :: seconds
+      !! wall-clock time of the integration [s]
+      character(:), allocatable :: method
+      !! integrator in use
+      real(wp) :: rtol
+      !! its relative tolerance [-]
+      real(wp), allocatable :: estimated_relative_error
+      !! of u_s_max (without a frame: of theta_max) [-]; only when an estimate was asked for
+      real(wp), allocatable :: estimate_seconds
+      !! wall-clock time that the estimate took beyond `seconds` [s]
+      real(wp), allocatable :: sensitivity
+      !! relative change of the same peak per relative change of the motion [-]
+      type(energy_t), allocatable :: energy
+      type(history_t), allocatable :: history
+      type(event_t), allocatable :: events(:)
+      !! in order of time; kept only together with a history
+      character(256), allocatable :: warnings(:)
+   end type result_t
+
+contains
+
+   !> Name of an event as it stands in the outputs.
+   pure function event_name(kind) result(name)
+      integer, intent(in) :: kind
+      !! one of the `event_` numbers
+      character(:), allocatable :: name
+
+      select case (kind)
+      case (event_impact)
+         name = 'impact'
+      case (event_peak)
+         name = 'peak'
+      case (event_lift_off)
+         name = 'lift_off'
+      case (event_rest)
+         name = 'rest'
+      case default
+         name = 'overturned'
+      end select
+   end function event_name
+
+   !> Append to a list that doubles its room when full.
+   pure subroutine append_event(events, n, event)
+      type(event_t), allocatable, intent(inout) :: events(:)
+      !! (capacity >= n)
+      integer, intent(inout) :: n
+      !! events in use
+      type(event_t), intent(in) :: event
+      type(event_t), allocatable :: grown(:)
+
+      if (n == size(events)) then
+         allocate (grown(max(64, 2*n)))
+         grown(:n) = events(:n)
+         call move_alloc(grown, events)
+      end if
+      n = n + 1
+      events(n) = event
+   end subroutine append_event
+
+   !> Add a sentence for the user.
+   pure subroutine add_warning(result, text)
+      type(result_t), intent(inout) :: result
+      character(*), intent(in) :: text
+      character(256), allocatable :: longer(:)
+      integer :: n
+
+      n = 0
+      if (allocated(result%warnings)) n = size(result%warnings)
+      allocate (longer(n + 1))
+      if (n > 0) longer(:n) = result%warnings
+      longer(n + 1) = text
+      call move_alloc(longer, result%warnings)
+   end subroutine add_warning
+
+end module rwmf_result

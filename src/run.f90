@@ -1,0 +1,281 @@
+!> One run of the hybrid system: from a valid case to its result, at the case's tolerances.
+module rwmf_run
+   use rwmf_cable, only: cable_state_t
+   use rwmf_case, only: case_t
+   use rwmf_control, only: control_t
+   use rwmf_equation, only: build_equation, cable_at, equation_t
+   use rwmf_errors, only: error_t
+   use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
+   use rwmf_impact, only: restitution_housner, restitution_momentum
+   use rwmf_kinds, only: i8, wp
+   use rwmf_methods, only: new_stepper
+   use rwmf_motion, only: motion_t, peak_acceleration
+   use rwmf_observer, only: create_observer, finish_observer, observer_t
+   use rwmf_result, only: add_warning, result_t
+   use rwmf_stepper, only: stepper_t, tolerance_t
+   use rwmf_text, only: real_to_text
+   implicit none
+   private
+
+   public :: run_once, restitution
+
+   integer, parameter :: most_passes = 5
+
+contains
+
+   !> Integrate a case under a ground motion that the caller holds (many runs share one).
+   subroutine run_once(case, motion, control, result, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in), target :: motion
+      type(control_t), intent(in) :: control
+      type(result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(equation_t), target :: equation
+      class(stepper_t), allocatable :: stepper
+      integer(i8) :: started
+      integer(i8) :: finished
+      integer(i8) :: rate
+
+      call system_clock(started, rate)
+      call build_equation(case, motion, equation)
+      call new_stepper(case%solver%method, stepper)
+      call repeat_until_scaled(case, equation, stepper, control, result, error)
+      call stepper%destroy()
+      call system_clock(finished)
+      result%seconds = real(finished - started, wp)/real(rate, wp)
+   end subroutine run_once
+
+   !> Integrate with absolute tolerances for a guessed size of the response; when the response turns
+   !> out to be much smaller, integrate again for its true size. So tiny responses are as accurate
+   !> as large ones.
+   subroutine repeat_until_scaled(case, equation, stepper, control, result, error)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout), target :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(control_t), intent(in) :: control
+      type(result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: size_guess(2)
+      real(wp) :: size_found(2)
+      integer :: pass
+
+      size_guess = guess_size(case, equation)
+      do pass = 1, most_passes
+         call integrate(case, equation, stepper, size_guess, size_found, control, result, error)
+         if (allocated(error) .or. allocated(case%solver%atol)) return
+         if (all(size_found <= 0) .or. all(size_found > 0.1_wp*size_guess)) return
+         size_guess = merge(size_found, size_guess, size_found < 0.1_wp*size_guess)
+      end do
+   end subroutine repeat_until_scaled
+
+   !> Cautious (small) first guess of the largest |theta| and |theta'| (bare frame: |u|, |u'|).
+   function guess_size(case, equation) result(guess)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp) :: guess(2)
+      !! [rad], [rad/s] or [m], [m/s]
+      real(wp) :: rate
+      !! angular frequency that relates both [rad/s]
+      real(wp) :: length
+      !! from rotation to displacement [m/rad]
+
+      length = 1
+      rate = sqrt(equation%p%g/equation%p%R)
+      if (equation%has_frame) rate = max(2.0_wp, equation%p%omega_s)
+      if (equation%has_wall) length = 2*equation%p%R*equation%cos_alpha
+      guess(1) = 0.02_wp*peak_acceleration(equation%motion)/rate**2/length
+      if (equation%has_wall) guess(1) = min(guess(1), 0.01_wp*equation%p%alpha)
+      guess(2) = rate*guess(1)
+      if (allocated(case%initial)) then
+         guess(1) = max(guess(1), 0.1_wp*abs(case%initial%theta_over_alpha)*equation%p%alpha)
+         guess(2) = max(guess(2), 0.1_wp*abs(case%initial%theta_dot))
+         guess = max(guess, [guess(2)/rate, guess(1)*rate]*0.1_wp)
+      end if
+   end function guess_size
+
+   !> Run the hybrid system once from 0 to t_end.
+   subroutine integrate(case, equation, stepper, size_guess, size_found, control, result, error)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout), target :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: size_guess(2)
+      real(wp), intent(out) :: size_found(2)
+      type(control_t), intent(in) :: control
+      type(result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(hybrid_t) :: hybrid
+      type(observer_t) :: observer
+
+      size_found = 0
+      equation%rhs_evaluations = 0
+      call stepper%create(equation, tolerances(case, size_guess), error)
+      if (allocated(error)) return
+      hybrid%e = restitution(case, equation%p%alpha)
+      hybrid%overturning_angle = case%model%overturning_angle
+      hybrid%rtol = case%solver%rtol
+      hybrid%max_steps = case%solver%max_steps
+      call begin_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
+      call create_observer(observer, case, equation, case%solver%t_end, hybrid%y, error)
+      if (allocated(error)) return
+      call advance_hybrid(hybrid, equation, stepper, observer, case%solver%t_end, control, error)
+      if (allocated(error)) return
+      call finish_observer(observer, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
+      size_found = [max(observer%theta_max, -observer%theta_min), observer%theta_dot_max]
+      call fill_result(case, equation, hybrid, observer, result)
+      result%steps = stepper%steps
+      result%method = case%solver%method
+      result%rtol = case%solver%rtol
+   end subroutine integrate
+
+   !> Local error per step from the tolerance that the case asks for.
+   pure type(tolerance_t) function tolerances(case, size_guess) result(tolerance)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: size_guess(2)
+
+      tolerance%rtol = case%solver%rtol
+      if (allocated(case%solver%atol)) then
+         tolerance%atol = case%solver%atol*[1.0_wp, size_guess(2)/max(size_guess(1), tiny(1.0_wp))]
+      else
+         tolerance%atol = max(case%solver%rtol*size_guess, 1.0e3_wp*tiny(1.0_wp))
+      end if
+   end function tolerances
+
+   pure function initial_state(case, equation) result(y)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp) :: y(equation%n)
+      !! (states)
+
+      y = 0
+      if (allocated(case%initial)) then
+         y(1) = case%initial%theta_over_alpha*equation%p%alpha
+         y(2) = case%initial%theta_dot
+      end if
+   end function initial_state
+
+   !> Velocity factor of the case's rule; 1 without `&impact` [-].
+   pure real(wp) function restitution(case, alpha) result(e)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      e = 1
+      if (.not. allocated(case%impact)) return
+      select case (case%impact%rule)
+      case ('housner')
+         e = restitution_housner(alpha)
+      case ('coupled')
+         e = restitution_momentum(alpha, mass_ratio(case))
+      case default
+         e = case%impact%e
+      end select
+   end function restitution
+
+   pure real(wp) function mass_ratio(case) result(gamma)
+      type(case_t), intent(in) :: case
+
+      gamma = 0
+      if (.not. allocated(case%frame)) return
+      if (allocated(case%frame%gamma)) gamma = case%frame%gamma
+   end function mass_ratio
+
+   !> What applies to the scene, and only that.
+   subroutine fill_result(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(inout) :: observer
+      type(result_t), intent(inout) :: result
+
+      result%impacts = observer%impacts
+      result%lift_offs = observer%lift_offs
+      result%has_impacts = equation%has_wall
+      result%overturned = hybrid%mode == mode_overturned
+      result%rhs_evaluations = equation%rhs_evaluations
+      result%t_end = hybrid%t
+      result%final_state = hybrid%y
+      if (.not. allocated(result%warnings)) call collect_warnings(case, equation%p%alpha, result)
+      if (equation%has_frame) then
+         result%u_s_max = observer%u_max
+         result%t_u_s_max = observer%t_u_max
+      end if
+      if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
+      if (observer%keeps_energy) result%energy = observer%energy
+      if (observer%keeps_history) then
+         call move_alloc(observer%events, result%events)
+         result%history = observer%history
+      end if
+   end subroutine fill_result
+
+   !> What the user should know about the scene itself.
+   subroutine collect_warnings(case, alpha, result)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+      type(result_t), intent(inout) :: result
+      real(wp) :: e
+      real(wp) :: e_max
+
+      allocate (result%warnings(0))
+      if (.not. allocated(case%wall)) return
+      e = restitution(case, alpha)
+      e_max = restitution_momentum(alpha, mass_ratio(case))
+      if (allocated(case%impact)) then
+         if (case%impact%rule /= 'constant' .and. e <= 0) then
+            call add_warning(result, 'the momentum balance leaves no velocity at impact for so ' &
+               //'squat a wall: e = 0')
+         end if
+      end if
+      if (e > e_max) then
+         call add_warning(result, 'e = '//real_to_text(e)//' exceeds e_max = ' &
+            //real_to_text(e_max)//', the most that the momentum balance of wall and frame allows')
+      end if
+      if (.not. allocated(case%cable)) return
+      if (case%model%formulation == 'published' .and. &
+         abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
+         call add_warning(result, 'published: for theta < 0 the cable force of Eq. (1) falls ' &
+            //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
+      end if
+   end subroutine collect_warnings
+
+   subroutine fill_wall(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(in) :: observer
+      type(result_t), intent(inout) :: result
+
+      result%theta_max = observer%theta_max
+      result%theta_min = observer%theta_min
+      result%theta_max_over_alpha = max(observer%theta_max, -observer%theta_min)/equation%p%alpha
+      result%theta_dot_max = observer%theta_dot_max
+      result%e = hybrid%e
+      result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case))
+      if (equation%has_cable) result%cable_increment_max = largest_increment(equation, observer)
+   end subroutine fill_wall
+
+   !> Maximum of P/(m_w g) - eta_0: the force is monotone in |theta| on each side [-].
+   real(wp) function largest_increment(equation, observer) result(increment)
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(in) :: observer
+      type(cable_state_t) :: cable
+
+      increment = -huge(increment)
+      if (observer%theta_max >= 0) then
+         equation%side = 1
+         cable = cable_at(equation, observer%theta_max)
+         increment = max(increment, cable%force)
+         cable = cable_at(equation, max(0.0_wp, observer%theta_min))
+         increment = max(increment, cable%force)
+      end if
+      if (observer%theta_min <= 0) then
+         equation%side = -1
+         cable = cable_at(equation, observer%theta_min)
+         increment = max(increment, cable%force)
+         cable = cable_at(equation, min(0.0_wp, observer%theta_max))
+         increment = max(increment, cable%force)
+      end if
+      increment = increment - equation%cable%eta_0
+   end function largest_increment
+
+end module rwmf_run

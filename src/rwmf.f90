@@ -1,0 +1,50 @@
+!> The public interface on one screen.
+!>
+!>     program example
+!>        use rwmf, only: case_t, error_t, read_case_file, result_t, simulate
+!>        type(case_t) :: case
+!>        type(result_t) :: result
+!>        type(error_t), allocatable :: error
+!>
+!>        call read_case_file('inputs/fig12_one_cosine.nml', case, error)
+!>        if (.not. allocated(error)) call simulate(case, result, error)
+!>        if (allocated(error)) then
+!>           print '(a)', error%message
+!>        else
+!>           print '(a, es12.4)', 'largest |u_s| [m]:', result%u_s_max
+!>        end if
+!>     end program example
+!>
+!> `error` is allocated when a call failed. Nothing prints or stops, nothing is kept between calls;
+!> any number of threads may call with their own variables. An absent component of `case_t` is an
+!> effect that is not simulated, an absent component of `result_t` one that does not apply.
+module rwmf
+   ! a case: from namelist text or file to validated components
+   use rwmf_case, only: case_t
+   use rwmf_case_reader, only: read_case_file, read_case_text
+   ! one simulation: maxima, counts, history and events
+   use rwmf_result, only: energy_t, event_name, event_t, history_t, result_t
+   use rwmf_simulation, only: simulate
+   ! maxima over frame period, mass ratio and wall width, in parallel
+   use rwmf_spectrum, only: compute_spectrum, spectrum_t
+   ! CSV files, written completely or not at all
+   use rwmf_output, only: write_result, write_spectrum
+   ! stop a computation from another thread, count its finished parts
+   use rwmf_control, only: control_t
+   ! failures as values
+   use rwmf_errors, only: err_input, err_interrupt, err_numerical, error_t
+   ! kinds of the real and integer components
+   use rwmf_kinds, only: i8, wp
+   use rwmf_version, only: version
+   implicit none
+   private
+
+   public :: case_t, read_case_file, read_case_text
+   public :: result_t, history_t, event_t, energy_t, event_name, simulate
+   public :: spectrum_t, compute_spectrum
+   public :: write_result, write_spectrum
+   public :: control_t
+   public :: error_t, err_input, err_interrupt, err_numerical
+   public :: wp, i8, version
+
+end module rwmf

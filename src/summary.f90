@@ -1,0 +1,189 @@
+!> The named scalars of one simulation: the one place that defines the keys of `rwmf run --json`,
+!> of the Python results and of `CASE.summary.csv`, and their order.
+!>
+!> A key that does not apply to the effects in the scene is absent.
+module rwmf_summary
+   use rwmf_case, only: case_t
+   use rwmf_kinds, only: i8, wp
+   use rwmf_result, only: energy_t, result_t
+   use rwmf_text, only: integer_to_text, real_to_text
+   implicit none
+   private
+
+   public :: summary_item_t, summarise, summary_text, list_effects
+
+   !> One key with its value as text.
+   type :: summary_item_t
+      character(:), allocatable :: key
+      !! name with unit suffix
+      character(:), allocatable :: kind
+      !! 'real', 'int', 'logical', 'text' or 'list'
+      character(:), allocatable :: value
+      !! reals round-trip to the same bits; 'true' or 'false'; a list has a tab between its items
+   end type summary_item_t
+
+   character(*), parameter :: tab = achar(9)
+
+contains
+
+   !> All scalars that apply, in the order of the outputs.
+   pure subroutine summarise(case, result, items)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      type(summary_item_t), allocatable, intent(out) :: items(:)
+      !! (keys)
+
+      allocate (items(0))
+      call add_maxima(items, result)
+      call add_regimes(items, result)
+      call add_work(items, case, result)
+      call add_item(items, 'effects', 'list', joined(list_effects(case)))
+      if (allocated(result%warnings)) then
+         call add_item(items, 'warnings', 'list', joined(result%warnings))
+      else
+         call add_item(items, 'warnings', 'list', '')
+      end if
+      if (allocated(result%energy)) then
+         call add_real(items, 'energy_balance_relative', energy_balance(result%energy))
+      end if
+   end subroutine summarise
+
+   !> The summary as lines `key<TAB>kind<TAB>value`.
+   pure function summary_text(items) result(text)
+      type(summary_item_t), intent(in) :: items(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(items)
+         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
+      end do
+   end function summary_text
+
+   !> Names of the effects that are simulated, in the order of the case file's groups.
+   pure function list_effects(case) result(names)
+      type(case_t), intent(in) :: case
+      character(8), allocatable :: names(:)
+      !! (effects)
+      character(8), parameter :: all_names(*) = [character(8) :: 'wall', 'frame', 'cable', &
+         'impact', 'motion', 'initial']
+      logical :: present_effects(size(all_names))
+
+      present_effects = [allocated(case%wall), allocated(case%frame), allocated(case%cable), &
+         allocated(case%impact), allocated(case%motion), allocated(case%initial)]
+      ! free vibration is stated as kind 'none': nothing shakes the scene
+      if (allocated(case%motion)) present_effects(5) = case%motion%kind /= 'none'
+      names = pack(all_names, present_effects)
+   end function list_effects
+
+   !> Suprema of the response.
+   pure subroutine add_maxima(items, result)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(result_t), intent(in) :: result
+
+      ! an unallocated component is an absent argument: the key is left out
+      call add_real(items, 'u_s_max_m', result%u_s_max)
+      call add_real(items, 't_u_s_max_s', result%t_u_s_max)
+      call add_real(items, 'theta_max_over_alpha', result%theta_max_over_alpha)
+      call add_real(items, 'theta_dot_max_rad_s', result%theta_dot_max)
+      call add_real(items, 'cable_force_increment_max_over_m_w_g', result%cable_increment_max)
+   end subroutine add_maxima
+
+   !> Impacts, lift-offs and overturning.
+   pure subroutine add_regimes(items, result)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(result_t), intent(in) :: result
+
+      if (result%has_impacts) then
+         call add_count(items, 'impacts', result%impacts)
+         call add_count(items, 'lift_offs', result%lift_offs)
+         call add_logical(items, 'overturned', result%overturned)
+      end if
+      call add_real(items, 'e', result%e)
+      call add_real(items, 'e_max', result%e_max)
+   end subroutine add_regimes
+
+   !> What the integration took.
+   pure subroutine add_work(items, case, result)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+
+      call add_count(items, 'steps', result%steps)
+      call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
+      call add_real(items, 'seconds', result%seconds)
+      call add_item(items, 'method', 'text', case%solver%method)
+      call add_real(items, 'rtol', case%solver%rtol)
+   end subroutine add_work
+
+   !> Residual of the energy ledger over initial plus largest input energy [-].
+   pure real(wp) function energy_balance(energy)
+      type(energy_t), intent(in) :: energy
+      real(wp) :: residual
+      real(wp) :: scale
+
+      residual = energy%final + energy%viscous + energy%impact - energy%initial - energy%input
+      scale = abs(energy%initial) + energy%input_max
+      energy_balance = 0.0_wp
+      if (scale > 0.0_wp) energy_balance = abs(residual)/scale
+   end function energy_balance
+
+   !> Add a real, unless it is absent.
+   pure subroutine add_real(items, key, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      real(wp), intent(in), optional :: value
+
+      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+   end subroutine add_real
+
+   !> Add a counter.
+   pure subroutine add_count(items, key, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      integer(i8), intent(in) :: value
+
+      call add_item(items, key, 'int', integer_to_text(value))
+   end subroutine add_count
+
+   !> Add a yes or no.
+   pure subroutine add_logical(items, key, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      logical, intent(in) :: value
+
+      call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
+   end subroutine add_logical
+
+   !> Add one item at the end.
+   pure subroutine add_item(items, key, kind, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      character(*), intent(in) :: kind
+      character(*), intent(in) :: value
+      type(summary_item_t), allocatable :: grown(:)
+      integer :: n
+
+      n = size(items)
+      allocate (grown(n + 1))
+      grown(:n) = items
+      grown(n + 1)%key = key
+      grown(n + 1)%kind = kind
+      grown(n + 1)%value = value
+      call move_alloc(grown, items)
+   end subroutine add_item
+
+   !> The items of a list with a tab between them.
+   pure function joined(list) result(text)
+      character(*), intent(in) :: list(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(list)
+         if (i > 1) text = text//tab
+         text = text//trim(list(i))
+      end do
+   end function joined
+
+end module rwmf_summary

