@@ -1,0 +1,8 @@
+"""``python -m rwmf`` is the command ``rwmf``."""
+
+import sys
+
+from rwmf.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,277 @@
+"""One case: typed, immutable, validated by the kernel when it is made."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NoReturn
+
+from rwmf import _library
+from rwmf.errors import InputError, OutputError
+from rwmf.group import Group
+from rwmf.namelist import Value, compose, read_text
+
+__all__ = ["Case"]
+
+
+class Case:
+    """What a namelist describes: the scene, the motion, the solver and the output.
+
+    A case never changes: `replace` and `without` return another one. Every case is validated by
+    the kernel when it is made; its groups are attributes (``case.frame.T_s``), None when absent.
+
+    Parameters
+    ----------
+    **groups : mapping
+        Keys and values of each namelist group, for example ``wall={"h": 2.0, "b": 0.5}``.
+
+    Raises
+    ------
+    InputError
+        When the kernel does not accept the case.
+    """
+
+    __slots__ = ("_edited", "_folder", "_groups", "_source", "_text")
+
+    def __init__(self, **groups: Mapping[str, object]) -> None:
+        self._assemble(compose(groups), None, edited=False)
+
+    def _assemble(self, text: str, source: str | None, *, edited: bool) -> None:
+        put = super().__setattr__
+        put("_text", text)
+        put("_source", source)
+        put("_edited", edited)
+        put("_folder", (Path(source).parent if source else Path()).absolute())
+        rows: dict[str, list[list[str]]] = {}
+        for name, *row in _library.describe(text, self._label()):
+            group, key = name.split(".", 1)
+            rows.setdefault(group, []).append([key, *row])
+        put("_groups", {group: Group(group, entries) for group, entries in rows.items()})
+
+    @classmethod
+    def _make(cls, text: str, source: str | None, *, edited: bool = False) -> Case:
+        case = cls.__new__(cls)
+        case._assemble(text, source, edited=edited)
+        return case
+
+    @classmethod
+    def from_namelist(cls, path: str | os.PathLike[str]) -> Case:
+        """Read a namelist file.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; records are looked for relative to its folder.
+
+        Returns
+        -------
+        Case
+            The case.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be read or the kernel does not accept the case.
+        """
+        source = os.fspath(path)
+        return cls._make(read_text(source), source)
+
+    @classmethod
+    def from_text(cls, text: str, source: str | os.PathLike[str] | None = None) -> Case:
+        """Make a case of namelist text.
+
+        Parameters
+        ----------
+        text : str
+            Namelist text.
+        source : str or path, optional
+            File that it stands for: records are looked for relative to its folder (otherwise
+            relative to the current one), and messages begin with its name.
+
+        Returns
+        -------
+        Case
+            The case.
+
+        Raises
+        ------
+        InputError
+            When the kernel does not accept the case.
+        """
+        return cls._make(text, None if source is None else os.fspath(source))
+
+    @property
+    def source(self) -> str | None:
+        """Path of the namelist that the case comes from; None when it was made in memory."""
+        return self._source
+
+    @property
+    def text(self) -> str:
+        """Namelist text that the kernel gets: the file's own until the case is edited."""
+        return self._text
+
+    @property
+    def groups(self) -> dict[str, Group]:
+        """All groups of the case by name, in the kernel's order."""
+        return dict(self._groups)
+
+    def __getattr__(self, name: str) -> Group | None:
+        """Return a group; None when the case has none of this name."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name in self._groups:
+            return self._groups[name]
+        if name in {row[0] for row in _library.schema()}:
+            return None
+        raise AttributeError(f"there is no namelist group &{name}")
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        """Refuse: a case never changes."""
+        raise AttributeError("a case cannot be changed; case.replace(...) returns another one")
+
+    def replace(self, **groups: Mapping[str, object] | None) -> Case:
+        """Return a case with other values.
+
+        Parameters
+        ----------
+        **groups : mapping
+            Keys and values to set in a group, which is added when the case has none. None for a
+            key takes it out, so that the kernel's default holds; None for a group takes the
+            group out: its effect is then not simulated.
+
+        Returns
+        -------
+        Case
+            The edited case.
+
+        Raises
+        ------
+        InputError
+            When the kernel does not accept the edited case.
+
+        Examples
+        --------
+        >>> stiff = case.replace(frame={"T_s": 0.4})  # doctest: +SKIP
+        """
+        entries = self._given_entries()
+        for name, changes in groups.items():
+            if changes is None:
+                entries.pop(name.lower(), None)
+                continue
+            group = entries.setdefault(name.lower(), {})
+            for key, value in changes.items():
+                # the same key in another spelling is the same key
+                same = next((k for k in group if k.lower() == key.lower()), key)
+                group[same] = value
+        return self._make(compose(entries), self._source, edited=True)
+
+    def without(self, *groups: str) -> Case:
+        """Return a case without some groups: effects that are then not simulated.
+
+        Parameters
+        ----------
+        *groups : str
+            Names of groups.
+
+        Returns
+        -------
+        Case
+            The edited case.
+
+        Raises
+        ------
+        InputError
+            When there is no such group in the case, or the kernel does not accept the rest.
+        """
+        for name in groups:
+            if name.lower() not in self._groups:
+                present = ", ".join(f"&{group}" for group in self._groups)
+                raise InputError(f"this case has no group &{name.lower()}; it has {present}")
+        return self.replace(**dict.fromkeys(groups))
+
+    def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return namelist text that gives the same results, and write it to a file if asked.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            File to write. The path of a record is then relative to its folder; without a file
+            it is absolute, so that the text means the same wherever it is read.
+
+        Returns
+        -------
+        str
+            The values that the case gives, without comments.
+
+        Raises
+        ------
+        OutputError
+            When the file cannot be written.
+        """
+        entries = self._given_entries()
+        record = entries.get("motion", {}).get("file")
+        if record is not None:
+            full = self._folder / str(record)
+            if path is not None and not Path(str(record)).is_absolute():
+                # Path.relative_to cannot climb to a common folder before Python 3.12
+                full = Path(os.path.relpath(full, Path(path).absolute().parent))
+            entries["motion"]["file"] = str(full)
+        text = compose(entries)
+        if path is not None:
+            _write_atomically(Path(path), text)
+        return text
+
+    def kernel_source(self) -> str:
+        """Path that the kernel resolves records against; good from any current folder."""
+        label = self._label()
+        if Path(label).parent.absolute() == self._folder:
+            return label
+        return str(self._folder / (Path(label).name or "case.nml"))
+
+    def _label(self) -> str:
+        # the lines that a message counts are not those of the file once a case is edited
+        return (self._source or "") + (" (edited)" if self._edited and self._source else "")
+
+    def _given_entries(self) -> dict[str, dict[str, Value]]:
+        return {
+            name: {key: group[key] for key in group if key in group.given}
+            for name, group in self._groups.items()
+        }
+
+    def __eq__(self, other: object) -> bool:
+        """Compare what the kernel would compute."""
+        if not isinstance(other, Case):
+            return NotImplemented
+        return self.to_namelist() == other.to_namelist()
+
+    def __hash__(self) -> int:
+        """Hash what the kernel would compute."""
+        return hash(self.to_namelist())
+
+    def __reduce__(self) -> tuple[Callable[..., Case], tuple[str, str | None]]:
+        """Pickle text and place; the kernel reads it again."""
+        source = None if self._source is None else str(Path(self._folder, Path(self._source).name))
+        return (_restore, (self.to_namelist() if source is None else self._text, source))
+
+    def __repr__(self) -> str:
+        """Show the groups, one a line."""
+        lines = [f"Case({self._label() or 'in memory'})"]
+        lines += [f"  {name:8s} {group!r}" for name, group in self._groups.items()]
+        return "\n".join(lines)
+
+
+def _restore(text: str, source: str | None) -> Case:
+    return Case.from_text(text, source)
+
+
+def _write_atomically(path: Path, text: str) -> None:
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        try:
+            temporary.write_text(text, encoding="utf-8", errors="surrogateescape")
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,158 @@
+"""The command ``rwmf``: words of the command line to calls of the package."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+
+import rwmf
+from rwmf import commands
+from rwmf.errors import Interrupted, RwmfError
+
+__all__ = ["main", "make_parser"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Words after the command's name; otherwise those of the process.
+
+    Returns
+    -------
+    int
+        Exit status: 0, 1 numerical failure, 2 input, 130 interrupted.
+    """
+    options = make_parser().parse_args(arguments)
+    try:
+        status = options.run(options)
+        sys.stdout.flush()
+    except RwmfError as error:
+        print(f"rwmf: {error}", file=sys.stderr)
+        status = error.exit_status
+    except BrokenPipeError:
+        # the reader of a pipe has seen enough; nothing is left to be flushed
+        sys.stdout = None
+        status = 0
+    except KeyboardInterrupt:
+        print("rwmf: interrupted", file=sys.stderr)
+        status = Interrupted.exit_status
+    return status
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Build the parser of the command line, one function a subcommand.
+
+    Returns
+    -------
+    argparse.ArgumentParser
+        The parser.
+    """
+    parser = argparse.ArgumentParser(
+        prog="rwmf",
+        description="Dynamic response of post-tensioned rocking wall-moment frames.",
+        epilog="example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png",
+    )
+    parser.add_argument("--version", action="version", version=f"rwmf {rwmf.__version__}")
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    for add in (_add_run, _add_spectrum, _add_check, _add_records):
+        add(subparsers)
+    return parser
+
+
+def _add(
+    subparsers: argparse._SubParsersAction[argparse.ArgumentParser],
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    text: str,
+    example: str,
+) -> argparse.ArgumentParser:
+    """Add a subcommand with its help and an example."""
+    parser = subparsers.add_parser(
+        name, help=text, description=text, epilog=f"example: rwmf {name} {example}"
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def _add_case(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("case", metavar="CASE.nml", help="namelist file")
+
+
+def _add_run(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _add(
+        subparsers,
+        "run",
+        commands.run,
+        "Simulate one case and print its maxima, counts and cost (&spectrum is ignored).",
+        "inputs/fig06_mild_frame_one_cosine.nml --plot history.png",
+    )
+    _add_case(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--plot", metavar="FILE", help="draw the history (png, svg, pdf)")
+    parser.add_argument("--out", metavar="DIR", help="write the CSV files of rwmf-batch there")
+
+
+def _add_spectrum(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _add(
+        subparsers,
+        "spectrum",
+        commands.spectrum,
+        "Compute the displacement spectrum that the case's &spectrum asks for.",
+        "inputs/fig12_one_cosine.nml --csv cosine.csv --plot cosine.png",
+    )
+    _add_case(parser)
+    parser.add_argument("--csv", metavar="FILE", help="write the spectrum as rwmf-batch does")
+    parser.add_argument("--plot", metavar="FILE", help="draw the spectrum (png, svg, pdf)")
+    parser.add_argument(
+        "--threads", metavar="N", type=_thread_count, default=0, help="threads (0: all)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _thread_count(word: str) -> int:
+    n = int(word)
+    if n < 0:
+        raise argparse.ArgumentTypeError(f"{n}: must be >= 0")
+    return n
+
+
+def _add_check(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _add(
+        subparsers,
+        "check",
+        commands.check,
+        "Read and validate a case, print the effects that will be simulated and every value.",
+        "inputs/fig12_one_cosine.nml",
+    )
+    _add_case(parser)
+
+
+def _add_records(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    text = "Recorded ground motions that come with a Python package."
+    parser = subparsers.add_parser(
+        "records",
+        help=text,
+        description=text,
+        epilog="example: rwmf records export elcentro inputs/records/elcentro.csv",
+    )
+    actions = parser.add_subparsers(metavar="ACTION", required=True)
+    listing = actions.add_parser(
+        "list",
+        help="what there is",
+        description="List the records with variant, points, dt, peak and checksum.",
+        epilog="example: rwmf records list",
+    )
+    listing.set_defaults(run=commands.list_records)
+    export = actions.add_parser(
+        "export",
+        help="write a record into a file",
+        description="Write a record into a file that &motion can name; samples stay unchanged.",
+        epilog="example: rwmf records export elcentro inputs/records/elcentro.csv",
+    )
+    export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
+    export.add_argument("file", metavar="FILE", help="file to write")
+    export.set_defaults(run=commands.export_record)

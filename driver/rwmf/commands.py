@@ -1,0 +1,222 @@
+"""What each subcommand of ``rwmf`` does; every function returns an exit status."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rwmf import _library, figures, records, simulation
+from rwmf.case import Case
+from rwmf.errors import OutputError
+from rwmf.spectrum import count_ordinates
+from rwmf.spectrum import start as start_spectrum
+from rwmf.spectrum import to_dataset as spectrum_dataset
+
+__all__ = ["check", "export_record", "list_records", "progress_bar", "run", "spectrum"]
+
+# groups that say how to compute and what to keep, not what acts on the structure
+_NOT_EFFECTS = ("model", "solver", "output", "spectrum")
+# points of a plotted history when the case asks for none
+_PLOT_POINTS = 4000
+
+
+def run(options: argparse.Namespace) -> int:
+    """Simulate one case (``rwmf run``)."""
+    case = Case.from_namelist(options.case)
+    _check_outputs(options.plot, folder=options.out)
+    _check_plot(options.plot)
+    with simulation.start(case) as result:
+        summary = result.summary()
+        if options.out:
+            result.write(options.case, options.out)
+        if options.plot:
+            _plot_history(case, result, options.plot)
+    _print_warnings(options.case, summary)
+    if options.json:
+        _print_json(summary)
+    else:
+        _print_table(summary)
+    return 0
+
+
+def _plot_history(case: Case, result: _library.Run, path: str) -> None:
+    dataset = simulation.to_dataset(result)
+    if "time" not in dataset.coords:
+        # the integration does not depend on the history: the same response, sampled
+        dt = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
+        dataset = simulation.simulate(case, dt)
+    figures.save_history(dataset, path)
+
+
+def spectrum(options: argparse.Namespace) -> int:
+    """Compute a spectrum (``rwmf spectrum``)."""
+    case = Case.from_namelist(options.case)
+    _check_outputs(options.plot, options.csv)
+    _check_plot(options.plot)
+    with (
+        progress_bar(count_ordinates(case)) as report,
+        start_spectrum(case, options.threads, report) as sweep,
+    ):
+        dataset = spectrum_dataset(sweep)
+        if options.csv:
+            sweep.write(options.csv)
+    if options.plot:
+        figures.save_spectrum(dataset, options.plot)
+    if options.json:
+        _print_json(_spectrum_object(dataset))
+    else:
+        _print_spectrum(dataset, options)
+    return 0
+
+
+def check(options: argparse.Namespace) -> int:
+    """Validate a case and say what it holds (``rwmf check``)."""
+    case = Case.from_namelist(options.case)
+    effects = [name for name in case.groups if name not in _NOT_EFFECTS]
+    print(f"{options.case}: valid")
+    print(f"effects: {', '.join(effects)}")
+    n = count_ordinates(case)
+    if n > 0:
+        print(f"spectrum: {n} simulations")
+    print("values, those that the case does not give in parentheses:")
+    for name, group in case.groups.items():
+        print(f"  {name:8s} {group!r}")
+    return 0
+
+
+def list_records(_: argparse.Namespace) -> int:
+    """List the records (``rwmf records list``)."""
+    print("\n".join(records.list_records()))
+    return 0
+
+
+def export_record(options: argparse.Namespace) -> int:
+    """Write a record into a file (``rwmf records export``)."""
+    print(records.export(options.name, options.file))
+    return 0
+
+
+def _check_outputs(*paths: str | None, folder: str | None = None) -> None:
+    """Complain about a place that cannot be written before the computation, not after it."""
+    folders = {Path(path).parent for path in paths if path}
+    if folder:
+        folders.add(Path(folder))
+    for place in folders:
+        if not place.is_dir():
+            raise OutputError(f"{place}: the folder does not exist")
+        if not os.access(place, os.W_OK):
+            raise OutputError(f"{place}: the folder cannot be written")
+    for path in paths:
+        if path and Path(path).is_dir():
+            raise OutputError(f"{path}: is a folder, not a file")
+
+
+def _check_plot(path: str | None) -> None:
+    if path:
+        figures.check_format(path)
+
+
+@contextmanager
+def progress_bar(total: int) -> Iterator[Callable[[int, int], None] | None]:
+    """Show progress on a terminal; nothing where the output is kept."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    # tqdm: pure Python, no dependencies, copes with narrow and dumb terminals, maintained since
+    # 2013; imported here because only a terminal needs it
+    from tqdm import tqdm
+
+    with tqdm(total=total, unit="run", leave=False, file=sys.stderr) as bar:
+
+        def report(done: int, _: int) -> None:
+            bar.update(done - bar.n)
+
+        yield report
+
+
+def _print_warnings(path: str, summary: dict[str, Any]) -> None:
+    for warning in summary.get("warnings", []):
+        print(f"rwmf: {path}: warning: {warning}", file=sys.stderr)
+
+
+def _print_table(summary: dict[str, Any]) -> None:
+    width = max(len(key) for key in summary)
+    for key, value in summary.items():
+        if isinstance(value, list):
+            # warnings stand on the error output already
+            text = ", ".join(value) if key == "effects" else str(len(value))
+        elif isinstance(value, bool):
+            text = "yes" if value else "no"
+        elif isinstance(value, float):
+            text = f"{value:.10g}"
+        else:
+            text = str(value)
+        print(f"{key:{width}s}  {text}")
+
+
+def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
+    """Keys of ``rwmf spectrum --json`` in their order."""
+    found: dict[str, Any] = {"T_s_s": dataset["T_s"].values}
+    if "gamma" in dataset.dims:
+        found["gamma"] = dataset["gamma"].values
+        found["b_m"] = dataset["b"].values
+    found["u_s_max_m"] = dataset["u_s_max"].values
+    found["status"] = dataset["status"].values
+    for key in ("seconds", "threads", "rhs_evaluations"):
+        found[key] = dataset.attrs[key]
+    return found
+
+
+def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
+    status = dataset["status"].values
+    failed = ~np.isin(status, ("ok", "overturned"))
+    print(
+        f"{status.size} simulations in {dataset.attrs['seconds']:.2f} s "
+        f"with {dataset.attrs['threads']} threads, {failed.sum()} failed, "
+        f"{(status == 'overturned').sum()} overturned"
+    )
+    for path in (options.csv, options.plot):
+        if path:
+            print(f"written: {path}")
+    if not options.csv and not options.plot:
+        _print_ordinates(dataset)
+
+
+def _print_ordinates(dataset: xr.Dataset) -> None:
+    """One line a period, one column a mass ratio and half width."""
+    bare = "gamma" not in dataset.dims
+    columns = dataset if bare else dataset.stack(column=("b", "gamma"))
+    heads = ["u_s_max_m"]
+    if not bare:
+        heads = [f"gamma={gamma:g},b={b:g}" for b, gamma in columns["column"].values]
+    print(" ".join([f"{'T_s_s':>9s}", *(f"{head:>20s}" for head in heads)]))
+    values = columns["u_s_max"].values.reshape(dataset.sizes["T_s"], -1)
+    for period, row in zip(dataset["T_s"].values, values, strict=True):
+        print(" ".join([f"{period:9.4f}", *(f"{value:20.9g}" for value in row)]))
+
+
+def _print_json(value: dict[str, Any]) -> None:
+    print(json.dumps(_plain(value), indent=1, allow_nan=False))
+
+
+def _plain(value: object) -> object:
+    """JSON's own types; what is not finite becomes null."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,44 @@
+"""Exceptions of the package; each also derives from the builtin that a caller would expect."""
+
+from __future__ import annotations
+
+__all__ = ["InputError", "Interrupted", "NumericalError", "OutputError", "RwmfError"]
+
+
+class RwmfError(Exception):
+    """Base of all errors of the package.
+
+    Attributes
+    ----------
+    exit_status : int
+        Exit status of the command line for this error.
+    """
+
+    exit_status = 1
+
+
+class NumericalError(RwmfError, RuntimeError):
+    """The integration cannot deliver, for example because of too many steps."""
+
+    exit_status = 1
+
+
+class InputError(RwmfError, ValueError):
+    """A case, a record or an argument is not acceptable; the message says what is allowed."""
+
+    exit_status = 2
+
+
+class OutputError(RwmfError, OSError):
+    """A file cannot be written; files of that name that existed before are untouched."""
+
+    exit_status = 2
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C stopped a running kernel.
+
+    Not a `RwmfError`: like every `KeyboardInterrupt` it must pass through ``except Exception``.
+    """
+
+    exit_status = 130

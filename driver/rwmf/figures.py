@@ -1,0 +1,154 @@
+"""Figures as files: written beside their place and moved there when they are complete."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from rwmf import plot
+from rwmf.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["check_format", "new_figure", "save", "save_history", "save_spectrum"]
+
+
+@contextmanager
+def new_figure(width: float, height: float) -> Iterator[Figure]:
+    """Make a figure in the package's style that needs no screen.
+
+    Parameters
+    ----------
+    width, height : float
+        Size [inch].
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(plot.style()):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure
+
+
+def check_format(path: str | os.PathLike[str]) -> str:
+    """Tell the format of a figure from its file's name.
+
+    Parameters
+    ----------
+    path : str or path
+        File to write.
+
+    Returns
+    -------
+    str
+        The format, for example ``'png'``.
+
+    Raises
+    ------
+    InputError
+        When there is no such format.
+    """
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    kind = Path(path).suffix.lstrip(".").lower()
+    known = FigureCanvasBase.get_supported_filetypes()
+    if kind not in known:
+        raise InputError(f"{path}: {kind!r} is not a format of figures: {', '.join(known)}")
+    return kind
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure; a failure leaves an earlier file untouched.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    path : str or path
+        File; its suffix names the format.
+
+    Raises
+    ------
+    InputError
+        When there is no such format.
+    OutputError
+        When the file cannot be written.
+    """
+    target = Path(path)
+    kind = check_format(target)
+    temporary = target.with_name(f".{target.stem}.{os.getpid()}.tmp.{kind}")
+    # without a date the same figure is the same file
+    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    try:
+        try:
+            figure.savefig(temporary, format=kind, metadata=dated.get(kind))
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written: {error.strerror}") from error
+
+
+def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Draw a history into a file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history.
+    path : str or path
+        File to write.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `save`.
+    """
+    names = [name for name in plot.PANELS if name in dataset]
+    with new_figure(6.4, 0.8 + 1.5 * len(names)) as figure:
+        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)
+        plot.history(dataset, axes[:, 0], names)
+        save(figure, path)
+
+
+def save_spectrum(
+    dataset: xr.Dataset,
+    path: str | os.PathLike[str],
+    bare: xr.Dataset | None = None,
+    title: str = "",
+) -> None:
+    """Draw a spectrum into a file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.spectrum`.
+    path : str or path
+        File to write.
+    bare : xarray.Dataset, optional
+        Spectrum of the frame without wall, for comparison.
+    title : str
+        Title above the axes.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `save`.
+    """
+    with new_figure(6.4, 3.6) as figure:
+        ax = plot.spectrum(dataset, figure.subplots(), bare)
+        ax.set_title(title)
+        save(figure, path)

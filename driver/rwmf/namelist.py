@@ -1,0 +1,147 @@
+"""Namelist text: files into text, Python values into text; parsing is the kernel's business."""
+
+from __future__ import annotations
+
+import stat
+import textwrap
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from rwmf.errors import InputError
+
+__all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
+
+Value = bool | int | float | str | tuple[float, ...]
+
+_LINE_WIDTH = 100
+
+
+def read_text(path: str) -> str:
+    """Read the text of a namelist file, with the messages of the batch program.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+
+    Returns
+    -------
+    str
+        Its text; bytes that are not UTF-8 come back unchanged when it is written.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or when it cannot be read.
+    """
+    try:
+        status = Path(path).stat()
+        # a pipe could keep the reader waiting for ever: it is not opened at all
+        if not stat.S_ISREG(status.st_mode) or status.st_size == 0:
+            raise InputError(f"{path}: the file is empty or not a regular file")
+        return Path(path).read_bytes().decode("utf-8", "surrogateescape")
+    except FileNotFoundError:
+        raise InputError(f"{path}: the file does not exist") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: the file cannot be read: {error}") from error
+
+
+def compose(groups: Mapping[str, Mapping[str, object]]) -> str:
+    """Write groups as namelist text.
+
+    Parameters
+    ----------
+    groups : mapping of str to mapping
+        Keys and values of every group; a value that is None is left out.
+
+    Returns
+    -------
+    str
+        One group after the other, one line a key; numbers round-trip to the same bits.
+    """
+    return "\n".join(_compose_group(name, entries) for name, entries in groups.items())
+
+
+def _compose_group(name: str, entries: Mapping[str, object]) -> str:
+    if not entries:
+        return f"&{name} /\n"
+    lines = [f"&{name}"]
+    for key, value in entries.items():
+        if value is not None:
+            lines += _wrap(f"   {key} = {format_value(value)}", value)
+    return "\n".join([*lines, "/", ""])
+
+
+def _wrap(line: str, value: object) -> list[str]:
+    # only a list may be broken: a line end inside a quoted text would belong to the text
+    if isinstance(value, str) or len(line) <= _LINE_WIDTH:
+        return [line]
+    return textwrap.wrap(
+        line,
+        _LINE_WIDTH,
+        initial_indent="   ",
+        subsequent_indent="      ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def format_value(value: object) -> str:
+    """Write one value as it stands in a namelist.
+
+    Parameters
+    ----------
+    value : bool, int, float, str, numpy scalar, or a sequence or array of these
+        The value.
+
+    Returns
+    -------
+    str
+        Namelist text of the value.
+
+    Raises
+    ------
+    TypeError
+        When a namelist has no such value.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return ".true." if value else ".false."
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    if isinstance(value, Iterable):
+        return ", ".join(format_value(item) for item in value)
+    raise TypeError(f"{value!r}: a namelist holds numbers, texts, true or false, and lists of them")
+
+
+def parse_value(kind: str, text: str) -> Value:
+    """Convert a value of the kernel's description.
+
+    Parameters
+    ----------
+    kind : str
+        Type as the kernel names it; a list's name ends in ``list``.
+    text : str
+        The value; items of a list are separated by commas.
+
+    Returns
+    -------
+    bool, int, float, str or tuple of float
+        The typed value.
+    """
+    if kind.endswith("list"):
+        return tuple(float(item) for item in text.replace(",", " ").split())
+    if kind == "real":
+        return float(text)
+    if kind == "integer":
+        return int(text)
+    if kind == "logical":
+        return text.strip(".").lower() in ("t", "true")
+    return text

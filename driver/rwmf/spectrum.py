@@ -1,0 +1,190 @@
+"""Displacement spectra: from a case and a grid of parameters to labelled arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf import _library
+from rwmf.case import Case
+
+__all__ = ["count_ordinates", "spectrum", "start", "to_dataset", "with_grid"]
+
+Values = Sequence[float] | npt.NDArray[np.float64] | float
+Progress = Callable[[int, int], None]
+
+
+def spectrum(
+    case: Case,
+    T_s: Values | None = None,
+    gamma: Values | None = None,
+    b: Values | None = None,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Compute the largest displacement of the frame over frame periods.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    T_s : float or sequence of float, optional
+        Frame periods [s]; otherwise those of the case's `&spectrum`.
+    gamma : float or sequence of float, optional
+        Mass ratios [-]; otherwise those of `&spectrum`, or the one of `&frame`.
+    b : float or sequence of float, optional
+        Half widths of the wall [m]; otherwise those of `&spectrum`, or the one of `&wall`.
+    threads : int
+        Threads of the kernel, 0 for all. The result does not depend on it.
+    progress : callable, optional
+        Called about 20 times a second with the number of finished ordinates and of all.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``u_s_max`` [m] and ``status`` over (b, gamma, T_s), for the bare frame over T_s. An
+        ordinate that failed is NaN, its status the name of the reason.
+
+    Raises
+    ------
+    InputError
+        When the case or the grid is not acceptable.
+    Interrupted
+        After Ctrl-C.
+    """
+    with start(with_grid(case, T_s, gamma, b), threads, progress) as sweep:
+        return to_dataset(sweep)
+
+
+def with_grid(
+    case: Case,
+    T_s: Values | None = None,
+    gamma: Values | None = None,
+    b: Values | None = None,
+) -> Case:
+    """Return the case with another grid in its `&spectrum`.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    T_s, gamma, b : float or sequence of float, optional
+        As in `spectrum`; None leaves what the case has.
+
+    Returns
+    -------
+    Case
+        The edited case, or the same one when there is nothing to edit.
+
+    Raises
+    ------
+    InputError
+        When the grid is not acceptable.
+    """
+    grid: dict[str, list[float] | None] = {}
+    if T_s is not None:
+        # the list takes the place of the whole uniform grid
+        grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))
+        grid["T_s"] = _floats(T_s)
+    if gamma is not None:
+        grid["gamma"] = _floats(gamma)
+    if b is not None:
+        grid["b"] = _floats(b)
+    return case.replace(spectrum=grid) if grid else case
+
+
+@contextmanager
+def start(
+    case: Case, threads: int = 0, progress: Progress | None = None
+) -> Iterator[_library.Sweep]:
+    """Compute a case's spectrum and keep it in the kernel until the ``with`` block is left.
+
+    Parameters
+    ----------
+    case : Case
+        A case with `&spectrum`.
+    threads : int
+        Threads of the kernel, 0 for all.
+    progress : callable, optional
+        As in `spectrum`.
+
+    Yields
+    ------
+    Sweep
+        Values, facts, and the file of the batch program.
+
+    Raises
+    ------
+    InputError, Interrupted
+        As `spectrum`.
+    """
+    total = count_ordinates(case)
+    report = None if progress is None else lambda done: progress(done, total)
+    with _library.start_spectrum(case.text, case.kernel_source(), threads, report) as sweep:
+        yield sweep
+
+
+def count_ordinates(case: Case) -> int:
+    """Count the simulations of a case's spectrum.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    int
+        Their number, 0 without `&spectrum`.
+    """
+    grid = case.groups.get("spectrum")
+    if grid is None:
+        return 0
+    periods = len(grid["T_s"]) if "T_s" in grid else int(grid["n"])
+    return periods * len(grid.get("gamma", (0,))) * len(grid.get("b", (0,)))
+
+
+def to_dataset(sweep: _library.Sweep) -> xr.Dataset:
+    """Label the kernel's spectrum.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        From `start`.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `spectrum` returns it.
+    """
+    values = sweep.values()
+    facts = sweep.facts()
+    dims: tuple[str, ...] = ("b", "gamma", "T_s")
+    coordinates = {
+        "b": ("b", values["b"], {"units": "m", "long_name": "half width of the wall"}),
+        "gamma": ("gamma", values["gamma"], {"units": "1", "long_name": "mass ratio"}),
+        "T_s": ("T_s", values["T_s"], {"units": "s", "long_name": "period of the frame"}),
+    }
+    u_s_max, status = values["u_s_max"], values["status"]
+    if facts["bare"]:
+        dims, u_s_max, status = ("T_s",), u_s_max[0, 0], status[0, 0]
+        coordinates = {"T_s": coordinates["T_s"]}
+    attributes = {"units": "m", "long_name": "largest displacement of the frame"}
+    return xr.Dataset(
+        {"u_s_max": (dims, u_s_max, attributes), "status": (dims, status)},
+        coords=coordinates,
+        attrs={
+            "version": _library.version(),
+            "seconds": float(facts["seconds"]),
+            "threads": int(facts["threads"]),
+            "rhs_evaluations": int(facts["rhs_evaluations"]),
+        },
+    )
+
+
+def _floats(values: Values) -> list[float]:
+    return np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel().tolist()

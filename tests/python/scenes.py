@@ -1,0 +1,61 @@
+"""Cases that several tests start from."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import rwmf
+
+GROUPS: dict[str, dict[str, object]] = {
+    "wall": {"h": 2.0, "b": 0.5},
+    "frame": {"T_s": 1.0, "gamma": 5.0, "xi_s": 0.05},
+    "cable": {"eta_0": 1.0, "eta_alpha": 5.0, "law": "linear"},
+    "impact": {"rule": "constant", "e": 0.9},
+    "motion": {"kind": "one_cosine", "a_max_g": 0.4, "omega_p": 2 * math.pi},
+    "model": {"formulation": "symmetric"},
+    "solver": {"t_end": 10.0},
+}
+
+
+def coupled(**changes: dict[str, object] | None) -> rwmf.Case:
+    """Wall, frame and cable under a one-cosine pulse, with changes."""
+    return rwmf.Case(**GROUPS).replace(**changes)
+
+
+def bare_frame(**changes: dict[str, object] | None) -> rwmf.Case:
+    """Frame without wall under a one-cosine pulse, with changes."""
+    removed = dict.fromkeys(("wall", "cable", "impact"))
+    return rwmf.Case(**GROUPS).replace(**removed, **merged({"frame": {"gamma": None}}, changes))
+
+
+def block(**changes: dict[str, object] | None) -> rwmf.Case:
+    """Free-standing block without motion, with changes."""
+    removed = dict.fromkeys(("frame", "cable"))
+    quiet = {"kind": "none", "a_max_g": None, "omega_p": None}
+    return rwmf.Case(**GROUPS).replace(**removed, **merged({"motion": quiet}, changes))
+
+
+def record(path: Path, **changes: object) -> dict[str, object]:
+    """Return `&motion` of a record in g, over all of its length."""
+    pulse = dict.fromkeys(("a_max_g", "omega_p"))
+    return {"kind": "record", "file": str(path), "unit": "g"} | pulse | changes
+
+
+def merged(
+    first: dict[str, dict[str, object]], second: dict[str, dict[str, object] | None]
+) -> dict[str, dict[str, object] | None]:
+    """Join changes of groups; the second overrides the first."""
+    both: dict[str, dict[str, object] | None] = dict(first)
+    for group, changes in second.items():
+        both[group] = None if changes is None else (both.get(group) or {}) | changes
+    return both
+
+
+def read_table(path: Path) -> tuple[list[str], list[dict[str, str]]]:
+    """Comment lines and rows of a CSV file of the project."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    comments = [line for line in lines if line.startswith("#")]
+    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return comments, list(rows)
