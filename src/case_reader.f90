@@ -119,6 +119,10 @@ contains
       case%solver%max_steps = integer_of(groups, 'solver', 'max_steps')
       case%solver%verify = logical_of(groups, 'solver', 'verify')
       call get_real(groups, 'solver', 'accuracy', case%solver%accuracy)
+      ! A multistep method cannot deliver every accuracy; a one-step method of order 8 can.
+      if (allocated(case%solver%accuracy) .and. .not. has_key(groups, 'solver', 'method')) then
+         case%solver%method = 'dop853'
+      end if
       call get_real(groups, 'solver', 'atol', case%solver%atol)
       call get_real(groups, 'solver', 't_end', case%solver%t_end)
       if (has_group(groups, 'output')) then

@@ -283,7 +283,8 @@ contains
       row(i) = acceleration(equation%motion, equation%interval, t)
       if (equation%has_cable) then
          cable = cable_at(equation, y(1))
-         row(i + 1:) = cable%force*[1.0_wp, observer%m_w_g]
+         row(i + 1) = cable%force
+         if (observer%m_w_g > 0) row(i + 2) = cable%force*observer%m_w_g
       end if
       ! A wall at rest on its left side is at 0, not at -0.
       observer%history%values(observer%next_row, :) = row + 0.0_wp

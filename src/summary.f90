@@ -36,7 +36,7 @@ contains
       allocate (items(0))
       call add_maxima(items, result)
       call add_regimes(items, result)
-      call add_work(items, case, result)
+      call add_work(items, result)
       call add_item(items, 'effects', 'list', joined(list_effects(case)))
       if (allocated(result%warnings)) then
          call add_item(items, 'warnings', 'list', joined(result%warnings))
@@ -104,16 +104,18 @@ contains
    end subroutine add_regimes
 
    !> What the integration took.
-   pure subroutine add_work(items, case, result)
+   pure subroutine add_work(items, result)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
-      type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
 
       call add_count(items, 'steps', result%steps)
       call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
       call add_real(items, 'seconds', result%seconds)
-      call add_item(items, 'method', 'text', case%solver%method)
-      call add_real(items, 'rtol', case%solver%rtol)
+      call add_item(items, 'method', 'text', result%method)
+      call add_real(items, 'rtol', result%rtol)
+      call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
+      call add_real(items, 'estimate_seconds', result%estimate_seconds)
+      call add_real(items, 'sensitivity', result%sensitivity)
    end subroutine add_work
 
    !> Residual of the energy ledger over initial plus largest input energy [-].

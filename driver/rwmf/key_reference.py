@@ -1,0 +1,47 @@
+"""The namelist reference of the documentation, made from the kernel's table of keys.
+
+    python -m rwmf.key_reference > docs/namelist.md
+"""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from rwmf import _library
+
+_INTRODUCTION = """\
+# Namelist reference
+
+Made by `python -m rwmf.key_reference` from the one table that also validates a case (`src/schema.f90`).
+
+One group, one effect: a group that is absent is an effect that is not simulated. Names of groups and keys may be
+written in small or capital letters, texts stand in quotes, `!` begins a comment. An unknown group or key, a key given twice, a wrong
+type or a value that is not allowed is an error that names file, group, key, line, value and what is allowed.
+"""
+
+
+def make() -> str:
+    """The page in Markdown.
+
+    Returns
+    -------
+    str
+        One table for each group, in the order of the kernel's table.
+    """
+    parts = [_INTRODUCTION]
+    for group, keys in groupby(_library.schema(), key=lambda row: row[0]):
+        parts.append(f"\n## `&{group}`\n\n| key | type | unit | default | allowed | meaning |")
+        parts.append("|---|---|---|---|---|---|")
+        parts.extend(_row(key) for key in keys)
+    return "\n".join(parts) + "\n"
+
+
+def _row(key: list[str]) -> str:
+    _, name, kind, unit, default, allowed, meaning = key
+    if kind == "choice":
+        allowed = ", ".join(f"'{word}'" for word in allowed.split())
+    return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {meaning} |"
+
+
+if __name__ == "__main__":
+    print(make(), end="")
