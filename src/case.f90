@@ -8,7 +8,7 @@ module rwmf_case
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, cable_t, impact_t, motion_spec_t
+   public :: case_t, wall_t, frame_t, link_t, cable_t, impact_t, motion_spec_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -19,7 +19,15 @@ module rwmf_case
       !! half width [m]
       real(wp), allocatable :: m_w
       !! mass [kg]; given: forces are reported in N as well
+      character(7) :: base = 'rocking'
+      !! 'rocking' or 'pinned'
    end type wall_t
+
+   !> Link of finite length between wall and frame, `&link`, Eqs (2), (3).
+   type :: link_t
+      real(wp) :: L
+      !! length [m]
+   end type link_t
 
    !> Single-degree-of-freedom moment frame, `&frame`.
    type :: frame_t
@@ -147,6 +155,7 @@ module rwmf_case
       !! the namelist text that the case was read from
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
+      type(link_t), allocatable :: link
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
       type(motion_spec_t), allocatable :: motion

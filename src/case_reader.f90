@@ -1,7 +1,7 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
-   use rwmf_case, only: cable_t, case_t, frame_t, impact_t, initial_t, motion_spec_t, output_t, &
-      spectrum_spec_t, wall_t
+   use rwmf_case, only: cable_t, case_t, frame_t, impact_t, initial_t, link_t, motion_spec_t, &
+      output_t, spectrum_spec_t, wall_t
    use rwmf_case_rules, only: check_rules
    use rwmf_errors, only: add_context, err_input, error_t, fail
    use rwmf_files, only: read_file
@@ -68,7 +68,8 @@ contains
       type(case_t), intent(inout) :: case
 
       if (has_group(groups, 'wall')) then
-         case%wall = wall_t(real_of(groups, 'wall', 'h'), real_of(groups, 'wall', 'b'))
+         case%wall = wall_t(real_of(groups, 'wall', 'h'), real_of(groups, 'wall', 'b'), &
+            base=text_of(groups, 'wall', 'base'))
          call get_real(groups, 'wall', 'm_w', case%wall%m_w)
       end if
       if (has_group(groups, 'frame')) then
@@ -76,6 +77,7 @@ contains
          call get_real(groups, 'frame', 'T_s', case%frame%T_s)
          call get_real(groups, 'frame', 'gamma', case%frame%gamma)
       end if
+      if (has_group(groups, 'link')) case%link = link_t(real_of(groups, 'link', 'L'))
       if (has_group(groups, 'cable')) then
          case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &
             real_of(groups, 'cable', 'eta_alpha'))

@@ -27,6 +27,8 @@ contains
       call check_presence(groups, error)
       if (.not. allocated(error)) call check_frame(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
+      if (.not. allocated(error)) call check_base(groups, error)
+      if (.not. allocated(error)) call check_link(groups, error)
       if (.not. allocated(error)) call check_cable(groups, error)
       if (.not. allocated(error)) call check_motion(groups, error)
       if (.not. allocated(error)) call check_initial(groups, error)
@@ -47,6 +49,12 @@ contains
       call check_needs(groups, 'cable', 'wall', 'a cable holds a wall', error)
       if (.not. allocated(error)) then
          call check_needs(groups, 'impact', 'wall', 'only a wall has impacts', error)
+      end if
+      if (.not. allocated(error)) then
+         call check_needs(groups, 'link', 'wall', 'a link joins wall and frame', error)
+      end if
+      if (.not. allocated(error)) then
+         call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
          call check_needs(groups, 'initial', 'wall', 'theta is the rotation of the wall', error)
@@ -105,6 +113,50 @@ contains
             //"', which sets it", error)
       end if
    end subroutine check_impact
+
+   !> What a wall hinged in the middle of its base excludes.
+   subroutine check_base(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(6), parameter :: excluded(3) = [character(6) :: 'impact', 'cable', 'link']
+      character(60), parameter :: reasons(3) = [character(60) :: &
+         'a hinged wall has no impacts', &
+         'a straight cable through the hinge is not stretched', &
+         'the link of a hinged wall is infinitely long']
+      integer :: i
+
+      if (.not. has_group(groups, 'wall')) return
+      if (text_of(groups, 'wall', 'base') /= 'pinned') return
+      do i = 1, size(excluded)
+         if (.not. has_group(groups, trim(excluded(i)))) cycle
+         call fail_group(groups, trim(excluded(i)), "must not be given with &wall base = 'pinned' (" &
+            //trim(reasons(i))//')', error)
+         return
+      end do
+   end subroutine check_base
+
+   !> The link must stay shorter than vertical: longer than the corner ever rises or sinks.
+   subroutine check_link(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: limit
+      real(wp) :: travel
+
+      if (.not. has_group(groups, 'link')) return
+      if (text_of(groups, 'model', 'formulation') == 'published') then
+         call fail_group(groups, 'link', "must not be given with &model formulation = 'published' " &
+            //"(its default), where the link is infinitely long; 'symmetric' and 'exact' allow it", &
+            error)
+         return
+      end if
+      limit = real_of(groups, 'model', 'overturning_angle')
+      travel = max(2*real_of(groups, 'wall', 'h')*(1 - cos(limit)), &
+         2*(hypot(real_of(groups, 'wall', 'h'), real_of(groups, 'wall', 'b')) &
+         - real_of(groups, 'wall', 'h')))
+      if (real_of(groups, 'link', 'L') > travel) return
+      call fail_key(groups, 'link', 'L', 'must be > '//real_to_text(travel)//' m, the travel of ' &
+         //'the corner up to the overturning angle', error)
+   end subroutine check_link
 
    !> Cable law and formulation.
    subroutine check_cable(groups, error)

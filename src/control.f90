@@ -1,4 +1,4 @@
-!> What a caller shares with a running computation: a counter of finished work and a flag to stop it.
+!> What a caller shares with a running computation: a counter of finished work and a stop flag.
 module rwmf_control
    use rwmf_kinds, only: i8
    implicit none

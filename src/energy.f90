@@ -32,11 +32,24 @@ contains
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
          phi = equation%side*y(1)
-         energy = p%R**2*((4.0_wp/3 + p%gamma*kin%j**2)*y(2)**2 &
+         energy = p%R**2*((equation%inertia + p%gamma*kin%j**2)*y(2)**2 &
             + p%gamma*(p%omega_s*kin%u)**2)/2 &
-            + p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2) + cable%energy)
+            + p%g*p%R*(rise_of_centroid(equation, phi) + cable%energy)
       end associate
    end function mechanical_energy
+
+   !> Rise of the wall's centroid over R; a hinged wall only sinks [-].
+   pure real(wp) function rise_of_centroid(equation, phi) result(rise)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+
+      if (equation%has_impacts) then
+         rise = 2*sin(phi/2)*sin(equation%p%alpha - phi/2)
+      else
+         rise = -2*equation%cos_alpha*sin(phi/2)**2
+      end if
+   end function rise_of_centroid
 
    !> Power of the ground motion [W/kg].
    real(wp) function input_power(equation, t, y) result(power)

@@ -7,60 +7,22 @@
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
-   use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t, linear_cable, no_cable, &
-      signed_linear_cable, truss_cable
+   use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
+      truss_cable
    use rwmf_case, only: case_t
    use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
    use rwmf_kinds, only: i8, pi, wp
-   use rwmf_kinematics, only: kinematics_i, kinematics_t, left_corner, published_negative, &
-      top_corner
-   use rwmf_motion, only: acceleration, motion_t
+   use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
+      linked_top_corner, pinned_base, published_negative, top_corner
+   use rwmf_motion, only: motion_t
+   use rwmf_scene, only: cable_at, cable_moment, equation_t, frame_displacement, ground, &
+      kinematics_at, lift_off_drive, second_derivative_i
    implicit none
    private
 
    public :: equation_t, build_equation
    public :: rhs, second_derivative, jacobian, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
-
-   !> The equation of one scene, its ground motion, and the piece of both that is in force.
-   type :: equation_t
-      type(paper_t) :: p
-      !! parameters in the paper's letters; those of absent effects are zero
-      real(wp) :: sin_alpha
-      real(wp) :: cos_alpha
-      real(wp) :: threshold
-      !! ground acceleration at which the resting wall lifts off [m/s2]
-      logical :: has_wall
-      logical :: has_frame
-      logical :: has_cable
-      integer :: n = 2
-      !! number of states
-      type(cable_law_t) :: cable
-      type(motion_t), pointer :: motion => null()
-      integer :: interval = 0
-      !! of the motion, set by the hybrid loop
-      integer :: side = 1
-      !! sign of theta in this flight, set by the hybrid loop
-      integer(i8) :: rhs_evaluations = 0
-      procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
-      procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
-      procedure(cable_law_i), pointer, nopass :: cable_law => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
-   end type equation_t
-
-   abstract interface
-      !> theta'' [rad/s2] (bare frame: u'' [m/s2]) in the flight and interval that are in force.
-      real(wp) function second_derivative_i(equation, t, y)
-         import :: equation_t, wp
-         implicit none
-         class(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
-      end function second_derivative_i
-   end interface
 
 contains
 
@@ -79,7 +41,11 @@ contains
       equation%p = paper_parameters(case)
       equation%sin_alpha = sin(equation%p%alpha)
       equation%cos_alpha = cos(equation%p%alpha)
+      equation%has_impacts = equation%has_wall
       if (equation%has_wall) then
+         equation%geometry = geometry_t(equation%sin_alpha, equation%cos_alpha, link=0)
+         if (allocated(case%link)) equation%geometry%link = case%link%L/equation%p%R
+         equation%has_impacts = case%wall%base == 'rocking'
          call choose_kinematics(case%model%formulation, equation)
          call choose_cable(case, equation)
          if (equation%has_cable) then
@@ -87,6 +53,7 @@ contains
          else
             call choose_acceleration(case%model%formulation, '', equation)
          end if
+         if (.not. equation%has_impacts) call hinge_base(equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma)
       else
@@ -115,10 +82,28 @@ contains
       end if
    end function paper_parameters
 
+   !> A wall hinged at the middle of its base: m_w (4/3 h**2 + b**2/3) about the hinge, one smooth
+   !> equation for both signs of theta.
+   subroutine hinge_base(equation)
+      type(equation_t), intent(inout) :: equation
+
+      equation%inertia = (4*equation%cos_alpha**2 + equation%sin_alpha**2)/3
+      equation%kinematics_positive => pinned_base
+      equation%kinematics_negative => pinned_base
+      equation%acceleration_positive => wall_and_frame
+      equation%acceleration_negative => wall_and_frame
+   end subroutine hinge_base
+
    subroutine choose_kinematics(formulation, equation)
       character(*), intent(in) :: formulation
       type(equation_t), intent(inout) :: equation
 
+      if (equation%geometry%link > 0) then
+         equation%kinematics_positive => linked_top_corner
+         equation%kinematics_negative => linked_left_corner
+         if (formulation == 'symmetric') equation%kinematics_negative => linked_top_corner
+         return
+      end if
       equation%kinematics_positive => top_corner
       select case (formulation)
       case ('symmetric')
@@ -164,7 +149,7 @@ contains
 
       equation%acceleration_negative => wall_and_frame
       equation%acceleration_positive => wall_and_frame
-      if (law /= 'truss') then
+      if (law /= 'truss' .and. equation%geometry%link <= 0) then
          equation%acceleration_positive => corner_linear
          if (formulation == 'symmetric') equation%acceleration_negative => corner_linear
       end if
@@ -250,7 +235,7 @@ contains
          theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
             + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g/p%R*(s &
             + (p%eta_0 + equation%cable%rate*phi)*equation%sin_alpha)) &
-            + (2*p%gamma + 1)*c*ground(equation, t)/p%R)/(4.0_wp/3 + 4*p%gamma*c**2)
+            + (2*p%gamma + 1)*c*ground(equation, t)/p%R)/(equation%inertia + 4*p%gamma*c**2)
       end associate
    end function corner_linear
 
@@ -271,7 +256,7 @@ contains
          theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
             + p%g/p%R*(kin%s + cable_moment(equation, y(1)))) &
             + (p%gamma*kin%lever + kin%c)*ground(equation, t)/p%R) &
-            /(4.0_wp/3 + p%gamma*kin%lever*kin%j)
+            /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
    end function wall_and_frame
 
@@ -298,49 +283,6 @@ contains
          u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - ground(equation, t)
       end associate
    end function bare_frame
-
-   !> Ground acceleration of the interval in force [m/s2].
-   real(wp) function ground(equation, t)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-
-      ground = acceleration(equation%motion, equation%interval, t)
-   end function ground
-
-   !> Kinematics of the side in force.
-   type(kinematics_t) function kinematics_at(equation, theta) result(kin)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-
-      if (equation%side > 0) then
-         call equation%kinematics_positive(equation%sin_alpha, equation%cos_alpha, theta, kin)
-      else
-         call equation%kinematics_negative(equation%sin_alpha, equation%cos_alpha, -theta, kin)
-      end if
-   end function kinematics_at
-
-   !> Cable on the side in force.
-   type(cable_state_t) function cable_at(equation, theta) result(cable)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-
-      call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
-         equation%side, cable)
-   end function cable_at
-
-   !> Moment of the cable over m_w g R [-].
-   real(wp) function cable_moment(equation, theta)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-      type(cable_state_t) :: cable
-
-      cable = cable_at(equation, theta)
-      cable_moment = cable%moment
-   end function cable_moment
 
    !> Derivatives of theta'' by theta [1/s2] and by theta' [1/s].
    subroutine jacobian(equation, t, y, by_theta, by_theta_dot)
@@ -370,7 +312,7 @@ contains
          phi_dot = equation%side*y(2)
          force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
          force_1 = kin%k_1*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%k*phi_dot + p%omega_s**2*kin%j
-         inertia = 4.0_wp/3 + p%gamma*kin%lever*kin%j
+         inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment_1 = -p%gamma*(kin%lever_1*force + kin%lever*force_1) &
             - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
             - p%g/p%R*(cable%moment_1 - kin%c)
@@ -379,35 +321,5 @@ contains
          by_theta_dot = -2*p%gamma*kin%lever*(kin%k*phi_dot + p%xi_s*p%omega_s*kin%j)/inertia
       end associate
    end subroutine jacobian
-
-   !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
-   !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
-   !> theta = 0).
-   pure real(wp) function lift_off_drive(equation, side, interval, t) result(drive)
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: side
-      !! +1 or -1
-      integer, intent(in) :: interval
-      !! of the motion
-      real(wp), intent(in) :: t
-      !! [s]
-
-      drive = -side*acceleration(equation%motion, interval, t) - equation%threshold
-   end function lift_off_drive
-
-   !> Displacement of the frame u_s [m].
-   real(wp) function frame_displacement(equation, theta) result(u_s)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]; bare frame: the displacement itself [m]
-      type(kinematics_t) :: kin
-
-      if (equation%has_wall) then
-         kin = kinematics_at(equation, theta)
-         u_s = equation%side*equation%p%R*kin%u
-      else
-         u_s = theta
-      end if
-   end function frame_displacement
 
 end module rwmf_equation

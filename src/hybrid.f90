@@ -1,17 +1,17 @@
-!> The hybrid system: rest, rocking on either corner, overturned, and what leads from one to another.
+!> The hybrid system: rest, rocking on either corner, overturned, and the ways between them.
 !>
 !> Between events an integrator follows the equation of motion of one side in one interval of the
 !> ground motion. After each of its steps the states inside the step are searched for events, in the
-!> order of time: peaks (theta' = 0) split the step into monotone pieces; in each of them a return to
-!> theta = 0 or a passage of the overturning angle shows by the values at its ends. So two returns
-!> in one step, or a peak and an impact, are found as well. A flight knows its side, so that a start
-!> on theta = 0 is no event.
+!> order of time: peaks (theta' = 0) split the step into monotone pieces; in each of them a return
+!> to theta = 0 or a passage of the overturning angle shows by the values at its ends. So two
+!> returns in one step, or a peak and an impact, are found as well. A flight knows its side, so that
+!> a start on theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: equation_t, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
-   use rwmf_locate, only: locate
+   use rwmf_locate, only: count_parts, find_reversal, locate
    use rwmf_motion, only: has_jump, interval_at, interval_end
    use rwmf_observer, only: observe_event, observe_impact, observe_piece, observe_rest, &
       observe_state, observer_t
@@ -29,7 +29,7 @@ module rwmf_hybrid
    integer, parameter :: mode_rocking = 1
    integer, parameter :: mode_overturned = 2
    integer, parameter :: mode_no_impacts = 3
-   !! bare frame: one smooth regime
+   !! bare frame or hinged wall: one smooth regime
 
    !> State of the hybrid system and the numbers that its transitions need.
    type :: hybrid_t
@@ -69,7 +69,7 @@ contains
       hybrid%must_restart = .true.
       equation%interval = interval_at(equation%motion, t)
       equation%side = 1
-      if (.not. equation%has_wall) then
+      if (.not. equation%has_impacts) then
          hybrid%mode = mode_no_impacts
          return
       end if
@@ -221,40 +221,109 @@ contains
       !! `event_impact`, `event_overturned`, or 0
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_a
+      real(wp) :: t_b
       real(wp) :: y_a(equation%n)
+      real(wp) :: y_b(equation%n)
+      integer :: n
+      integer :: i
 
+      n = count_parts(equation, stepper%t0, stepper%t1)
       t_a = stepper%t0
       y_a = stepper%y0
-      event = 0
-      if (has_peak(hybrid, equation, stepper)) then
-         call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, stepper%t1, stepper%y1, &
-            hybrid%t, hybrid%y, error)
-         if (allocated(error)) return
-         call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+      do i = 1, n
+         t_b = stepper%t1
+         y_b = stepper%y1
+         if (i < n) then
+            t_b = stepper%t0 + i*((stepper%t1 - stepper%t0)/n)
+            call stepper%state_at(t_b, y_b, error)
+            if (allocated(error)) return
+         end if
+         call search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
          if (allocated(error) .or. event /= 0) return
-         call observe_state(observer, equation, hybrid%t, hybrid%y)
-         call observe_event(observer, event_peak, hybrid%t, hybrid%y)
-         t_a = hybrid%t
-         y_a = hybrid%y
-      end if
-      hybrid%t = stepper%t1
-      hybrid%y(:) = stepper%y1
-      call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+         t_a = t_b
+         y_a = y_b
+      end do
    end subroutine search_step
 
-   !> Does theta' change its sign in the last step? A flight that starts with theta' = 0 moves
+   !> Search a part of the step in which theta' changes its sign at most twice.
+   subroutine search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      integer, intent(out) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_m
+      real(wp) :: y_m(size(y_a))
+      logical :: turns_twice
+
+      event = 0
+      t_m = t_a
+      y_m = y_a
+      if (.not. has_peak(hybrid, equation, y_a, y_b)) then
+         call find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t_m, y_m, turns_twice, error)
+         if (allocated(error)) return
+         if (turns_twice) then
+            call search_span(hybrid, equation, stepper, observer, t_a, y_a, t_m, y_m, event, error)
+            if (allocated(error) .or. event /= 0) return
+         else
+            t_m = t_a
+            y_m = y_a
+         end if
+      end if
+      call search_span(hybrid, equation, stepper, observer, t_m, y_m, t_b, y_b, event, error)
+   end subroutine search_part
+
+   !> Search a span in which theta' changes its sign at most once.
+   subroutine search_span(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      integer, intent(out) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_peak
+      real(wp) :: y_peak(size(y_a))
+
+      t_peak = t_a
+      y_peak = y_a
+      if (has_peak(hybrid, equation, y_a, y_b)) then
+         call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, y_peak, error)
+         if (allocated(error)) return
+         hybrid%t = t_peak
+         hybrid%y(:) = y_peak
+         call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+         if (allocated(error) .or. event /= 0) return
+         call observe_state(observer, equation, t_peak, y_peak)
+         call observe_event(observer, event_peak, t_peak, y_peak)
+      end if
+      hybrid%t = t_b
+      hybrid%y(:) = y_b
+      call end_piece(hybrid, equation, stepper, t_peak, y_peak, event, error)
+   end subroutine search_span
+
+   !> Does theta' change its sign between two states? A flight that starts with theta' = 0 moves
    !> away from the base.
-   logical function has_peak(hybrid, equation, stepper)
+   logical function has_peak(hybrid, equation, y_a, y_b)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(in) :: stepper
-      real(wp) :: v_0
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: y_b(:)
+      real(wp) :: v_a
 
-      v_0 = stepper%y0(2)
-      if (abs(v_0) <= 0 .and. abs(stepper%y0(1)) <= 0 .and. hybrid%mode == mode_rocking) then
-         v_0 = equation%side
+      v_a = y_a(2)
+      if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
+         v_a = equation%side
       end if
-      has_peak = (v_0 > 0 .and. stepper%y1(2) <= 0) .or. (v_0 < 0 .and. stepper%y1(2) >= 0)
+      has_peak = (v_a > 0 .and. y_b(2) <= 0) .or. (v_a < 0 .and. y_b(2) >= 0)
    end function has_peak
 
    !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it?
@@ -271,14 +340,15 @@ contains
       real(wp) :: y_b(size(y_a))
 
       event = 0
-      if (hybrid%mode /= mode_rocking) return
       level = 0
-      if (equation%side*hybrid%y(1) < 0) event = event_impact
-      if (abs(hybrid%y(1)) >= hybrid%overturning_angle .and. event == 0) then
+      if (hybrid%mode == mode_rocking .and. equation%side*hybrid%y(1) < 0) then
+         event = event_impact
+      else if (equation%has_wall .and. abs(hybrid%y(1)) >= hybrid%overturning_angle) then
          event = event_overturned
-         level = equation%side*hybrid%overturning_angle
+         level = sign(hybrid%overturning_angle, hybrid%y(1))
+      else
+         return
       end if
-      if (event == 0) return
       t_b = hybrid%t
       y_b = hybrid%y
       call locate(equation, stepper, 1, level, t_a, y_a, t_b, y_b, hybrid%t, hybrid%y, error)
@@ -287,7 +357,27 @@ contains
 
    !> Impact: the velocity falls by the factor e, the other side's equation takes over, or the wall
    !> comes to rest.
+   !>
+   !> When one side is pressed hard and the other hardly at all, a flight can be over within a few
+   !> spacings of the time: the wall is then back with the velocity that it left with, at once.
    subroutine bounce(hybrid, equation, observer)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(inout) :: observer
+      real(wp), parameter :: followable = 64
+      !! least duration of a flight in spacings of the time [-]
+
+      hybrid%must_restart = .true.
+      do
+         call hit(hybrid, equation, observer)
+         if (hybrid%mode == mode_rest .or. abs(hybrid%y(2)) <= 0) return
+         if (flight_time(hybrid, equation) > followable*spacing(hybrid%t)) return
+         hybrid%y(2) = -hybrid%y(2)
+      end do
+   end subroutine bounce
+
+   !> One impact and what follows from it.
+   subroutine hit(hybrid, equation, observer)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(observer_t), intent(inout) :: observer
@@ -297,7 +387,6 @@ contains
       call observe_event(observer, event_impact, hybrid%t, hybrid%y)
       call observe_impact(observer, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
-      hybrid%must_restart = .true.
       equation%side = -equation%side
       if (may_rest(equation, hybrid%t, abs(after), hybrid%e, &
          negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
@@ -309,7 +398,7 @@ contains
          ! Nothing bounces (e = 0) and the motion pulls: the drive says to which side.
          call leave_with_no_velocity(hybrid, equation)
       end if
-   end subroutine bounce
+   end subroutine hit
 
    !> The wall touches its base without velocity while one side is pulled.
    subroutine leave_with_no_velocity(hybrid, equation)

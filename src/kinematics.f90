@@ -8,8 +8,18 @@ module rwmf_kinematics
    implicit none
    private
 
-   public :: kinematics_t, kinematics_i
+   public :: geometry_t, kinematics_t, kinematics_i
    public :: top_corner, left_corner, published_negative, pinned_base
+   public :: linked_top_corner, linked_left_corner
+
+   !> Shape of the wall and length of the link.
+   type :: geometry_t
+      real(wp) :: sin_alpha = 0
+      !! of the slenderness [-]
+      real(wp) :: cos_alpha = 1
+      real(wp) :: link = 0
+      !! length of the link over R [-]; 0: infinitely long
+   end type geometry_t
 
    !> Values at one rotation, all [-].
    type :: kinematics_t
@@ -33,13 +43,10 @@ module rwmf_kinematics
 
    abstract interface
       !> Kinematics at the rotation phi.
-      pure subroutine kinematics_i(sin_alpha, cos_alpha, phi, kin)
-         import :: kinematics_t, wp
+      pure subroutine kinematics_i(geometry, phi, kin)
+         import :: geometry_t, kinematics_t, wp
          implicit none
-         real(wp), intent(in) :: sin_alpha
-         !! of the slenderness [-]
-         real(wp), intent(in) :: cos_alpha
-         !! [-]
+         type(geometry_t), intent(in) :: geometry
          real(wp), intent(in) :: phi
          !! [rad]
          type(kinematics_t), intent(out) :: kin
@@ -50,13 +57,12 @@ contains
 
    !> Link at the top corner above the lifting base corner: Eqs (4) to (6), theta > 0 of all
    !> formulations and both sides of `symmetric`: u = 2 (sin(alpha) - sin(alpha - phi)).
-   pure subroutine top_corner(sin_alpha, cos_alpha, phi, kin)
-      real(wp), intent(in) :: sin_alpha
-      real(wp), intent(in) :: cos_alpha
+   pure subroutine top_corner(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
 
-      call common_part(sin_alpha, cos_alpha, phi, kin)
+      call common_part(geometry, phi, kin)
       kin%j = 2*kin%c
       kin%k = 2*kin%s
       kin%k_1 = -kin%j
@@ -66,15 +72,14 @@ contains
 
    !> Link at the left top corner while the wall rocks to the left, theta < 0 of `exact`:
    !> u_s = 2h sin(theta).
-   pure subroutine left_corner(sin_alpha, cos_alpha, phi, kin)
-      real(wp), intent(in) :: sin_alpha
-      real(wp), intent(in) :: cos_alpha
+   pure subroutine left_corner(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
 
-      call common_part(sin_alpha, cos_alpha, phi, kin)
-      kin%j = 2*cos_alpha*cos(phi)
-      kin%u = 2*cos_alpha*sin(phi)
+      call common_part(geometry, phi, kin)
+      kin%j = 2*geometry%cos_alpha*cos(phi)
+      kin%u = 2*geometry%cos_alpha*sin(phi)
       kin%k = -kin%u
       kin%k_1 = -kin%j
       kin%lever = kin%j
@@ -83,27 +88,25 @@ contains
 
    !> Eq. (10), theta < 0 of `published`: displacement as at the top corner, lever arm
    !> 2R cos(alpha) cos(theta).
-   pure subroutine published_negative(sin_alpha, cos_alpha, phi, kin)
-      real(wp), intent(in) :: sin_alpha
-      real(wp), intent(in) :: cos_alpha
+   pure subroutine published_negative(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
 
-      call top_corner(sin_alpha, cos_alpha, phi, kin)
-      kin%lever = 2*cos_alpha*cos(phi)
-      kin%lever_1 = -2*cos_alpha*sin(phi)
+      call top_corner(geometry, phi, kin)
+      kin%lever = 2*geometry%cos_alpha*cos(phi)
+      kin%lever_1 = -2*geometry%cos_alpha*sin(phi)
    end subroutine published_negative
 
    !> Wall hinged at the middle of its base, link on its centre line: u_s = 2h sin(theta).
    !> Here s and c are those of the hinged wall: gravity drives it outward, s = -(h/R) sin(phi).
-   pure subroutine pinned_base(sin_alpha, cos_alpha, phi, kin)
-      real(wp), intent(in) :: sin_alpha
-      real(wp), intent(in) :: cos_alpha
+   pure subroutine pinned_base(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
 
-      kin%s = -cos_alpha*sin(phi)
-      kin%c = cos_alpha*cos(phi)
+      kin%s = -geometry%cos_alpha*sin(phi)
+      kin%c = geometry%cos_alpha*cos(phi)
       kin%j = 2*kin%c
       kin%u = -2*kin%s
       kin%k = -kin%u
@@ -112,11 +115,62 @@ contains
       kin%lever_1 = kin%k
    end subroutine pinned_base
 
+   !> Link of finite length at the rising top corner, theta > 0 and both sides of `symmetric`,
+   !> Eqs (2), (3): the link tilts while the corner rises by v = 2 (cos(alpha - phi) - cos(alpha)).
+   pure subroutine linked_top_corner(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
+      real(wp), intent(in) :: phi
+      type(kinematics_t), intent(out) :: kin
+
+      call top_corner(geometry, phi, kin)
+      call add_tilt(geometry%link, +1, [4*sin(phi/2)*(geometry%sin_alpha*cos(phi/2) &
+         - geometry%cos_alpha*sin(phi/2)), 2*kin%s, -2*kin%c, -2*kin%s], kin)
+   end subroutine linked_top_corner
+
+   !> Link of finite length at the left top corner, theta < 0 of `exact`: the corner sinks by
+   !> 2 cos(alpha) (1 - cos(phi)), and the tilt of the link acts against the displacement.
+   pure subroutine linked_left_corner(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
+      real(wp), intent(in) :: phi
+      type(kinematics_t), intent(out) :: kin
+
+      call left_corner(geometry, phi, kin)
+      call add_tilt(geometry%link, -1, [-4*geometry%cos_alpha*sin(phi/2)**2, -kin%u, -kin%j, &
+         kin%u], kin)
+   end subroutine linked_left_corner
+
+   !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.
+   pure subroutine add_tilt(l, sign_of_tilt, v, kin)
+      real(wp), intent(in) :: l
+      !! length of the link over R [-]
+      integer, intent(in) :: sign_of_tilt
+      !! +1: the tilt pushes the frame on, -1: it holds it back
+      real(wp), intent(in) :: v(0:3)
+      !! rise of the corner over R and its derivatives by phi [-]
+      type(kinematics_t), intent(inout) :: kin
+      real(wp) :: root
+      real(wp) :: q
+      !! v v'/root**2
+      real(wp) :: tilt_1, tilt_2, tilt_3
+
+      root = sqrt(l**2 - v(0)**2)
+      q = v(0)*v(1)/root**2
+      tilt_1 = v(0)*v(1)/root
+      tilt_2 = (v(1)**2 + v(0)*v(2))/root + tilt_1*q
+      tilt_3 = (3*v(1)*v(2) + v(0)*v(3))/root + (v(1)**2 + v(0)*v(2))*q/root + tilt_2*q &
+         + tilt_1*((v(1)**2 + v(0)*v(2))/root**2 + 2*q**2)
+      kin%u = kin%u + sign_of_tilt*v(0)**2/(l + root)
+      kin%j = kin%j + sign_of_tilt*tilt_1
+      kin%k = kin%k + sign_of_tilt*tilt_2
+      kin%k_1 = kin%k_1 + sign_of_tilt*tilt_3
+      kin%lever = kin%j
+      kin%lever_1 = kin%k
+   end subroutine add_tilt
+
    !> s, c and the displacement of the top corner from one half-angle: small rotations keep all
    !> digits.
-   pure subroutine common_part(sin_alpha, cos_alpha, phi, kin)
-      real(wp), intent(in) :: sin_alpha
-      real(wp), intent(in) :: cos_alpha
+   pure subroutine common_part(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
       real(wp) :: half_sine
@@ -129,9 +183,11 @@ contains
       half_cosine = cos(phi/2)
       sine = 2*half_sine*half_cosine
       versine = 2*half_sine**2
-      kin%s = sin_alpha - (sin_alpha*versine + cos_alpha*sine)
-      kin%c = cos_alpha - (cos_alpha*versine - sin_alpha*sine)
-      kin%u = 2*(sin_alpha*versine + cos_alpha*sine)
+      associate (sin_alpha => geometry%sin_alpha, cos_alpha => geometry%cos_alpha)
+         kin%s = sin_alpha - (sin_alpha*versine + cos_alpha*sine)
+         kin%c = cos_alpha - (cos_alpha*versine - sin_alpha*sine)
+         kin%u = 2*(sin_alpha*versine + cos_alpha*sine)
+      end associate
    end subroutine common_part
 
 end module rwmf_kinematics

@@ -1,13 +1,15 @@
-!> Instant inside the last step of an integrator at which a state passes a level, to round-off.
+!> Instants inside the last step of an integrator: where a state passes a level, to round-off, and
+!> where theta' turns unseen between the ends.
 module rwmf_locate
-   use rwmf_equation, only: equation_t, rhs
+   use rwmf_equation, only: equation_t, rhs, second_derivative
    use rwmf_errors, only: error_t
-   use rwmf_kinds, only: wp
+   use rwmf_kinds, only: pi, wp
+   use rwmf_motion, only: interval_end, turning_point
    use rwmf_stepper, only: stepper_t
    implicit none
    private
 
-   public :: locate
+   public :: locate, count_parts, find_reversal, stationary_point
 
    integer, parameter :: most_iterations = 200
    !! a bisection of the whole range of exponents takes fewer
@@ -123,5 +125,94 @@ contains
       if (.not. (t > t_a .and. t < t_b)) t = t_a + x*(t_b - t_a)
       if (.not. (t > t_a .and. t < t_b)) t = t_a + (t_b - t_a)/2
    end function first_guess
+
+   !> In how many parts to search a step: in each of them frame and ground motion go through a quarter
+   !> of their periods at most. A high order with a loose tolerance takes steps of a period.
+   integer function count_parts(equation, t_a, t_b) result(n)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: t_b
+      !! [s]
+      integer, parameter :: most = 1000
+      real(wp) :: quarter
+      !! of the shortest period [s]
+      real(wp) :: first
+      real(wp) :: second
+
+      quarter = huge(quarter)
+      if (equation%has_frame) quarter = pi/2/equation%p%omega_s
+      first = turning_point(equation%motion, equation%interval, t_a)
+      if (first < min(t_b, interval_end(equation%motion, equation%interval))) then
+         second = turning_point(equation%motion, equation%interval, first)
+         if (second < interval_end(equation%motion, equation%interval)) then
+            quarter = min(quarter, (second - first)/2)
+         end if
+      end if
+      n = ceiling(min((t_b - t_a)/quarter, real(most, wp)))
+      n = max(n, 1)
+   end function count_parts
+
+   !> Does theta' pass through zero and back between two times at which it has the same sign?
+   !>
+   !> The rotation tells at no cost: a theta' that touches zero as a parabola has the mean
+   !> (v_a + v_b - sqrt(v_a v_b))/3. Only below that, with a margin, slopes and a state are evaluated.
+   subroutine find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t, y, found, error)
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: y_a(:)
+      !! (states) at t_a
+      real(wp), intent(in) :: t_b
+      !! [s]
+      real(wp), intent(in) :: y_b(:)
+      !! (states) at t_b
+      real(wp), intent(inout) :: t
+      !! when found: a time between both sign changes [s]
+      real(wp), intent(inout) :: y(:)
+      !! (states) there
+      logical, intent(out) :: found
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: margin = 0.45_wp
+      !! 1/3: the parabola; 1/2: a straight line from rest, of which there are many
+      real(wp) :: h
+      real(wp) :: v(2)
+      !! theta' at the ends, not negative [rad/s]
+      real(wp) :: slope(2)
+      !! of it over the span [rad/s]
+
+      h = t_b - t_a
+      found = .false.
+      v = abs([y_a(2), y_b(2)])
+      if (sign(1.0_wp, y_a(2) + y_b(2))*(y_b(1) - y_a(1)) &
+         >= margin*h*(sum(v) - sqrt(v(1))*sqrt(v(2)))) return
+      slope = [second_derivative(equation, t_a, y_a), second_derivative(equation, t_b, y_b)]
+      slope = slope*sign(h, y_a(2) + y_b(2))
+      if (slope(1) >= 0 .or. slope(2) <= 0) return
+      t = t_a + stationary_point(v(1), slope(1), v(2), slope(2))*h
+      call stepper%state_at(t, y, error)
+      if (allocated(error)) return
+      found = y(2)*(y_a(2) + y_b(2)) < 0
+   end subroutine find_reversal
+
+   !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
+   pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
+      real(wp), intent(in) :: v_0
+      real(wp), intent(in) :: s_0
+      real(wp), intent(in) :: v_1
+      real(wp), intent(in) :: s_1
+      real(wp) :: a
+      real(wp) :: b
+      real(wp) :: root
+
+      ! Slope of the cubic: a x**2 + 2 b x + s_0.
+      a = 3*(s_0 + s_1 - 2*(v_1 - v_0))
+      b = 3*(v_1 - v_0) - 2*s_0 - s_1
+      root = sqrt(max(0.0_wp, b**2 - a*s_0))
+      ! The slopes differ in sign, so exactly one root lies inside; this form never cancels there.
+      x = s_0/(-b + sign(root, s_0))
+      if (.not. (x >= 0 .and. x <= 1)) x = s_0/(s_0 - s_1)
+   end function stationary_point
 
 end module rwmf_locate

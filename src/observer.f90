@@ -10,6 +10,7 @@ module rwmf_observer
    use rwmf_errors, only: err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
+   use rwmf_locate, only: stationary_point
    use rwmf_motion, only: acceleration
    use rwmf_result, only: append_event, energy_t, event_t, history_t
    use rwmf_stepper, only: stepper_t
@@ -199,22 +200,6 @@ contains
       call stepper%state_at(t_a + x*(t_b - t_a), y, error)
       if (.not. allocated(error)) observer%theta_dot_max = max(observer%theta_dot_max, abs(y(2)))
    end subroutine observe_fastest
-
-   !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
-   pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
-      real(wp), intent(in) :: v_0, s_0, v_1, s_1
-      real(wp) :: a
-      real(wp) :: b
-      real(wp) :: root
-
-      ! Slope of the cubic: a x**2 + 2 b x + s_0.
-      a = 3*(s_0 + s_1 - 2*(v_1 - v_0))
-      b = 3*(v_1 - v_0) - 2*s_0 - s_1
-      root = sqrt(max(0.0_wp, b**2 - a*s_0))
-      ! The slopes differ in sign, so exactly one root lies inside; this form never cancels there.
-      x = s_0/(-b + sign(root, s_0))
-      if (.not. (x >= 0 .and. x <= 1)) x = s_0/(s_0 - s_1)
-   end function stationary_point
 
    !> Rows of the history up to t_b from the integrator's last step.
    subroutine sample_piece(observer, equation, stepper, t_b, error)

@@ -8,8 +8,7 @@ module rwmf_one_step
    use rwmf_equation, only: equation_t, rhs
    use rwmf_errors, only: err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
-   use rwmf_stepper, only: stepper_t, tolerance_t
-   use rwmf_text, only: real_to_text
+   use rwmf_stepper, only: fail_step, stepper_t, tolerance_t
    implicit none
    private
 
@@ -214,9 +213,7 @@ contains
       character(*), intent(in) :: cause
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_numerical, 'integration failed at t = '//real_to_text(self%t1) &
-         //' s, theta = '//real_to_text(self%y1(1))//', theta_dot = ' &
-         //real_to_text(self%y1(2))//', rtol = '//real_to_text(self%tolerance%rtol)//': '//cause)
+      call fail_step(self, 'integration', self%tolerance%rtol, cause, error)
    end subroutine report
 
    subroutine destroy_one_step(self)

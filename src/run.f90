@@ -189,7 +189,7 @@ contains
 
       result%impacts = observer%impacts
       result%lift_offs = observer%lift_offs
-      result%has_impacts = equation%has_wall
+      result%has_impacts = equation%has_impacts
       result%overturned = hybrid%mode == mode_overturned
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
@@ -218,6 +218,7 @@ contains
 
       allocate (result%warnings(0))
       if (.not. allocated(case%wall)) return
+      if (case%wall%base == 'pinned') return
       e = restitution(case, alpha)
       e_max = restitution_momentum(alpha, mass_ratio(case))
       if (allocated(case%impact)) then
@@ -249,8 +250,10 @@ contains
       result%theta_min = observer%theta_min
       result%theta_max_over_alpha = max(observer%theta_max, -observer%theta_min)/equation%p%alpha
       result%theta_dot_max = observer%theta_dot_max
-      result%e = hybrid%e
-      result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case))
+      if (equation%has_impacts) then
+         result%e = hybrid%e
+         result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case))
+      end if
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, observer)
    end subroutine fill_wall
 

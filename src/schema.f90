@@ -56,11 +56,15 @@ contains
          required('wall', 'b', 'real', 'm', positive, 'half width of the wall'), &
          optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
             'mass of the wall; given: forces are reported in N as well'), &
+         optional_key('wall', 'base', 'choice', '', 'rocking', 'rocking pinned', &
+            'on two corners with impacts, or hinged in the middle'), &
          optional_key('frame', 'T_s', 'real', 's', '', positive, &
             'undamped period; required without &spectrum'), &
          optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
             'mass ratio m_s/m_w; required with &wall, refused without'), &
          required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio'), &
+         required('link', 'L', 'real', 'm', positive, &
+            'length of the link, Eqs (2), (3); absent: infinitely long'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &

@@ -1,12 +1,13 @@
-!> What the hybrid loop needs of an integrator, and nothing else.
+!> What the hybrid loop needs of an integrator, and what every integrator can use.
 module rwmf_stepper
-   use rwmf_equation, only: equation_t
-   use rwmf_errors, only: error_t
+   use rwmf_equation, only: equation_t, rhs
+   use rwmf_errors, only: err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
+   use rwmf_text, only: real_to_text
    implicit none
    private
 
-   public :: stepper_t, tolerance_t
+   public :: fail_step, stepper_t, taylor_step, tolerance_t
 
    !> Local error allowed per step: rtol*|y_i| + atol_i.
    type :: tolerance_t
@@ -94,5 +95,40 @@ module rwmf_stepper
          class(stepper_t), intent(inout) :: self
       end subroutine destroy_i
    end interface
+
+contains
+
+   !> Say where and with what state an integration failed. Fails with `err_numerical`.
+   subroutine fail_step(stepper, what, rtol, cause, error)
+      class(stepper_t), intent(in) :: stepper
+      character(*), intent(in) :: what
+      !! what failed
+      real(wp), intent(in) :: rtol
+      !! in force [-]
+      character(*), intent(in) :: cause
+      !! why, and what helps
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_numerical, what//' failed at t = '//real_to_text(stepper%t1) &
+         //' s, theta = '//real_to_text(stepper%y1(1))//', theta_dot = ' &
+         //real_to_text(stepper%y1(2))//', rtol = '//real_to_text(rtol)//': '//cause)
+   end subroutine fail_step
+
+   !> Step of a few round-offs. The flights of a dying chatter are that short, and without the
+   !> second-order term they would gain energy.
+   subroutine taylor_step(equation, t, h, y)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! beginning [s]
+      real(wp), intent(in) :: h
+      !! length [s]
+      real(wp), intent(inout) :: y(:)
+      !! (states) at t; on return at t + h
+      real(wp) :: y_dot(size(y))
+
+      call rhs(equation, t, y, y_dot)
+      y = y + h*y_dot
+      y(1) = y(1) + h**2/2*y_dot(2)
+   end subroutine taylor_step
 
 end module rwmf_stepper

@@ -17,7 +17,7 @@ module rwmf_sundials
       FCVodeGetDky, FCVodeInit, FCVodeReInit, FCVodeSetErrHandlerFn, FCVodeSetJacFn, &
       FCVodeSetLinearSolver, FCVodeSetNonlinearSolver, FCVodeSetStopTime, FCVodeSetUserData, &
       FCVodeSVtolerances
-   use fnvector_serial_mod, only: FN_VMake_Serial
+   use fnvector_serial_mod, only: FN_VNew_Serial
    use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
    use fsundials_linearsolver_mod, only: FSUNLinSolFree, SUNLinearSolver
    use fsundials_matrix_mod, only: FSUNMatDestroy, SUNMatrix
@@ -27,10 +27,9 @@ module rwmf_sundials
    use fsunmatrix_dense_mod, only: FSUNDenseMatrix, FSUNDenseMatrix_Data
    use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
    use rwmf_equation, only: equation_t, jacobian, rhs
-   use rwmf_errors, only: err_numerical, error_t, fail
+   use rwmf_errors, only: error_t
    use rwmf_kinds, only: i8, wp
-   use rwmf_stepper, only: stepper_t, tolerance_t
-   use rwmf_text, only: real_to_text
+   use rwmf_stepper, only: fail_step, stepper_t, taylor_step, tolerance_t
    implicit none
    private
 
@@ -43,6 +42,8 @@ module rwmf_sundials
    real(wp), parameter :: bdf_share = 0.05_wp
    real(wp), parameter :: least_rtol = 1.0e-14_wp
    !! below, CVODE's error test sees nothing but round-off
+   integer(c_int), parameter :: no_memory = -20
+   !! flag of CVODE and ARKODE
 
    !> What both families share: context, vectors, equation.
    type, abstract, extends(stepper_t) :: sundials_t
@@ -97,6 +98,7 @@ module rwmf_sundials
       !> SUNDIALS' C function.
       type(c_ptr) function array_pointer(vector) bind(c, name='N_VGetArrayPointer')
          import :: c_ptr
+         implicit none
          type(c_ptr), value :: vector
       end function array_pointer
    end interface
@@ -106,8 +108,8 @@ contains
    !> Right-hand side as SUNDIALS calls it. A value that is not finite asks for a smaller step.
    integer(c_int) function evaluate_rhs(t, vector, vector_dot, user_data) bind(c, name='')
       real(c_double), value :: t
-      type(N_Vector) :: vector
-      type(N_Vector) :: vector_dot
+      type(N_Vector), intent(inout) :: vector
+      type(N_Vector), intent(inout) :: vector_dot
       type(c_ptr), value :: user_data
       type(equation_t), pointer :: equation
       real(c_double), pointer :: y(:)
@@ -124,11 +126,11 @@ contains
    integer(c_int) function evaluate_jacobian(t, vector, vector_dot, matrix, user_data, &
       work_1, work_2, work_3) bind(c, name='')
       real(c_double), value :: t
-      type(N_Vector) :: vector
-      type(N_Vector) :: vector_dot
-      type(SUNMatrix) :: matrix
+      type(N_Vector), intent(inout) :: vector
+      type(N_Vector), intent(inout) :: vector_dot
+      type(SUNMatrix), intent(inout) :: matrix
       type(c_ptr), value :: user_data
-      type(N_Vector) :: work_1, work_2, work_3
+      type(N_Vector), intent(inout) :: work_1, work_2, work_3
       type(equation_t), pointer :: equation
       real(c_double), pointer :: y(:)
       real(c_double), pointer :: first(:)
@@ -143,8 +145,8 @@ contains
       evaluate_jacobian = merge(0_c_int, 1_c_int, all(ieee_is_finite(values(2, :))))
    end function evaluate_jacobian
 
-   !> States of a vector. The Fortran interface's own function returns a pointer of the wrong extent,
-   !> and costs more than the rest of a right-hand side's wrapping.
+   !> States of a vector. The Fortran interface's own function returns a pointer of the wrong
+   !> extent, and costs more than the rest of a right-hand side's wrapping.
    subroutine data_of(vector, n, values)
       type(N_Vector), intent(in), target :: vector
       integer, intent(in) :: n
@@ -159,8 +161,8 @@ contains
       type(c_ptr), value :: module_name, function_name, message, user_data
    end subroutine stay_silent
 
-   !> Turn a flag into an error with time, state and advice.
-   subroutine report(self, flag, what, error)
+   !> Check a flag; a failure becomes an error with time, state and advice.
+   logical function has_failed(self, flag, what, error)
       class(sundials_t), intent(in) :: self
       integer(c_int), intent(in) :: flag
       !! of SUNDIALS; >= 0 is success
@@ -170,26 +172,33 @@ contains
       character(:), allocatable :: cause
       character(12) :: digits
 
-      if (flag >= 0) return
+      has_failed = flag < 0
+      if (.not. has_failed) return
       select case (flag)
       case (-2)
          cause = 'the tolerance is too small for this precision: raise rtol'
       case (-3)
-         cause = 'the error test fails at the smallest step: the response or the motion is not smooth'
+         cause = 'the error test fails at the smallest step: the response or the motion is not ' &
+            //'smooth'
       case (-4, -6, -7)
          cause = 'the corrector iteration does not converge: try another method'
       case (-8, -9, -10, -11)
          cause = 'the right-hand side is not finite: check parameters and motion'
-      case (-20, -21, -28)
+      case (no_memory, -21, -28)
          cause = 'out of memory'
       case default
          write (digits, '(i0)') flag
          cause = 'flag '//trim(digits)
       end select
-      call fail(error, err_numerical, 'SUNDIALS '//what//' failed at t = '//real_to_text(self%t1) &
-         //' s, theta = '//real_to_text(self%y1(1))//', theta_dot = ' &
-         //real_to_text(self%y1(2))//', rtol = '//real_to_text(self%rtol)//': '//cause)
-   end subroutine report
+      call fail_step(self, 'SUNDIALS '//what, self%rtol, cause, error)
+   end function has_failed
+
+   !> Flag of a constructor that returns a null pointer when memory is short.
+   pure integer(c_int) function made(is_there)
+      logical, intent(in) :: is_there
+
+      made = merge(0_c_int, no_memory, is_there)
+   end function made
 
    !> Context, vectors and the working state of both families.
    subroutine create_common(self, equation, tolerance, error)
@@ -197,31 +206,23 @@ contains
       type(equation_t), intent(inout), target :: equation
       type(tolerance_t), intent(in) :: tolerance
       type(error_t), allocatable, intent(out) :: error
-      integer :: n
-      integer :: status
 
-      n = equation%n
       self%equation => equation
       self%steps = 0_i8
       self%rtol = tolerance%rtol
-      self%is_initialised = .false.
       self%t0 = 0
       self%t1 = 0
-      allocate (self%state(n), self%atol(n), stat=status)
-      if (status /= 0) then
-         call fail(error, err_numerical, 'out of memory for the integrator')
-         return
-      end if
-      self%atol = tolerance%atol
-      self%y0 = 0*self%atol
+      self%y0 = 0*tolerance%atol
       self%y1 = self%y0
-      call report(self, FSUNContext_Create(c_null_ptr, self%context), 'context', error)
-      if (allocated(error)) return
-      self%vector => FN_VMake_Serial(int(n, i8), self%state, self%context)
-      self%tolerances => FN_VMake_Serial(int(n, i8), self%atol, self%context)
-      if (.not. (associated(self%vector) .and. associated(self%tolerances))) then
-         call report(self, -20_c_int, 'vectors', error)
-      end if
+      if (has_failed(self, FSUNContext_Create(c_null_ptr, self%context), 'context', error)) return
+      self%vector => FN_VNew_Serial(int(equation%n, i8), self%context)
+      if (has_failed(self, made(associated(self%vector)), 'vector', error)) return
+      self%tolerances => FN_VNew_Serial(int(equation%n, i8), self%context)
+      if (has_failed(self, made(associated(self%tolerances)), 'tolerances', error)) return
+      call data_of(self%vector, equation%n, self%state)
+      call data_of(self%tolerances, equation%n, self%atol)
+      self%state = 0
+      self%atol = tolerance%atol
    end subroutine create_common
 
    !> Free what `create_common` made.
@@ -229,18 +230,21 @@ contains
       class(sundials_t), intent(inout) :: self
       integer(c_int) :: flag
 
-      if (associated(self%vector)) call FN_VDestroy(self%vector)
-      if (associated(self%tolerances)) call FN_VDestroy(self%tolerances)
-      self%vector => null()
-      self%tolerances => null()
+      call free_vector(self%vector, self%state)
+      call free_vector(self%tolerances, self%atol)
       if (c_associated(self%context)) flag = FSUNContext_Free(self%context)
       self%context = c_null_ptr
-      if (associated(self%state)) deallocate (self%state)
-      if (associated(self%atol)) deallocate (self%atol)
-      self%state => null()
-      self%atol => null()
       self%is_initialised = .false.
    end subroutine destroy_common
+
+   subroutine free_vector(vector, values)
+      type(N_Vector), pointer, intent(inout) :: vector
+      real(c_double), pointer, intent(inout) :: values(:)
+
+      if (associated(vector)) call FN_VDestroy(vector)
+      vector => null()
+      values => null()
+   end subroutine free_vector
 
    subroutine create_cvode(self, equation, tolerance, error)
       class(cvode_t), intent(inout) :: self
@@ -257,7 +261,7 @@ contains
       call create_common(self, equation, shared, error)
       if (allocated(error)) return
       self%memory = FCVodeCreate(merge(CV_BDF, CV_ADAMS, self%is_stiff), self%context)
-      if (.not. c_associated(self%memory)) call report(self, -20_c_int, 'CVodeCreate', error)
+      if (has_failed(self, made(c_associated(self%memory)), 'CVodeCreate', error)) return
    end subroutine create_cvode
 
    !> First use: everything that CVODE wants after CVodeInit, in the order that it wants it.
@@ -267,36 +271,25 @@ contains
       !! [s]
       type(error_t), allocatable, intent(out) :: error
 
-      call report(self, FCVodeSetErrHandlerFn(self%memory, c_funloc(stay_silent), c_null_ptr), &
-         'error handler', error)
-      if (allocated(error)) return
-      call report(self, FCVodeInit(self%memory, c_funloc(evaluate_rhs), t, self%vector), &
-         'CVodeInit', error)
-      if (allocated(error)) return
-      call report(self, FCVodeSetUserData(self%memory, c_loc(self%equation)), 'user data', error)
-      if (allocated(error)) return
-      call report(self, FCVodeSVtolerances(self%memory, self%rtol, self%tolerances), &
-         'tolerances', error)
-      if (allocated(error)) return
+      associate (memory => self%memory)
+         if (has_failed(self, FCVodeSetErrHandlerFn(memory, c_funloc(stay_silent), c_null_ptr), &
+            'error handler', error)) return
+         if (has_failed(self, FCVodeInit(memory, c_funloc(evaluate_rhs), t, self%vector), &
+            'CVodeInit', error)) return
+         if (has_failed(self, FCVodeSetUserData(memory, c_loc(self%equation)), &
+            'user data', error)) return
+         if (has_failed(self, FCVodeSVtolerances(memory, self%rtol, self%tolerances), &
+            'tolerances', error)) return
+      end associate
       if (self%is_stiff) then
          call attach_newton(self, error)
-      else
-         call attach_functional_iteration(self, error)
-      end if
-   end subroutine initialise_cvode
-
-   subroutine attach_functional_iteration(self, error)
-      class(cvode_t), intent(inout) :: self
-      type(error_t), allocatable, intent(out) :: error
-
-      self%iteration => FSUNNonlinSol_FixedPoint(self%vector, 0_c_int, self%context)
-      if (.not. associated(self%iteration)) then
-         call report(self, -20_c_int, 'functional iteration', error)
          return
       end if
-      call report(self, FCVodeSetNonlinearSolver(self%memory, self%iteration), &
-         'functional iteration', error)
-   end subroutine attach_functional_iteration
+      self%iteration => FSUNNonlinSol_FixedPoint(self%vector, 0_c_int, self%context)
+      if (has_failed(self, made(associated(self%iteration)), 'fixed point', error)) return
+      if (has_failed(self, FCVodeSetNonlinearSolver(self%memory, self%iteration), &
+         'functional iteration', error)) return
+   end subroutine initialise_cvode
 
    subroutine attach_newton(self, error)
       class(cvode_t), intent(inout) :: self
@@ -305,18 +298,13 @@ contains
 
       n = int(self%equation%n, i8)
       self%matrix => FSUNDenseMatrix(n, n, self%context)
-      if (associated(self%matrix)) then
-         self%linear_solver => FSUNLinSol_Dense(self%vector, self%matrix, self%context)
-      end if
-      if (.not. associated(self%linear_solver)) then
-         call report(self, -20_c_int, 'dense solver', error)
-         return
-      end if
-      call report(self, FCVodeSetLinearSolver(self%memory, self%linear_solver, self%matrix), &
-         'linear solver', error)
-      if (allocated(error)) return
-      call report(self, FCVodeSetJacFn(self%memory, c_funloc(evaluate_jacobian)), &
-         'Jacobian', error)
+      if (has_failed(self, made(associated(self%matrix)), 'dense matrix', error)) return
+      self%linear_solver => FSUNLinSol_Dense(self%vector, self%matrix, self%context)
+      if (has_failed(self, made(associated(self%linear_solver)), 'dense solver', error)) return
+      if (has_failed(self, FCVodeSetLinearSolver(self%memory, self%linear_solver, self%matrix), &
+         'linear solver', error)) return
+      if (has_failed(self, FCVodeSetJacFn(self%memory, c_funloc(evaluate_jacobian)), &
+         'Jacobian', error)) return
    end subroutine attach_newton
 
    !> CVODE begins with tiny steps of order 1 by itself, whatever the span.
@@ -326,13 +314,15 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
+      integer(c_int) :: flag
 
       self%t1 = t
       self%y1(:) = y
       self%state = y
       self%t_stop = t
       if (self%is_initialised) then
-         call report(self, FCVodeReInit(self%memory, t, self%vector), 'CVodeReInit', error)
+         flag = FCVodeReInit(self%memory, t, self%vector)
+         if (has_failed(self, flag, 'CVodeReInit', error)) return
       else
          call initialise_cvode(self, t, error)
          self%is_initialised = .not. allocated(error)
@@ -346,16 +336,14 @@ contains
       real(c_double) :: reached(1)
 
       if (abs(t_limit - self%t_stop) > 0 .or. self%t1 >= self%t_stop) then
-         call report(self, FCVodeSetStopTime(self%memory, t_limit), 'stop time', error)
-         if (allocated(error)) return
+         if (has_failed(self, FCVodeSetStopTime(self%memory, t_limit), 'stop time', error)) return
          self%t_stop = t_limit
       end if
       self%t0 = self%t1
       self%y0(:) = self%y1
       reached(1) = self%t1
-      call report(self, FCVode(self%memory, t_limit, self%vector, reached, CV_ONE_STEP), &
-         'CVode', error)
-      if (allocated(error)) return
+      if (has_failed(self, FCVode(self%memory, t_limit, self%vector, reached, CV_ONE_STEP), &
+         'CVode', error)) return
       self%t1 = reached(1)
       self%y1(:) = self%state
       self%steps = self%steps + 1_i8
@@ -374,7 +362,8 @@ contains
          y = self%y0
          return
       end if
-      call report(self, FCVodeGetDky(self%memory, t, 0_c_int, self%vector), 'CVodeGetDky', error)
+      if (has_failed(self, FCVodeGetDky(self%memory, t, 0_c_int, self%vector), &
+         'CVodeGetDky', error)) return
       y = self%state
    end subroutine state_at_cvode
 
@@ -402,10 +391,10 @@ contains
       call self%destroy()
       call create_common(self, equation, tolerance, error)
       if (allocated(error)) return
-      allocate (self%scout_state(equation%n))
+      self%scout_vector => FN_VNew_Serial(int(equation%n, i8), self%context)
+      if (has_failed(self, made(associated(self%scout_vector)), 'vector', error)) return
+      call data_of(self%scout_vector, equation%n, self%scout_state)
       self%scout_state = 0
-      self%scout_vector => FN_VMake_Serial(int(equation%n, i8), self%scout_state, self%context)
-      if (.not. associated(self%scout_vector)) call report(self, -20_c_int, 'vectors', error)
    end subroutine create_erk
 
    !> One ERKStep instance with our tableau, equation and silence.
@@ -419,22 +408,16 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       memory = FERKStepCreate(c_funloc(evaluate_rhs), t, vector, self%context)
-      if (.not. c_associated(memory)) then
-         call report(self, -20_c_int, 'ERKStepCreate', error)
-         return
-      end if
-      call report(self, FERKStepSetErrHandlerFn(memory, c_funloc(stay_silent), c_null_ptr), &
-         'error handler', error)
-      if (allocated(error)) return
-      call report(self, FERKStepSetTableNum(memory, ARKODE_DORMAND_PRINCE_7_4_5), &
-         'Dormand-Prince pair', error)
-      if (allocated(error)) return
-      call report(self, FERKStepSetUserData(memory, c_loc(self%equation)), 'user data', error)
-      if (allocated(error)) return
-      call report(self, FERKStepSVtolerances(memory, self%rtol, self%tolerances), &
-         'tolerances', error)
-      if (allocated(error)) return
-      call report(self, FERKStepSetMaxNumSteps(memory, -1_c_long), 'step limit', error)
+      if (has_failed(self, made(c_associated(memory)), 'ERKStepCreate', error)) return
+      if (has_failed(self, FERKStepSetErrHandlerFn(memory, c_funloc(stay_silent), c_null_ptr), &
+         'error handler', error)) return
+      if (has_failed(self, FERKStepSetTableNum(memory, ARKODE_DORMAND_PRINCE_7_4_5), &
+         'Dormand-Prince pair', error)) return
+      if (has_failed(self, FERKStepSetUserData(memory, c_loc(self%equation)), &
+         'user data', error)) return
+      if (has_failed(self, FERKStepSVtolerances(memory, self%rtol, self%tolerances), &
+         'tolerances', error)) return
+      if (has_failed(self, FERKStepSetMaxNumSteps(memory, -1_c_long), 'step limit', error)) return
    end subroutine initialise_erk
 
    !> ERKStep chooses its first step by itself, whatever the span.
@@ -444,20 +427,21 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
+      integer(c_int) :: flag
 
       self%t1 = t
       self%y1(:) = y
       self%state = y
       if (self%is_initialised) then
-         call report(self, FERKStepReInit(self%memory, c_funloc(evaluate_rhs), t, self%vector), &
-            'ERKStepReInit', error)
-         return
+         flag = FERKStepReInit(self%memory, c_funloc(evaluate_rhs), t, self%vector)
+         if (has_failed(self, flag, 'ERKStepReInit', error)) return
+      else
+         call initialise_erk(self, t, self%vector, self%memory, error)
+         if (allocated(error)) return
+         self%scout_state = y
+         call initialise_erk(self, t, self%scout_vector, self%scout, error)
+         self%is_initialised = .not. allocated(error)
       end if
-      call initialise_erk(self, t, self%vector, self%memory, error)
-      if (allocated(error)) return
-      self%scout_state = y
-      call initialise_erk(self, t, self%scout_vector, self%scout, error)
-      self%is_initialised = .not. allocated(error)
    end subroutine start_erk
 
    subroutine step_erk(self, t_limit, error)
@@ -466,14 +450,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(c_double) :: reached(1)
 
-      call report(self, FERKStepSetStopTime(self%memory, t_limit), 'stop time', error)
-      if (allocated(error)) return
+      if (has_failed(self, FERKStepSetStopTime(self%memory, t_limit), 'stop time', error)) return
       self%t0 = self%t1
       self%y0(:) = self%y1
       reached(1) = self%t1
-      call report(self, FERKStepEvolve(self%memory, t_limit, self%vector, reached, ARK_ONE_STEP), &
-         'ERKStepEvolve', error)
-      if (allocated(error)) return
+      if (has_failed(self, FERKStepEvolve(self%memory, t_limit, self%vector, reached, &
+         ARK_ONE_STEP), 'ERKStepEvolve', error)) return
       self%t1 = reached(1)
       self%y1(:) = self%state
       self%steps = self%steps + 1_i8
@@ -490,34 +472,20 @@ contains
       y = self%y1
       if (t >= self%t1) return
       y = self%y0
+      ! ARKODE refuses a step of a few round-offs; there Taylor's formula is exact.
       if (t - self%t0 <= 100*epsilon(t)*abs(t)) then
-         call taylor_step(self, max(0.0_wp, t - self%t0), y)
+         call taylor_step(self%equation, self%t0, max(0.0_wp, t - self%t0), y)
          return
       end if
       self%scout_state = self%y0
-      call report(self, FERKStepReset(self%scout, self%t0, self%scout_vector), 'ERKStepReset', error)
-      if (allocated(error)) return
-      call report(self, FERKStepSetFixedStep(self%scout, t - self%t0), 'fixed step', error)
-      if (allocated(error)) return
-      call report(self, FERKStepEvolve(self%scout, t, self%scout_vector, reached, ARK_ONE_STEP), &
-         'ERKStepEvolve', error)
+      if (has_failed(self, FERKStepReset(self%scout, self%t0, self%scout_vector), &
+         'ERKStepReset', error)) return
+      if (has_failed(self, FERKStepSetFixedStep(self%scout, t - self%t0), &
+         'fixed step', error)) return
+      if (has_failed(self, FERKStepEvolve(self%scout, t, self%scout_vector, reached, &
+         ARK_ONE_STEP), 'ERKStepEvolve', error)) return
       y = self%scout_state
    end subroutine state_at_erk
-
-   !> ARKODE refuses a step of a few round-offs; there Taylor's formula is exact. The flights of a
-   !> dying chatter are that short, and without the second-order term they would gain energy.
-   subroutine taylor_step(self, h, y)
-      class(erk_t), intent(inout) :: self
-      real(wp), intent(in) :: h
-      !! from t0 [s]
-      real(wp), intent(inout) :: y(:)
-      !! (states) at t0; on return at t0 + h
-      real(wp) :: y_dot(size(y))
-
-      call rhs(self%equation, self%t0, y, y_dot)
-      y = y + h*y_dot
-      y(1) = y(1) + h**2/2*y_dot(2)
-   end subroutine taylor_step
 
    subroutine destroy_erk(self)
       class(erk_t), intent(inout) :: self
@@ -526,10 +494,7 @@ contains
       if (c_associated(self%scout)) call FERKStepFree(self%scout)
       self%memory = c_null_ptr
       self%scout = c_null_ptr
-      if (associated(self%scout_vector)) call FN_VDestroy(self%scout_vector)
-      self%scout_vector => null()
-      if (associated(self%scout_state)) deallocate (self%scout_state)
-      self%scout_state => null()
+      call free_vector(self%scout_vector, self%scout_state)
       call destroy_common(self)
    end subroutine destroy_erk
 

@@ -13,18 +13,21 @@ Five lines from a case to a picture::
 from rwmf import plot
 from rwmf._library import version as _kernel_version
 from rwmf.case import Case
+from rwmf.cost import Cost, cost
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 from rwmf.simulation import simulate
 from rwmf.spectrum import spectrum
 
 __all__ = [
     "Case",
+    "Cost",
     "InputError",
     "Interrupted",
     "NumericalError",
     "OutputError",
     "RwmfError",
     "__version__",
+    "cost",
     "plot",
     "simulate",
     "spectrum",

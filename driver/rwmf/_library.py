@@ -15,6 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_python as _kernel
+from rwmf._kernel import rwmf_python_cost as cost_kernel
+from rwmf._reference import rwmf_reference as reference_kernel
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
 __all__ = ["Run", "Sweep", "describe", "schema", "start_simulation", "start_spectrum", "version"]
@@ -222,7 +224,7 @@ def start_simulation(text: str, source: str) -> Run:
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
         return _kernel.simulate(_bytes(text), _bytes(source), control, message)
 
-    return _wait_for(call, message, Run, None)
+    return _wait_for(call, message, source, Run, None)
 
 
 def start_spectrum(
@@ -258,12 +260,13 @@ def start_spectrum(
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
         return _kernel.spectrum(_bytes(text), _bytes(source), threads, control, message)
 
-    return _wait_for(call, message, Sweep, progress)
+    return _wait_for(call, message, source, Sweep, progress)
 
 
 def _wait_for(
     call: Callable[[npt.NDArray[np.int64]], tuple[int, int, int]],
     message: npt.NDArray[np.int8],
+    source: str,
     wrap: Callable[[int], _T],
     progress: Progress | None,
 ) -> _T:
@@ -299,7 +302,7 @@ def _wait_for(
     if isinstance(outcome[0], BaseException):
         raise outcome[0]
     handle, status, n = outcome[0]
-    _raise_for(status, message, n)
+    _raise_for(status, message, n, source=source)
     result = wrap(handle)
     if progress is not None:
         progress(int(control[0]))
@@ -313,12 +316,19 @@ def _discard(outcome: tuple[int, int, int] | BaseException, wrap: Callable[[int]
 
 
 def _raise_for(
-    status: int, message: npt.NDArray[np.int8], length: int, *, writing: bool = False
+    status: int,
+    message: npt.NDArray[np.int8],
+    length: int,
+    *,
+    writing: bool = False,
+    source: str = "",
 ) -> None:
-    """Turn the kernel's status into an exception."""
+    """Turn the kernel's status into an exception; its message begins with the case's file."""
     if status == 0:
         return
     text = _decode(message, min(length, message.size))
+    if source and not text.startswith(source):
+        text = f"{source}: {text}"
     if status == _INTERRUPTED:
         raise Interrupted(text)
     raise (OutputError if writing else _ERRORS.get(status, NumericalError))(text)

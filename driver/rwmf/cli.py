@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 
 import rwmf
-from rwmf import commands
+from rwmf import commands, cost_command
 from rwmf.errors import Interrupted, RwmfError
 
 __all__ = ["main", "make_parser"]
@@ -58,7 +58,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"rwmf {rwmf.__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_run, _add_spectrum, _add_check, _add_records):
+    for add in (_add_run, _add_spectrum, _add_cost, _add_check, _add_records):
         add(subparsers)
     return parser
 
@@ -118,6 +118,18 @@ def _thread_count(word: str) -> int:
     if n < 0:
         raise argparse.ArgumentTypeError(f"{n}: must be >= 0")
     return n
+
+
+def _add_cost(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _add(
+        subparsers,
+        "cost",
+        cost_command.run,
+        "Show what accuracy costs in time: every method and tolerance, and what is usual today, "
+        "against a reference in quadruple precision (less than 30 s).",
+        "inputs/accuracy_elcentro_1s.nml --plot cost.png",
+    )
+    cost_command.add_arguments(parser)
 
 
 def _add_check(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

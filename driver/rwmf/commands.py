@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import os
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -126,17 +127,36 @@ def _check_plot(path: str | None) -> None:
         figures.check_format(path)
 
 
+def _find_bar() -> type | None:
+    """Class of the progress bar; None when the optional package is not installed.
+
+    It is tqdm: pure Python without dependencies, maintained since 2013, at home on narrow and
+    dumb terminals. Imported here because only a terminal needs it.
+    """
+    try:
+        from tqdm import tqdm
+    except ModuleNotFoundError:
+        return None
+    return tqdm
+
+
 @contextmanager
 def progress_bar(total: int) -> Iterator[Callable[[int, int], None] | None]:
     """Show progress on a terminal; nothing where the output is kept."""
-    if not sys.stderr.isatty():
+    bar_type = _find_bar() if sys.stderr.isatty() else None
+    if bar_type is None:
         yield None
         return
-    # tqdm: pure Python, no dependencies, copes with narrow and dumb terminals, maintained since
-    # 2013; imported here because only a terminal needs it
-    from tqdm import tqdm
-
-    with tqdm(total=total, unit="run", leave=False, file=sys.stderr) as bar:
+    # a terminal that does not tell its size gets a usual one
+    size = shutil.get_terminal_size()
+    with bar_type(
+        total=total,
+        unit="run",
+        leave=False,
+        file=sys.stderr,
+        ncols=size.columns,
+        nrows=size.lines,
+    ) as bar:
 
         def report(done: int, _: int) -> None:
             bar.update(done - bar.n)

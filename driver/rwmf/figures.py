@@ -59,10 +59,12 @@ def check_format(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     InputError
-        When there is no such format.
+        When there is no such format, or when matplotlib is missing.
     """
-    from matplotlib.backend_bases import FigureCanvasBase
-
+    try:
+        from matplotlib.backend_bases import FigureCanvasBase
+    except ModuleNotFoundError:
+        raise InputError("figures need the package matplotlib: pip install matplotlib") from None
     kind = Path(path).suffix.lstrip(".").lower()
     known = FigureCanvasBase.get_supported_filetypes()
     if kind not in known:
@@ -121,6 +123,7 @@ def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     with new_figure(6.4, 0.8 + 1.5 * len(names)) as figure:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)
         plot.history(dataset, axes[:, 0], names)
+        figure.align_ylabels()
         save(figure, path)
 
 

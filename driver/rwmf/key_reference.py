@@ -1,6 +1,6 @@
 """The namelist reference of the documentation, made from the kernel's table of keys.
 
-    python -m rwmf.key_reference > docs/namelist.md
+``python -m rwmf.key_reference > docs/namelist.md`` makes the page.
 """
 
 from __future__ import annotations
@@ -12,16 +12,18 @@ from rwmf import _library
 _INTRODUCTION = """\
 # Namelist reference
 
-Made by `python -m rwmf.key_reference` from the one table that also validates a case (`src/schema.f90`).
+Made by `python -m rwmf.key_reference` from the one table that also validates a case
+(`src/schema.f90`).
 
-One group, one effect: a group that is absent is an effect that is not simulated. Names of groups and keys may be
-written in small or capital letters, texts stand in quotes, `!` begins a comment. An unknown group or key, a key given twice, a wrong
-type or a value that is not allowed is an error that names file, group, key, line, value and what is allowed.
+One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
+and keys may be written in small or capital letters, texts stand in quotes, `!` begins a comment. An
+unknown group or key, a key given twice, a wrong type or a value that is not allowed is an error
+that names file, group, key, line, value and what is allowed.
 """
 
 
 def make() -> str:
-    """The page in Markdown.
+    """Make the page in Markdown.
 
     Returns
     -------

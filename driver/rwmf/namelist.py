@@ -38,16 +38,15 @@ def read_text(path: str) -> str:
     """
     try:
         status = Path(path).stat()
-        # a pipe could keep the reader waiting for ever: it is not opened at all
-        if not stat.S_ISREG(status.st_mode) or status.st_size == 0:
-            raise InputError(f"{path}: the file is empty or not a regular file")
-        return Path(path).read_bytes().decode("utf-8", "surrogateescape")
-    except FileNotFoundError:
+    except (OSError, ValueError):
         raise InputError(f"{path}: the file does not exist") from None
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: the file cannot be read: {error}") from error
+    # a pipe could keep the reader waiting for ever: it is not opened at all
+    if status.st_size == 0 or not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
+        raise InputError(f"{path}: the file is empty or not a regular file")
+    try:
+        return Path(path).read_bytes().decode("utf-8", "surrogateescape")
+    except OSError:
+        raise InputError(f"{path}: the file cannot be read: a folder, or no permission") from None
 
 
 def compose(groups: Mapping[str, Mapping[str, object]]) -> str:

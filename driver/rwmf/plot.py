@@ -28,6 +28,7 @@ _SYMBOLS = {
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
 # the dark end of viridis: the order of the lines is readable in grey and by colour-blind readers
 _DARKEST, _LIGHTEST = 0.0, 0.82
+_WIDEST, _NARROWEST = 2.6, 1.1
 _BARE_COLOUR = "0.45"
 
 
@@ -124,10 +125,14 @@ def spectrum(
     axes = _panels(ax, 1)[0]
     curves = _curves(dataset)
     shades = np.linspace(_DARKEST, _LIGHTEST, max(len(curves), 2))
-    for shade, (label, curve) in zip(shades, curves, strict=False):
+    # a line under one that coincides with it stays visible when it is wider
+    widths = np.linspace(_WIDEST if len(curves) > 1 else _NARROWEST, _NARROWEST, len(curves))
+    for shade, width, (label, curve) in zip(shades, widths, curves, strict=False):
         colour = _viridis(float(shade))
         axes.plot(
-            curve["T_s"], curve["u_s_max"], **({"color": colour, "label": label or None} | line)
+            curve["T_s"],
+            curve["u_s_max"],
+            **({"color": colour, "linewidth": width, "label": label or None} | line),
         )
         fallen = curve.isel(T_s=np.flatnonzero(curve["status"].values == "overturned"))
         axes.plot(fallen["T_s"], fallen["u_s_max"], "x", color=colour, markersize=4)

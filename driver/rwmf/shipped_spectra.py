@@ -25,8 +25,8 @@ __all__ = ["SHIPPED", "compute", "main", "without_wall"]
 SHIPPED = {
     "fig12_one_sine": "Fig. 12 (a): one-sine pulse, 0.4 g, 1 s",
     "fig12_one_cosine": "Fig. 12 (b): one-cosine pulse, 0.4 g, 1 s",
-    "fig13_elcentro_slender_wall": r"Fig. 13 (a): El Centro 1940 N-S, $\tan\alpha$ = 0.5/2",
-    "fig13_elcentro_squat_wall": r"Fig. 13 (b): El Centro 1940 N-S, $\tan\alpha$ = 1/2",
+    "fig13_elcentro_slender_wall": "Fig. 13 (a): El Centro 1940 N-S, tan α = 0.5/2",
+    "fig13_elcentro_squat_wall": "Fig. 13 (b): El Centro 1940 N-S, tan α = 1/2",
 }
 _FORMATS = ("png", "svg")
 
@@ -80,7 +80,7 @@ def compute(name: str, inputs: Path, plots: Path) -> None:
     started = time.perf_counter()
     case = Case.from_namelist(inputs / f"{name}.nml")
     total = count_ordinates(case)
-    print(f"{SHIPPED[name].replace('$', '').replace(chr(92), '')}: {total} simulations", flush=True)
+    print(f"{SHIPPED[name]}: {total} simulations", flush=True)
     with progress_bar(total) as report, start(case, 0, report) as sweep:
         dataset = to_dataset(sweep)
         sweep.write(str(plots / f"{name}.csv"))

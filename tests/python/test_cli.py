@@ -137,6 +137,7 @@ def test_numerical_failure(command: Runner, batch: Runner, tmp_path: Path) -> No
     ours, theirs = command("run", path, "--out", "."), batch(path)
     assert (ours.returncode, theirs.returncode) == (1, 1)
     assert "max_steps" in ours.stderr
+    assert ours.stderr.removeprefix("rwmf") == theirs.stderr.removeprefix("rwmf-batch")
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -273,6 +274,23 @@ def test_progress() -> None:
     rwmf.spectrum(case, progress=lambda done, total: reports.append((done, total)))
     assert reports[-1] == (4, 4)
     assert reports == sorted(reports)
+
+
+def test_progress_bar_on_a_terminal(case_file: Path) -> None:
+    """A terminal sees the bar; the JSON on the standard output stays clean."""
+    pytest.importorskip("tqdm")
+    reader, terminal = os.openpty()
+    found = subprocess.run(
+        [sys.executable, "-m", "rwmf", "spectrum", str(case_file), "--json"],
+        stdout=subprocess.PIPE,
+        stderr=terminal,
+        check=True,
+    )
+    os.close(terminal)
+    shown = os.read(reader, 65536).decode()
+    os.close(reader)
+    assert "/3 [" in shown
+    assert len(json.loads(found.stdout)["T_s_s"]) == 3
 
 
 def test_an_error_in_the_progress_function_stops_the_kernel() -> None:

@@ -62,5 +62,6 @@ def test_spectrum(case: rwmf.Case) -> None:
     assert (result["status"] == "ok").all()
     alone = rwmf.spectrum(without_wall(few))
     assert alone["u_s_max"].shape == (3,)
-    # a massless wall damps: the frame alone moves further
-    assert (result["u_s_max"].isel(b=0, gamma=-1) < alone["u_s_max"]).all()
+    # a light wall only damps: the frame alone moves further, or as far where the first peak is
+    # the largest
+    assert (result["u_s_max"].isel(b=0, gamma=-1) < 1.001 * alone["u_s_max"]).all()

@@ -163,7 +163,7 @@ contains
          call run_practice(weak, trim(names(i)), 0.01_wp, ode45_rtol, ode45_atol, practice, error)
          call checks%that(practice%steps == 0 .and. practice%theta_max <= 0 &
             .and. practice%t_end >= 10, trim(names(i))//': a weak motion lifts nothing')
-         call run_practice(free, trim(names(i)), 0.01_wp, ode45_rtol, ode45_atol, practice, error)
+         call run_practice(free, trim(names(i)), 1.0e-3_wp, ode45_rtol, ode45_atol, practice, error)
          call checks%no_error(error, trim(names(i))//': free rocking')
          ! what a step overshoots at an impact is energy gained: fixed steps may rattle for ever
          call checks%that(abs(practice%final_state(1)) < 1.0e-3_wp, trim(names(i))//': calms down')

@@ -1,0 +1,135 @@
+!> The scene that an equation of motion is written for: its parameters, the laws that were chosen
+!> for it, and what follows from both at a given rotation.
+module rwmf_scene
+   use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
+   use rwmf_coefficients, only: paper_t
+   use rwmf_kinds, only: i8, wp
+   use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
+   use rwmf_motion, only: acceleration, motion_t
+   implicit none
+   private
+
+   public :: equation_t, second_derivative_i
+   public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
+
+   !> The equation of one scene, its ground motion, and the piece of both that is in force.
+   type :: equation_t
+      type(paper_t) :: p
+      !! parameters in the paper's letters; those of absent effects are zero
+      real(wp) :: sin_alpha
+      real(wp) :: cos_alpha
+      real(wp) :: threshold
+      !! ground acceleration at which the resting wall lifts off [m/s2]
+      type(geometry_t) :: geometry
+      real(wp) :: inertia = 4.0_wp/3
+      !! of the wall about its pivot over m_w R**2 [-]
+      logical :: has_wall
+      logical :: has_impacts
+      !! the wall rocks on its corners
+      logical :: has_frame
+      logical :: has_cable
+      integer :: n = 2
+      !! number of states
+      type(cable_law_t) :: cable
+      type(motion_t), pointer :: motion => null()
+      integer :: interval = 0
+      !! of the motion, set by the hybrid loop
+      integer :: side = 1
+      !! sign of theta in this flight, set by the hybrid loop
+      integer(i8) :: rhs_evaluations = 0
+      procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
+      procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
+      procedure(cable_law_i), pointer, nopass :: cable_law => null()
+      procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
+      procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
+   end type equation_t
+
+   abstract interface
+      !> theta'' [rad/s2] (bare frame: u'' [m/s2]) in the flight and interval that are in force.
+      real(wp) function second_derivative_i(equation, t, y)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
+      end function second_derivative_i
+   end interface
+
+contains
+
+   !> Ground acceleration of the interval in force [m/s2].
+   real(wp) function ground(equation, t)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      ground = acceleration(equation%motion, equation%interval, t)
+   end function ground
+
+   !> Kinematics of the side in force.
+   type(kinematics_t) function kinematics_at(equation, theta) result(kin)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%geometry, theta, kin)
+      else
+         call equation%kinematics_negative(equation%geometry, -theta, kin)
+      end if
+   end function kinematics_at
+
+   !> Cable on the side in force.
+   type(cable_state_t) function cable_at(equation, theta) result(cable)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
+         equation%side, cable)
+   end function cable_at
+
+   !> Moment of the cable over m_w g R [-].
+   real(wp) function cable_moment(equation, theta)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      type(cable_state_t) :: cable
+
+      cable = cable_at(equation, theta)
+      cable_moment = cable%moment
+   end function cable_moment
+
+   !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
+   !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
+   !> theta = 0).
+   pure real(wp) function lift_off_drive(equation, side, interval, t) result(drive)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: side
+      !! +1 or -1
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      drive = -side*acceleration(equation%motion, interval, t) - equation%threshold
+   end function lift_off_drive
+
+   !> Displacement of the frame u_s [m].
+   real(wp) function frame_displacement(equation, theta) result(u_s)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]; bare frame: the displacement itself [m]
+      type(kinematics_t) :: kin
+
+      if (equation%has_wall) then
+         kin = kinematics_at(equation, theta)
+         u_s = equation%side*equation%p%R*kin%u
+      else
+         u_s = theta
+      end if
+   end function frame_displacement
+
+end module rwmf_scene

@@ -1,0 +1,165 @@
+!> Effects beyond the paper's scene: each against its limit, its derivative and its energy.
+program test_effects
+   use check, only: checks_t
+   use rwmf_case, only: case_t, link_t
+   use rwmf_equation, only: build_equation, equation_t, jacobian, kinematics_at, second_derivative
+   use rwmf_errors, only: error_t
+   use rwmf_kinds, only: wp
+   use rwmf_kinematics, only: kinematics_t
+   use rwmf_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_result, only: result_t
+   use rwmf_simulation, only: simulate
+   use scenes, only: rwmf_scene
+   implicit none
+
+   real(wp), parameter :: t = 0.3_wp
+   type(checks_t) :: checks
+
+   call check_jacobian(linked('symmetric', 5.0_wp), 'link, symmetric')
+   call check_jacobian(linked('exact', 5.0_wp), 'link, exact')
+   call check_jacobian(pinned(), 'pinned wall')
+   call check_link_geometry()
+   call check_long_link()
+   call check_energy(linked('exact', 5.0_wp), 'link')
+   call check_energy(pinned(), 'pinned wall')
+   call check_pinned_is_linear()
+   call checks%finish()
+
+contains
+
+   function linked(formulation, length) result(case)
+      character(*), intent(in) :: formulation
+      real(wp), intent(in) :: length
+      !! [m]
+      type(case_t) :: case
+
+      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'dop853')
+      case%link = link_t(length)
+   end function linked
+
+   function pinned() result(case)
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      deallocate (case%cable, case%impact)
+      case%wall%base = 'pinned'
+   end function pinned
+
+   !> Analytic derivatives against central differences, on both sides.
+   subroutine check_jacobian(case, name)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: name
+      real(wp), parameter :: step = 1.0e-5_wp
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp) :: y(2)
+      real(wp) :: by_theta
+      real(wp) :: by_theta_dot
+      integer :: side
+
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      equation%interval = interval_at(motion, t)
+      do side = -1, 1, 2
+         if (equation%has_impacts) equation%side = side
+         y = side*[0.06_wp, -0.4_wp]
+         call jacobian(equation, t, y, by_theta, by_theta_dot)
+         call checks%close_to(by_theta, (second_derivative(equation, t, y + [step, 0.0_wp]) &
+            - second_derivative(equation, t, y - [step, 0.0_wp]))/(2*step), &
+            'd theta_ddot/d theta, '//name, rtol=1.0e-7_wp)
+         call checks%close_to(by_theta_dot, (second_derivative(equation, t, y + [0.0_wp, step]) &
+            - second_derivative(equation, t, y - [0.0_wp, step]))/(2*step), &
+            'd theta_ddot/d theta_dot, '//name, rtol=1.0e-7_wp)
+      end do
+   end subroutine check_jacobian
+
+   !> Eq. (3), evaluated as printed, on both sides.
+   subroutine check_link_geometry()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(kinematics_t) :: kin
+      real(wp), parameter :: phi = 0.1_wp
+      real(wp), parameter :: length = 5
+      real(wp) :: u_t
+      real(wp) :: v_t
+
+      case = linked('exact', length)
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      associate (alpha => equation%p%alpha, R => equation%p%R)
+         kin = kinematics_at(equation, phi)
+         u_t = 2*R*(sin(alpha) - sin(alpha - phi))
+         v_t = 2*R*(cos(alpha - phi) - cos(alpha))
+         call checks%close_to(R*kin%u, length*(1 + u_t/length - sqrt(1 - (v_t/length)**2)), &
+            'Eq. (3), theta > 0', rtol=1.0e-13_wp)
+         equation%side = -1
+         kin = kinematics_at(equation, -phi)
+         u_t = -2*case%wall%h*sin(phi)
+         v_t = -2*case%wall%h*(1 - cos(phi))
+         call checks%close_to(-R*kin%u, length*(1 + u_t/length - sqrt(1 - (v_t/length)**2)), &
+            'Eq. (3), theta < 0', rtol=1.0e-13_wp)
+      end associate
+   end subroutine check_link_geometry
+
+   !> L -> infinity is the scene without the group.
+   subroutine check_long_link()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: limit
+      type(error_t), allocatable :: error
+
+      case = linked('exact', 1.0e9_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'long link')
+      deallocate (case%link)
+      call simulate(case, limit, error)
+      call checks%close_to(result%u_s_max, limit%u_s_max, 'long link', rtol=1.0e-9_wp)
+   end subroutine check_long_link
+
+   !> Input = stored + viscous + impact.
+   subroutine check_energy(scene, name)
+      type(case_t), intent(in) :: scene
+      character(*), intent(in) :: name
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = scene
+      allocate (case%output)
+      case%output%energy = .true.
+      call simulate(case, result, error)
+      call checks%no_error(error, 'energy, '//name)
+      associate (ledger => result%energy)
+         call checks%close_to(ledger%final + ledger%viscous + ledger%impact, &
+            ledger%initial + ledger%input, 'energy, '//name, atol=1.0e-8_wp*ledger%input_max)
+      end associate
+   end subroutine check_energy
+
+   !> A small swing of the hinged wall is a linear oscillator whose stiffness gravity reduces and
+   !> whose mass the wall adds to: compare the instant of the first peak in free vibration.
+   subroutine check_pinned_is_linear()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: h, b, omega
+
+      case = pinned()
+      deallocate (case%motion)
+      case%frame%xi_s = 0
+      allocate (case%initial)
+      case%initial%theta_over_alpha = 1.0e-5_wp
+      case%initial%theta_dot = 0
+      h = case%wall%h
+      b = case%wall%b
+      omega = sqrt((case%frame%gamma*(8*atan(1.0_wp)/case%frame%T_s)**2*4*h**2 - case%model%g*h) &
+         /(4*h**2/3 + b**2/3 + 4*case%frame%gamma*h**2))
+      case%solver%t_end = 8*atan(1.0_wp)/omega
+      call simulate(case, result, error)
+      call checks%no_error(error, 'pinned wall')
+      call checks%close_to(result%final_state(1), 1.0e-5_wp*atan(b/h), 'one period of the hinged ' &
+         //'wall', rtol=1.0e-8_wp)
+      call checks%that(.not. result%has_impacts, 'a hinged wall has no impacts')
+   end subroutine check_pinned_is_linear
+
+end program test_effects
