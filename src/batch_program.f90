@@ -8,7 +8,10 @@ program rwmf_batch
    use rwmf_command_line, only: command_line_t, path_t, read_command_line, usage
    use rwmf_errors, only: add_context, fail
    use rwmf_interrupt, only: is_interrupted, watch_interrupts
+   use rwmf_kinds, only: wp
    use rwmf_output, only: case_name
+   use rwmf_spectrum, only: spectrum_periods
+   use rwmf_text, only: integer_to_text
    implicit none
 
    type(command_line_t) :: command_line
@@ -46,7 +49,7 @@ contains
       if (status /= 0) return
       call watch_interrupts(control)
       do i = 1, size(cases)
-         call run_case(cases(i), command_line%cases(i)%text, command_line%folder, control, status)
+         call run_case(cases(i), command_line%cases(i)%text, command_line, control, status)
          if (is_interrupted()) status = err_interrupt
          if (status == err_interrupt) return
       end do
@@ -66,6 +69,7 @@ contains
       do i = 1, size(cases)
          call read_case_file(command_line%cases(i)%text, cases(i), error)
          if (.not. allocated(error)) call check_name(command_line%cases(:i), error)
+         if (.not. allocated(error)) call take_part(command_line, i, cases(i), error)
          if (allocated(error)) then
             call report(error)
             status = error%stat
@@ -95,19 +99,56 @@ contains
       end do
    end subroutine check_name
 
-   !> Run what the case asks for: one simulation, a spectrum, or both.
-   subroutine run_case(case, path, folder, control, status)
+   !> Leave a case only its share of the periods: every N-th one, so that all parts cost the same.
+   subroutine take_part(command_line, number, case, error)
+      type(command_line_t), intent(in) :: command_line
+      integer, intent(in) :: number
+      !! of the case
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: T_s(:)
+
+      if (command_line%parts == 1) return
+      associate (path => command_line%cases(number)%text)
+         if (.not. allocated(case%spectrum)) then
+            call fail(error, err_input, path//': --part needs &spectrum: nothing to share out')
+            return
+         end if
+         T_s = spectrum_periods(case%spectrum)
+         if (command_line%part > size(T_s)) then
+            call fail(error, err_input, path//': --part '//part_name(command_line, '/') &
+               //': there are more parts than periods')
+            return
+         end if
+      end associate
+      case%spectrum%T_s = T_s(command_line%part::command_line%parts)
+   end subroutine take_part
+
+   !> Which part, for messages and names of files.
+   pure function part_name(command_line, between) result(text)
+      type(command_line_t), intent(in) :: command_line
+      character(*), intent(in) :: between
+      !! the two numbers
+      character(:), allocatable :: text
+
+      text = integer_to_text(command_line%part)//between//integer_to_text(command_line%parts)
+   end function part_name
+
+   !> Run what the case asks for: one simulation, a spectrum, or both. A part is of a spectrum only.
+   subroutine run_case(case, path, command_line, control, status)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
-      character(*), intent(in) :: folder
+      type(command_line_t), intent(in) :: command_line
       type(control_t), intent(in) :: control
       integer, intent(inout) :: status
       !! unchanged when all went well
       type(error_t), allocatable :: error
 
-      if (has_period(case)) call run_simulation(case, path, folder, control, error)
+      if (has_period(case) .and. command_line%parts == 1) then
+         call run_simulation(case, path, command_line%folder, control, error)
+      end if
       if (.not. allocated(error) .and. allocated(case%spectrum)) then
-         call run_spectrum(case, path, folder, control, error)
+         call run_spectrum(case, path, command_line, control, error)
       end if
       if (allocated(error)) then
          call add_context(error, path)
@@ -144,10 +185,10 @@ contains
    end subroutine run_simulation
 
    !> The spectrum. Ordinates that fail are NaN with a reason; they do not stop the others.
-   subroutine run_spectrum(case, path, folder, control, error)
+   subroutine run_spectrum(case, path, command_line, control, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
-      character(*), intent(in) :: folder
+      type(command_line_t), intent(in) :: command_line
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: all_threads = 0
@@ -157,8 +198,7 @@ contains
 
       call compute_spectrum(case, all_threads, spectrum, error, control)
       if (allocated(error)) return
-      call write_spectrum(case, spectrum, join_path(folder, case_name(path)//'.spectrum.csv'), &
-         error)
+      call save_spectrum(case, spectrum, path, command_line, error)
       if (allocated(error)) return
       failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned')
       write (output_unit, '(a, i0, a, f0.3, a, i0, a)') path//': spectrum written (', &
@@ -170,6 +210,26 @@ contains
             trim(counts)//' ordinates failed; the spectrum gives their reasons')
       end if
    end subroutine run_spectrum
+
+   !> Write a spectrum or a part of one.
+   subroutine save_spectrum(case, spectrum, path, command_line, error)
+      type(case_t), intent(in) :: case
+      type(spectrum_t), intent(in) :: spectrum
+      character(*), intent(in) :: path
+      type(command_line_t), intent(in) :: command_line
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: name
+
+      name = case_name(path)
+      if (command_line%parts == 1) then
+         call write_spectrum(case, spectrum, &
+            join_path(command_line%folder, name//'.spectrum.csv'), error)
+      else
+         name = name//'.part-'//part_name(command_line, '-of-')//'.spectrum.csv'
+         call write_spectrum(case, spectrum, join_path(command_line%folder, name), error, &
+            part_name(command_line, '/'))
+      end if
+   end subroutine save_spectrum
 
    !> Tell the user what to keep in mind about a result.
    subroutine report_warnings(path, result)

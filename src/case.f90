@@ -8,7 +8,7 @@ module rwmf_case
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, cable_t, impact_t, motion_spec_t
+   public :: case_t, wall_t, frame_t, link_t, damper_t, cable_t, impact_t, motion_spec_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -38,6 +38,12 @@ module rwmf_case
       real(wp) :: xi_s
       !! viscous damping ratio [-]
    end type frame_t
+
+   !> Viscous dampers at the corners of the base, `&damper`.
+   type :: damper_t
+      real(wp) :: c_over_m_w
+      !! damper constant over the mass of the wall [1/s]
+   end type damper_t
 
    !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
    type :: cable_t
@@ -156,6 +162,7 @@ module rwmf_case
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
       type(link_t), allocatable :: link
+      type(damper_t), allocatable :: damper
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
       type(motion_spec_t), allocatable :: motion

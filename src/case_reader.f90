@@ -1,6 +1,6 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
-   use rwmf_case, only: cable_t, case_t, frame_t, impact_t, initial_t, link_t, motion_spec_t, &
+   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, impact_t, initial_t, link_t, motion_spec_t, &
       output_t, spectrum_spec_t, wall_t
    use rwmf_case_rules, only: check_rules
    use rwmf_errors, only: add_context, err_input, error_t, fail
@@ -78,6 +78,9 @@ contains
          call get_real(groups, 'frame', 'gamma', case%frame%gamma)
       end if
       if (has_group(groups, 'link')) case%link = link_t(real_of(groups, 'link', 'L'))
+      if (has_group(groups, 'damper')) then
+         case%damper = damper_t(real_of(groups, 'damper', 'c_over_m_w'))
+      end if
       if (has_group(groups, 'cable')) then
          case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &
             real_of(groups, 'cable', 'eta_alpha'))

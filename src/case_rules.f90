@@ -54,6 +54,9 @@ contains
          call check_needs(groups, 'link', 'wall', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
+         call check_needs(groups, 'damper', 'wall', 'dampers work at corners that lift', error)
+      end if
+      if (.not. allocated(error)) then
          call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
@@ -118,19 +121,21 @@ contains
    subroutine check_base(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
-      character(6), parameter :: excluded(3) = [character(6) :: 'impact', 'cable', 'link']
-      character(60), parameter :: reasons(3) = [character(60) :: &
+      character(6), parameter :: excluded(4) = [character(6) :: 'impact', 'cable', 'link', &
+         'damper']
+      character(60), parameter :: reasons(4) = [character(60) :: &
          'a hinged wall has no impacts', &
          'a straight cable through the hinge is not stretched', &
-         'the link of a hinged wall is infinitely long']
+         'the link of a hinged wall is infinitely long', &
+         'the dampers work at corners that lift']
       integer :: i
 
       if (.not. has_group(groups, 'wall')) return
       if (text_of(groups, 'wall', 'base') /= 'pinned') return
       do i = 1, size(excluded)
          if (.not. has_group(groups, trim(excluded(i)))) cycle
-         call fail_group(groups, trim(excluded(i)), "must not be given with &wall base = 'pinned' (" &
-            //trim(reasons(i))//')', error)
+         call fail_group(groups, trim(excluded(i)), "must not be given with &wall base = " &
+            //"'pinned' ("//trim(reasons(i))//')', error)
          return
       end do
    end subroutine check_base
@@ -144,9 +149,9 @@ contains
 
       if (.not. has_group(groups, 'link')) return
       if (text_of(groups, 'model', 'formulation') == 'published') then
-         call fail_group(groups, 'link', "must not be given with &model formulation = 'published' " &
-            //"(its default), where the link is infinitely long; 'symmetric' and 'exact' allow it", &
-            error)
+         call fail_group(groups, 'link', "must not be given with &model formulation = " &
+            //"'published' (its default), where the link is infinitely long; 'symmetric' and " &
+            //"'exact' allow it", error)
          return
       end if
       limit = real_of(groups, 'model', 'overturning_angle')

@@ -17,6 +17,10 @@ module rwmf_command_line
       !! (files) namelists in the order given
       character(:), allocatable :: folder
       !! where the results go; '' is the current folder
+      integer :: part
+      !! which of the parts of a spectrum's periods, from 1
+      integer :: parts
+      !! number of parts; 1: all periods
       logical :: help
       logical :: version
    end type command_line_t
@@ -33,6 +37,8 @@ contains
 
       allocate (command_line%cases(0))
       command_line%folder = ''
+      command_line%part = 1
+      command_line%parts = 1
       command_line%help = .false.
       command_line%version = .false.
       options_end = .false.
@@ -63,7 +69,6 @@ contains
       integer, intent(inout) :: position
       !! of the option; on return of its value, when it has one
       type(error_t), allocatable, intent(out) :: error
-      type(path_t) :: value
 
       select case (option)
       case ('-h', '--help')
@@ -71,20 +76,55 @@ contains
       case ('--version')
          command_line%version = .true.
       case ('-o', '--out')
-         value%text = ''
-         if (position < command_argument_count()) value = argument(position + 1)
-         position = position + 1
-         if (len(value%text) == 0) call fail(error, err_input, option//' needs a folder')
-         command_line%folder = value%text
+         command_line%folder = next_argument(position)
+         if (len(command_line%folder) == 0) then
+            call fail(error, err_input, option//' needs a folder')
+         end if
+      case ('--part')
+         call read_part(next_argument(position), command_line, error)
       case default
          if (index(option, '--out=') == 1 .and. len(option) > len('--out=')) then
             command_line%folder = option(len('--out=') + 1:)
          else
             call fail(error, err_input, 'unknown option '//option &
-               //'; allowed: --out DIR, --help, --version')
+               //'; allowed: --out DIR, --part K/N, --help, --version')
          end if
       end select
    end subroutine read_option
+
+   !> The word that follows an option; empty when it is the last one.
+   function next_argument(position) result(text)
+      integer, intent(inout) :: position
+      !! of the option; on return of its value
+      character(:), allocatable :: text
+      type(path_t) :: value
+
+      text = ''
+      position = position + 1
+      if (position > command_argument_count()) return
+      value = argument(position)
+      text = value%text
+   end function next_argument
+
+   !> The value of `--part`: K/N with 1 <= K <= N.
+   subroutine read_part(text, command_line, error)
+      character(*), intent(in) :: text
+      type(command_line_t), intent(inout) :: command_line
+      type(error_t), allocatable, intent(out) :: error
+      integer :: slash
+      integer :: status
+
+      slash = index(text, '/')
+      status = 1
+      ! digits only: a list-directed read would also take '1,5' or '2*3'
+      if (slash > 1 .and. verify(text, '0123456789/') == 0) then
+         read (text(:slash - 1), *, iostat=status) command_line%part
+         if (status == 0) read (text(slash + 1:), *, iostat=status) command_line%parts
+      end if
+      if (status == 0 .and. command_line%part >= 1 .and. command_line%part <= command_line%parts) &
+         return
+      call fail(error, err_input, '--part '//text//': must be K/N with 1 <= K <= N, as in 3/16')
+   end subroutine read_part
 
    !> One argument in its full length.
    function argument(position) result(value)
@@ -104,7 +144,7 @@ contains
       character(:), allocatable :: text
       character(1), parameter :: nl = new_line('a')
 
-      text = 'usage: rwmf-batch CASE.nml [CASE2.nml ...] [--out DIR]'//nl//nl &
+      text = 'usage: rwmf-batch CASE.nml [CASE2.nml ...] [--out DIR] [--part K/N]'//nl//nl &
          //'Seismic response of post-tensioned rocking wall-moment frames.'//nl//nl &
          //'Every file is checked before the first one runs. A case writes'//nl &
          //'   CASE.summary.csv    maxima and counts of the response in time'//nl &
@@ -112,6 +152,8 @@ contains
          //'   CASE.spectrum.csv   maxima over the frame period, with &spectrum'//nl//nl &
          //'options:'//nl &
          //'   --out DIR    existing folder for the files (default: the current one)'//nl &
+         //'   --part K/N   only the K-th of N parts of the periods of &spectrum, into'//nl &
+         //'                CASE.part-K-of-N.spectrum.csv; rwmf merge joins the parts'//nl &
          //'   --version    print the version and leave'//nl &
          //'   --help       print this and leave'//nl//nl &
          //'example:'//nl &

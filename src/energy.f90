@@ -66,12 +66,15 @@ contains
       power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
    end function input_power
 
-   !> Power that the frame's damper takes [W/kg].
-   real(wp) function viscous_power(equation, y) result(power)
+   !> Power that the frame's damper and further effects take [W/kg].
+   real(wp) function viscous_power(equation, t, y) result(power)
       type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
       type(kinematics_t) :: kin
+      integer :: i
 
       associate (p => equation%p)
          power = 2*p%xi_s*p%omega_s*y(2)**2
@@ -79,6 +82,10 @@ contains
          kin = kinematics_at(equation, y(1))
          power = power*p%gamma*(p%R*kin%j)**2
       end associate
+      if (.not. allocated(equation%extras)) return
+      do i = 1, size(equation%extras)
+         power = power + equation%extras(i)%power(equation, t, y)
+      end do
    end function viscous_power
 
    !> Kinetic energy that an impact takes [J/kg].

@@ -11,12 +11,13 @@ module rwmf_equation
       truss_cable
    use rwmf_case, only: case_t
    use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
+   use rwmf_damper, only: add_damper, damper_power
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
-   use rwmf_scene, only: cable_at, cable_moment, equation_t, frame_displacement, ground, &
-      kinematics_at, lift_off_drive, second_derivative_i
+   use rwmf_scene, only: cable_at, cable_moment, equation_t, extra_t, frame_displacement, &
+      ground, kinematics_at, lift_off_drive, second_derivative_i
    implicit none
    private
 
@@ -54,6 +55,7 @@ contains
             call choose_acceleration(case%model%formulation, '', equation)
          end if
          if (.not. equation%has_impacts) call hinge_base(equation)
+         call choose_extras(case, equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma)
       else
@@ -93,6 +95,18 @@ contains
       equation%acceleration_positive => wall_and_frame
       equation%acceleration_negative => wall_and_frame
    end subroutine hinge_base
+
+   !> Further effects, one line each. Scenes without any keep their own acceleration.
+   subroutine choose_extras(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+
+      if (.not. allocated(case%damper)) return
+      equation%damper_c = case%damper%c_over_m_w
+      equation%extras = [extra_t(add_damper, damper_power)]
+      equation%acceleration_positive => with_extras
+      equation%acceleration_negative => with_extras
+   end subroutine choose_extras
 
    subroutine choose_kinematics(formulation, equation)
       character(*), intent(in) :: formulation
@@ -260,6 +274,31 @@ contains
       end associate
    end function wall_and_frame
 
+   !> Wall, with or without frame, and further effects.
+   real(wp) function with_extras(equation, t, y) result(theta_ddot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t) :: kin
+      real(wp) :: phi_dot
+      real(wp) :: inertia
+      real(wp) :: moment
+      integer :: i
+
+      kin = kinematics_at(equation, y(1))
+      phi_dot = equation%side*y(2)
+      associate (p => equation%p)
+         inertia = equation%inertia + p%gamma*kin%lever*kin%j
+         moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot &
+            + p%omega_s**2*kin%u) - p%g/p%R*(kin%s + cable_moment(equation, y(1))) &
+            - (p%gamma*kin%lever + kin%c)*equation%side*ground(equation, t)/p%R
+      end associate
+      do i = 1, size(equation%extras)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
+      end do
+      theta_ddot = equation%side*moment/inertia
+   end function with_extras
+
    !> Wall without frame, Eqs (11) and (12).
    real(wp) function wall_alone(equation, t, y) result(theta_ddot)
       class(equation_t), intent(in) :: equation
@@ -301,6 +340,10 @@ contains
       real(wp) :: inertia
       real(wp) :: moment_1
 
+      if (allocated(equation%extras)) then
+         call difference_quotients(equation, t, y, by_theta, by_theta_dot)
+         return
+      end if
       associate (p => equation%p)
          if (.not. equation%has_wall) then
             by_theta = -p%omega_s**2
@@ -321,5 +364,27 @@ contains
          by_theta_dot = -2*p%gamma*kin%lever*(kin%k*phi_dot + p%xi_s*p%omega_s*kin%j)/inertia
       end associate
    end subroutine jacobian
+
+   !> The same by central differences, for scenes with further effects: Newton's iteration needs no
+   !> more.
+   subroutine difference_quotients(equation, t, y, by_theta, by_theta_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: by_theta
+      real(wp), intent(out) :: by_theta_dot
+      real(wp) :: step(size(y))
+      real(wp) :: h
+
+      h = epsilon(h)**(1.0_wp/3)
+      step = 0
+      step(1) = h
+      by_theta = (second_derivative(equation, t, y + step) &
+         - second_derivative(equation, t, y - step))/(2*h)
+      step = 0
+      step(2) = h
+      by_theta_dot = (second_derivative(equation, t, y + step) &
+         - second_derivative(equation, t, y - step))/(2*h)
+   end subroutine difference_quotients
 
 end module rwmf_equation

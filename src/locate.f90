@@ -126,8 +126,8 @@ contains
       if (.not. (t > t_a .and. t < t_b)) t = t_a + (t_b - t_a)/2
    end function first_guess
 
-   !> In how many parts to search a step: in each of them frame and ground motion go through a quarter
-   !> of their periods at most. A high order with a loose tolerance takes steps of a period.
+   !> In how many parts to search a step: in each of them frame and ground motion go through a
+   !> quarter of their periods at most. A high order with a loose tolerance takes steps of a period.
    integer function count_parts(equation, t_a, t_b) result(n)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_a
@@ -156,7 +156,8 @@ contains
    !> Does theta' pass through zero and back between two times at which it has the same sign?
    !>
    !> The rotation tells at no cost: a theta' that touches zero as a parabola has the mean
-   !> (v_a + v_b - sqrt(v_a v_b))/3. Only below that, with a margin, slopes and a state are evaluated.
+   !> (v_a + v_b - sqrt(v_a v_b))/3. Only below that, with a margin, slopes and a state are
+   !> evaluated.
    subroutine find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t, y, found, error)
       type(equation_t), intent(inout) :: equation
       class(stepper_t), intent(inout) :: stepper

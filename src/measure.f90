@@ -7,13 +7,14 @@ module rwmf_measure
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: dp, i8, wp
    use rwmf_motion, only: motion_t
+   use rwmf_record, only: record_t
    use rwmf_result, only: event_impact, result_t
    use rwmf_run, only: run_once
    implicit none
    private
 
    public :: measured_t, measure_method, value_names, empty_measured
-   public :: put_measured, put_differences
+   public :: put_measured, put_differences, halve_intervals
    public :: n_values, at_u_s_max, at_theta_max, at_theta_end, at_theta_dot_end, at_t_end
 
    integer, parameter :: n_values = 7
@@ -106,7 +107,7 @@ contains
       end do
    end subroutine measure_method
 
-   !> The case without what costs time besides the integration, and with tolerances derived from rtol.
+   !> The case without what costs time besides the integration, with tolerances derived from rtol.
    type(case_t) function plain_case(case, method, rtol) result(plain)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: method
@@ -163,20 +164,53 @@ contains
          merge(1_i8, 0_i8, measured%overturned), int(measured%repeats, i8)]
    end subroutine put_measured
 
-   !> Magnitudes of the differences of two measurements, as many impacts as both have.
+   !> How far two measurements are apart: values, and for each impact of the first the nearest one
+   !> of the other (in chatter their numbers differ).
    pure subroutine put_differences(one, other, differences, impact_differences)
       type(measured_t), intent(in) :: one
       type(measured_t), intent(in) :: other
       real(dp), intent(inout) :: differences(:)
       !! in the order of `value_names`
       real(dp), intent(inout) :: impact_differences(:)
-      !! [s]
+      !! (impacts of `one`, or fewer) [s]
+      integer :: i
+      integer :: k
       integer :: n
 
       n = min(size(differences), n_values)
       differences(:n) = real(abs(other%values(:n) - one%values(:n)), dp)
-      n = min(size(impact_differences), size(one%impact_times), size(other%impact_times))
-      impact_differences(:n) = real(abs(other%impact_times(:n) - one%impact_times(:n)), dp)
+      impact_differences = huge(1.0_dp)
+      if (size(other%impact_times) == 0) return
+      k = 1
+      do i = 1, min(size(impact_differences), size(one%impact_times))
+         associate (t => one%impact_times(i), times => other%impact_times)
+            do while (k < size(times))
+               if (abs(times(k + 1) - t) > abs(times(k) - t)) exit
+               k = k + 1
+            end do
+            impact_differences(i) = real(abs(times(k) - t), dp)
+         end associate
+      end do
    end subroutine put_differences
+
+   !> The record with a sample in the middle of each interval: the same motion in twice as many
+   !> pieces. A method that stops at every sample then takes other steps, so that the results of
+   !> both differ by its error even where the samples, not the tolerance, determine the steps.
+   pure subroutine halve_intervals(record)
+      type(record_t), intent(inout) :: record
+      real(wp), allocatable :: t(:)
+      real(wp), allocatable :: a(:)
+      integer :: n
+
+      n = record%n
+      allocate (t(2*n - 1), a(2*n - 1))
+      t(1::2) = record%t
+      a(1::2) = record%a
+      t(2::2) = (record%t(:n - 1) + record%t(2:))/2
+      a(2::2) = (record%a(:n - 1) + record%a(2:))/2
+      call move_alloc(t, record%t)
+      call move_alloc(a, record%a)
+      record%n = 2*n - 1
+   end subroutine halve_intervals
 
 end module rwmf_measure

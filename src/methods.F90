@@ -6,7 +6,8 @@ module rwmf_methods
    use rwmf_extrapolation, only: extrapolation_t
    use rwmf_stepper, only: stepper_t
 #ifndef RWMF_QUAD
-   use rwmf_sundials, only: cvode_t, erk_t
+   use rwmf_cvode, only: cvode_t
+   use rwmf_erkstep, only: erk_t
 #endif
    implicit none
    private

@@ -10,6 +10,7 @@ module rwmf_motion
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
+   public :: ground_t, follow_samples, follow_ground, is_known_until
    public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
    public :: peak_acceleration
 
@@ -17,6 +18,25 @@ module rwmf_motion
    !! straight lines between the knots
    integer, parameter :: shape_harmonic = 2
    !! amplitude*sin(omega*(t - t_0) + phase) in interval 1
+   integer, parameter :: shape_given = 3
+   !! what a host computes in interval 1, then constant
+
+   !> Ground acceleration that a host program computes. Extend it by what the host needs to know.
+   type, abstract :: ground_t
+   contains
+      procedure(ground_acceleration_i), deferred :: acceleration_at
+   end type ground_t
+
+   abstract interface
+      !> Ground acceleration at an instant [m/s2]; smooth between the ends of an advance.
+      pure real(wp) function ground_acceleration_i(self, t)
+         import :: ground_t, wp
+         implicit none
+         class(ground_t), intent(in) :: self
+         real(wp), intent(in) :: t
+         !! [s]
+      end function ground_acceleration_i
+   end interface
 
    !> Ground acceleration.
    type :: motion_t
@@ -35,6 +55,10 @@ module rwmf_motion
       !! [rad/s]
       real(wp) :: phase = 0
       !! [rad]
+      class(ground_t), pointer :: ground => null()
+      !! of a host, for the time of one advance
+      logical :: is_open = .false.
+      !! a host hands it over piece by piece: nothing is known beyond the present interval
    end type motion_t
 
 contains
@@ -80,8 +104,76 @@ contains
       motion%a(n) = 0
    end function piecewise_linear_motion
 
+   !> What a host knows of the motion: straight lines through samples, and then (until it says more)
+   !> the last value. Called once per step of the host: the arrays are kept when they fit.
+   pure subroutine follow_samples(motion, t, a)
+      type(motion_t), intent(inout) :: motion
+      real(wp), intent(in) :: t(:)
+      !! (n) strictly increasing times [s]
+      real(wp), intent(in) :: a(:)
+      !! (n) accelerations [m/s2]
+      integer :: n
+
+      n = size(t)
+      motion%shape = shape_linear
+      motion%is_open = .true.
+      call make_room(motion, n + 1)
+      motion%knot(:n) = t
+      motion%knot(n + 1) = huge(1.0_wp)
+      motion%a(:n) = a
+      motion%a(n + 1) = a(n)
+      motion%slope(:n - 1) = (a(2:) - a(:n - 1))/(t(2:) - t(:n - 1))
+      motion%slope(n:) = 0
+      motion%amplitude = maxval(abs(a))
+   end subroutine follow_samples
+
+   !> What a host computes between two times, and then its last value.
+   subroutine follow_ground(motion, t_begin, t_end, ground)
+      type(motion_t), intent(inout) :: motion
+      real(wp), intent(in) :: t_begin
+      !! [s]
+      real(wp), intent(in) :: t_end
+      !! [s]
+      class(ground_t), intent(in), target :: ground
+      !! in use until the next call for this motion
+
+      motion%shape = shape_given
+      motion%is_open = .true.
+      call make_room(motion, 3)
+      motion%knot(:) = [t_begin, t_end, huge(1.0_wp)]
+      motion%a(:) = ground%acceleration_at(t_end)
+      motion%a(1) = ground%acceleration_at(t_begin)
+      motion%slope(:) = 0
+      motion%amplitude = maxval(abs(motion%a))
+      motion%ground => ground
+   end subroutine follow_ground
+
+   pure subroutine make_room(motion, n)
+      type(motion_t), intent(inout) :: motion
+      integer, intent(in) :: n
+      !! knots
+
+      if (allocated(motion%knot)) then
+         if (size(motion%knot) == n .and. size(motion%a) == n) return
+         deallocate (motion%knot, motion%a, motion%slope)
+      end if
+      allocate (motion%knot(n), motion%a(n), motion%slope(n))
+   end subroutine make_room
+
+   !> May a decision in an interval rest on the motion until t?
+   pure logical function is_known_until(motion, interval, t)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! in force
+      real(wp), intent(in) :: t
+      !! [s]
+
+      is_known_until = .true.
+      if (motion%is_open) is_known_until = t <= interval_end(motion, interval)
+   end function is_known_until
+
    !> The same motion with another amplitude.
-   pure function scaled_motion(motion, factor) result(scaled)
+   function scaled_motion(motion, factor) result(scaled)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: factor
       !! [-]
@@ -135,8 +227,12 @@ contains
          acceleration = 0
       else if (motion%shape == shape_linear) then
          acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
-      else
+      else if (motion%shape == shape_harmonic) then
          acceleration = motion%amplitude*harmonic(motion, t)
+      else if (interval == 1) then
+         acceleration = motion%ground%acceleration_at(t)
+      else
+         acceleration = motion%a(interval)
       end if
    end function acceleration
 
@@ -232,6 +328,7 @@ contains
       real(wp) :: half_turns
 
       turning_point = interval_end(motion, interval)
+      if (motion%shape == shape_given .and. interval == 1) turning_point = next_eighth()
       if (motion%shape /= shape_harmonic .or. interval /= 1) return
       angle = motion%omega*(t - motion%knot(1)) + motion%phase
       half_turns = floor_real(angle/pi + 0.5_wp)
@@ -240,6 +337,17 @@ contains
       turning_point = min(turning_point, interval_end(motion, interval))
 
    contains
+
+      !> The extrema of a host's motion are unknown: an eighth of the interval is taken as monotone.
+      pure real(wp) function next_eighth()
+         real(wp) :: eighth
+         !! [s]
+
+         eighth = (motion%knot(2) - motion%knot(1))/8
+         next_eighth = motion%knot(1) + (aint((t - motion%knot(1))/eighth) + 1)*eighth
+         if (next_eighth <= t) next_eighth = next_eighth + eighth
+         next_eighth = min(next_eighth, motion%knot(2))
+      end function next_eighth
 
       pure real(wp) function next_extremum(number)
          real(wp), intent(in) :: number

@@ -37,6 +37,8 @@ module rwmf_observer
       logical :: keeps_energy
       type(energy_t) :: energy
       logical :: keeps_history
+      logical :: keeps_events
+      !! with a history, or for a host that steps
       type(history_t) :: history
       real(wp) :: dt
       !! interval of the history [s]
@@ -69,6 +71,7 @@ contains
       observer%lift_offs = 0
       observer%keeps_energy = .false.
       observer%keeps_history = .false.
+      observer%keeps_events = .false.
       observer%n_events = 0
       allocate (observer%events(0))
       call observe_state(observer, equation, 0.0_wp, y)
@@ -93,6 +96,7 @@ contains
       real(wp) :: rows
 
       observer%keeps_history = .true.
+      observer%keeps_events = .true.
       observer%dt = dt
       observer%next_row = 1
       observer%m_w_g = 0
@@ -300,7 +304,7 @@ contains
          if (allocated(error)) return
          share = weight(i)*(t_b - t_a)/2
          observer%energy%input = observer%energy%input + share*input_power(equation, t, y)
-         observer%energy%viscous = observer%energy%viscous + share*viscous_power(equation, y)
+         observer%energy%viscous = observer%energy%viscous + share*viscous_power(equation, t, y)
       end do
       observer%energy%input_max = max(observer%energy%input_max, abs(observer%energy%input))
    end subroutine integrate_powers
@@ -320,7 +324,7 @@ contains
       end if
    end subroutine observe_impact
 
-   !> Keep an event for the list, which goes with a history.
+   !> Keep an event for the list when there is one.
    subroutine observe_event(observer, kind, t, y)
       type(observer_t), intent(inout) :: observer
       integer, intent(in) :: kind
@@ -330,7 +334,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      if (observer%keeps_history) then
+      if (observer%keeps_events) then
          call append_event(observer%events, observer%n_events, event_t(kind, t, y(1), y(2)))
       end if
    end subroutine observe_event

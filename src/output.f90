@@ -46,16 +46,18 @@ contains
    end subroutine write_result
 
    !> Write a spectrum: one line an ordinate, T_s fastest, then gamma, then b.
-   subroutine write_spectrum(case, spectrum, path, error)
+   subroutine write_spectrum(case, spectrum, path, error, part)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: part
+      !! which part of the case's periods it holds, 'K/N'
       type(atomic_file_t) :: file
 
       call open_atomic(file, path, error)
       if (allocated(error)) return
-      call write_header(file, case)
+      call write_header(file, case, part)
       if (allocated(spectrum%gamma)) then
          call write_line(file, 'b_m,gamma,T_s_s,u_s_max_m,status')
       else
@@ -158,11 +160,13 @@ contains
    end subroutine write_ordinates
 
    !> What is needed to repeat the computation.
-   subroutine write_header(file, case)
+   subroutine write_header(file, case, part)
       type(atomic_file_t), intent(in) :: file
       type(case_t), intent(in) :: case
+      character(*), intent(in), optional :: part
 
       call write_line(file, '# rwmf '//version)
+      if (present(part)) call write_line(file, '# part '//part)
       if (allocated(case%record)) call write_record(file, case)
       call write_line(file, '# case:')
       if (allocated(case%text)) call write_comment(file, case%text)

@@ -35,7 +35,7 @@ contains
       character(*), intent(in) :: name
       !! 'ode45', 'rk4' or 'newmark'
       real(wp), intent(in) :: dt
-      !! step length, of ode45 the interval at which lift-off is looked for; see `usual_interval` [s]
+      !! step, of ode45 the interval at which lift-off is looked for; see `usual_interval` [s]
       real(wp), intent(in) :: rtol
       !! of ode45 [-]
       real(wp), intent(in) :: atol

@@ -17,7 +17,8 @@ contains
 
    !> From the beginning of the scene to its end.
    !>
-   !> Errors: a state that is not finite; Newton's iteration of Newmark's method that does not end.
+   !> Errors: `too_many_steps`; a state that is not finite; Newton's iteration of Newmark's method
+   !> that does not end.
    subroutine follow_with_fixed_steps(scene, is_newmark, dt, error)
       type(scene_t), intent(inout) :: scene
       logical, intent(in) :: is_newmark
@@ -27,6 +28,11 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer(i8) :: k
 
+      if (scene%t_end > scene%max_steps*dt) then
+         call fail(error, err_numerical, 'fixed steps of '//real_to_text(dt) &
+            //' s: more than the most steps by t_end', 'too_many_steps')
+         return
+      end if
       k = 0_i8
       do while (scene%t < scene%t_end .and. .not. scene%overturned)
          k = k + 1_i8

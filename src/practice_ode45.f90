@@ -123,7 +123,7 @@ contains
       hit = .false.
       do while (step%t < scene%t_end)
          if (scene%steps >= scene%max_steps) then
-            call fail(error, err_numerical, 'ode45: more than &solver max_steps steps by t = ' &
+            call fail(error, err_numerical, 'ode45: more than the most steps by t = ' &
                //real_to_text(step%t)//' s', 'too_many_steps')
             return
          end if

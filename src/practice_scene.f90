@@ -18,6 +18,8 @@ module rwmf_practice_scene
 
    real(wp), parameter :: small_velocity = 1.0e-6_wp
    !! a wall that is pressed down and leaves an impact with less comes to rest [rad/s]
+   integer(i8), parameter :: most_steps = 1000000_i8
+   !! a procedure that follows every impact of a chatter must end
    real(wp), parameter :: interval_without_motion = 0.01_wp
    !! [s]
 
@@ -80,7 +82,7 @@ contains
       scene%e = restitution(case, scene%equation%p%alpha)
       scene%overturning_angle = case%model%overturning_angle
       scene%t_end = case%solver%t_end
-      scene%max_steps = case%solver%max_steps
+      scene%max_steps = min(int(case%solver%max_steps, i8), most_steps)
       scene%t = 0
       scene%y = 0
       if (allocated(case%initial)) then

@@ -1,25 +1,26 @@
 !> The kernel in quadruple precision as a flat procedure for f2py: the extension `rwmf._reference`,
 !> against which the errors of all methods are measured.
 !>
-!> Compiled from the kernel's own sources with `RWMF_QUAD`, and a library of its own, so that nothing
-!> of it meets the double-precision kernel in the same process. The case is read as everywhere: its
-!> numbers are those of double precision.
+!> Compiled from the kernel's own sources with `RWMF_QUAD`, into a library of its own, so that
+!> nothing of it meets the double-precision kernel in the same process. The case is read as
+!> everywhere: its numbers are those of double precision.
 module rwmf_reference
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_case, only: case_t
    use rwmf_errors, only: error_t
    use rwmf_handles, only: make_control, put_error, read_source
    use rwmf_kinds, only: wp
-   use rwmf_measure, only: empty_measured, measure_method, measured_t, put_differences, &
-      put_measured
+   use rwmf_measure, only: empty_measured, halve_intervals, measure_method, measured_t, &
+      put_differences, put_measured
    use rwmf_motion, only: motion_from_case, motion_t
    implicit none
    public
 
 contains
 
-   !> Run a case at two tolerances; return the results at the tighter one and how much they differ
-   !> from those at the other: a bound of their error, because it shrinks with the tolerance.
+   !> Run a case at two tolerances, the second time with the intervals of a record halved as well;
+   !> return the results of the second run and how much those of the first differ: a bound of their
+   !> error, because it shrinks with tolerance and interval. An impact differs from the nearest one.
    !>
    !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
    !> `control` is (finished runs, cancel).
@@ -65,13 +66,15 @@ contains
          control(1) = control(1) + 1_c_int64_t
       end if
       if (.not. allocated(error)) then
+         if (allocated(the_case%record)) call halve_intervals(the_case%record)
+         motion = motion_from_case(the_case)
          call measure_method(the_case, motion, method, real(rtol, wp), once, &
             make_control(control), tight, error)
          control(1) = control(1) + 1_c_int64_t
       end if
       seconds = real(loose%seconds + tight%seconds, c_double)
       call put_measured(tight, values, counts, impact_times)
-      call put_differences(loose, tight, differences, impact_differences)
+      call put_differences(tight, loose, differences, impact_differences)
       counts(5) = size(loose%impact_times, kind=c_int64_t)
       call put_error(error, status, message, message_length)
    end subroutine solve

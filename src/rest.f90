@@ -2,7 +2,7 @@
 module rwmf_rest
    use rwmf_equation, only: equation_t, lift_off_drive
    use rwmf_kinds, only: wp
-   use rwmf_motion, only: interval_end, turning_point
+   use rwmf_motion, only: interval_end, is_known_until, turning_point
    implicit none
    private
 
@@ -155,6 +155,7 @@ contains
       if (v**2 > 2*press*gain*small_angle) return
       ! Twice the time that the present pressure allows leaves room for a smaller one meanwhile.
       chatter = 4*v/(press*gain*(1 - e))
+      if (.not. is_known_until(equation%motion, equation%interval, t + chatter)) return
       press = pressing_acceleration(equation, t, t + chatter)
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
    end function may_rest

@@ -17,7 +17,7 @@ module rwmf_run
    implicit none
    private
 
-   public :: run_once, restitution
+   public :: run_once, restitution, guess_size, tolerances, initial_state
 
    integer, parameter :: most_passes = 5
 

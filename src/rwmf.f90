@@ -23,10 +23,21 @@ module rwmf
    use rwmf_case, only: case_t
    use rwmf_case_reader, only: read_case_file, read_case_text
    ! one simulation: maxima, counts, history and events
-   use rwmf_result, only: energy_t, event_name, event_t, history_t, result_t
+   use rwmf_result, only: energy_t, event_impact, event_lift_off, event_name, event_overturned, &
+      event_peak, event_rest, event_t, history_t, result_t
    use rwmf_simulation, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum, only: compute_spectrum, spectrum_t
+   ! a wall inside the time loop of a host program
+   use rwmf_motion, only: ground_t
+   use rwmf_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      restore_stepping, save_stepping, snapshot_t, stepping_t
+   use rwmf_stepping_query, only: query_events, query_forces, query_state, wall_forces_t, &
+      wall_state_t
+   ! the wall as an element of a host program that owns the frame
+   use rwmf_element, only: create_element, element_response_t, lift_off_drive_of, respond, &
+      velocity_factor, wall_element_t
+   use rwmf_element_events, only: next_impact, next_lift_off, settles
    ! CSV files, written completely or not at all
    use rwmf_output, only: write_result, write_spectrum
    ! stop a computation from another thread, count its finished parts
@@ -41,6 +52,12 @@ module rwmf
 
    public :: case_t, read_case_file, read_case_text
    public :: result_t, history_t, event_t, energy_t, event_name, simulate
+   public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest
+   public :: stepping_t, snapshot_t, ground_t, create_stepping, destroy_stepping
+   public :: advance_stepping, save_stepping, restore_stepping
+   public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
+   public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
+   public :: next_impact, next_lift_off, lift_off_drive_of, settles
    public :: spectrum_t, compute_spectrum
    public :: write_result, write_spectrum
    public :: control_t

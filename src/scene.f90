@@ -9,8 +9,15 @@ module rwmf_scene
    implicit none
    private
 
-   public :: equation_t, second_derivative_i
+   public :: equation_t, second_derivative_i, extra_t
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
+
+   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the power
+   !> that it takes. One file brings both procedures; `build_equation` names them (docs/effects.md).
+   type :: extra_t
+      procedure(add_i), pointer, nopass :: add => null()
+      procedure(power_i), pointer, nopass :: power => null()
+   end type extra_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
    type :: equation_t
@@ -31,6 +38,10 @@ module rwmf_scene
       integer :: n = 2
       !! number of states
       type(cable_law_t) :: cable
+      type(extra_t), allocatable :: extras(:)
+      !! the further effects that the case calls for; not allocated without any
+      real(wp) :: damper_c = 0
+      !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
       integer :: interval = 0
       !! of the motion, set by the hybrid loop
@@ -55,6 +66,34 @@ module rwmf_scene
          real(wp), intent(in) :: y(:)
          !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
       end function second_derivative_i
+
+      !> Add to inertia and moment, both per unit m_w R**2.
+      subroutine add_i(equation, t, y, kin, inertia, moment)
+         import :: equation_t, kinematics_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         type(kinematics_t), intent(in) :: kin
+         !! at this rotation
+         real(wp), intent(inout) :: inertia
+         !! [-]
+         real(wp), intent(inout) :: moment
+         !! away from the base [1/s2]
+      end subroutine add_i
+
+      !> Power that an effect dissipates [W/kg].
+      real(wp) function power_i(equation, t, y)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+      end function power_i
    end interface
 
 contains

@@ -65,6 +65,8 @@ contains
          required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio'), &
          required('link', 'L', 'real', 'm', positive, &
             'length of the link, Eqs (2), (3); absent: infinitely long'), &
+         required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
+            'viscous damper under each corner of the base: its constant over m_w'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &

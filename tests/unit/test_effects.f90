@@ -1,7 +1,7 @@
 !> Effects beyond the paper's scene: each against its limit, its derivative and its energy.
 program test_effects
    use check, only: checks_t
-   use rwmf_case, only: case_t, link_t
+   use rwmf_case, only: case_t, damper_t, link_t
    use rwmf_equation, only: build_equation, equation_t, jacobian, kinematics_at, second_derivative
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
@@ -22,6 +22,10 @@ program test_effects
    call check_long_link()
    call check_energy(linked('exact', 5.0_wp), 'link')
    call check_energy(pinned(), 'pinned wall')
+   call check_jacobian(damped(2.0_wp), 'corner dampers')
+   call check_energy(damped(2.0_wp), 'corner dampers')
+   call check_no_damping()
+   call check_damping()
    call check_pinned_is_linear()
    call checks%finish()
 
@@ -44,6 +48,55 @@ contains
       deallocate (case%cable, case%impact)
       case%wall%base = 'pinned'
    end function pinned
+
+   !> Wall and frame with corner dampers.
+   function damped(c_over_m_w) result(case)
+      real(wp), intent(in) :: c_over_m_w
+      !! [1/s]
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      case%damper = damper_t(c_over_m_w)
+   end function damped
+
+   !> c = 0 is the scene without the group.
+   subroutine check_no_damping()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: limit
+      type(error_t), allocatable :: error
+
+      case = damped(0.0_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'no damping')
+      deallocate (case%damper)
+      call simulate(case, limit, error)
+      call checks%close_to(result%u_s_max, limit%u_s_max, 'no damping', rtol=1.0e-10_wp)
+   end subroutine check_no_damping
+
+   !> Moment from the definition: force c d(stroke)/dt along the chord 4b sin(phi/2).
+   subroutine check_damping()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: with
+      type(equation_t) :: without
+      real(wp), parameter :: phi = 0.1_wp
+      real(wp), parameter :: phi_dot = 0.3_wp
+      real(wp), parameter :: step = 1.0e-6_wp
+      real(wp) :: slope
+      real(wp) :: mass
+
+      case = damped(2.0_wp)
+      motion = motion_from_case(case)
+      call build_equation(case, motion, with)
+      deallocate (case%damper)
+      call build_equation(case, motion, without)
+      slope = 4*case%wall%b*(sin((phi + step)/2) - sin((phi - step)/2))/(2*step)
+      mass = with%p%R**2*(4.0_wp/3 + 4*with%p%gamma*cos(with%p%alpha - phi)**2)
+      call checks%close_to(second_derivative(with, 20.0_wp, [phi, phi_dot]) &
+         - second_derivative(without, 20.0_wp, [phi, phi_dot]), -2*slope**2*phi_dot/mass, &
+         'moment of a corner damper', rtol=1.0e-7_wp)
+   end subroutine check_damping
 
    !> Analytic derivatives against central differences, on both sides.
    subroutine check_jacobian(case, name)

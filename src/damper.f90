@@ -1,0 +1,47 @@
+!> Viscous dampers between the foundation and the corners of the base, one at each corner.
+!>
+!> The damper under the corner that lifts is drawn out by the chord 4b sin(phi/2); the other one is
+!> at rest. Virtual work turns its force c d(stroke)/dt into the moment c (2b cos(phi/2))**2 phi'
+!> against the motion.
+module rwmf_damper
+   use rwmf_kinds, only: wp
+   use rwmf_kinematics, only: kinematics_t
+   use rwmf_scene, only: equation_t
+   implicit none
+   private
+
+   public :: add_damper, damper_power
+
+contains
+
+   !> Part of the damper in the equation of motion.
+   subroutine add_damper(equation, t, y, kin, inertia, moment)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+
+      moment = moment - damping(equation, y(1))*equation%side*y(2)
+   end subroutine add_damper
+
+   !> Power that it takes [W/kg].
+   real(wp) function damper_power(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+
+      power = equation%p%R**2*damping(equation, y(1))*y(2)**2
+   end function damper_power
+
+   !> Damping moment per unit m_w R**2 and angular velocity [1/s].
+   pure real(wp) function damping(equation, theta)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      damping = equation%damper_c*(2*equation%sin_alpha*cos(theta/2))**2
+   end function damping
+
+end module rwmf_damper

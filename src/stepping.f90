@@ -1,0 +1,273 @@
+!> One rocking wall-moment frame inside the time loop of a host program.
+!>
+!> The host creates it from a case, advances it under the ground acceleration that it hands over
+!> piece by piece, asks for state, forces and events (`rwmf_stepping_query`), saves and restores when
+!> it rejects a step, and destroys it. Any number may exist at once, each in any thread; nothing is
+!> read, written or kept anywhere else. A call that fails leaves everything as it was.
+!>
+!> With `dop853` and `extrapolation` the bits do not depend on how a motion is cut into calls as
+!> long as the cuts lie at knots. CVODE and ARKODE have a history that cannot be saved: with them
+!> both saving and restoring begin the integrator anew, so that a step that is repeated has the
+!> same bits as the step that was rejected.
+module rwmf_stepping
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use rwmf_case, only: case_t
+   use rwmf_equation, only: build_equation
+   use rwmf_errors, only: err_input, error_t, fail
+   use rwmf_kinds, only: wp
+   use rwmf_machine, only: advance_machine, follow_host, hold_ground, identity_of, machine_t, &
+      put_back, snapshot_t, start_machine, take
+   use rwmf_methods, only: new_stepper
+   use rwmf_motion, only: follow_ground, follow_samples, ground_t, interval_at, motion_from_case
+   use rwmf_text, only: real_to_text
+   implicit none
+   private
+
+   public :: stepping_t, snapshot_t
+   public :: create_stepping, destroy_stepping, advance_stepping, save_stepping, restore_stepping
+   public :: require
+
+   !> Handle of a wall. A copy of it is another name of the same wall.
+   type :: stepping_t
+      type(machine_t), pointer :: machine => null()
+   end type stepping_t
+
+   !> Advance to a later time under the case's own motion, samples, or a motion that is computed.
+   interface advance_stepping
+      module procedure advance_own
+      module procedure advance_samples
+      module procedure advance_ground
+   end interface advance_stepping
+
+contains
+
+   !> Create a wall (or bare frame) from a case; it stands in the case's initial state.
+   !>
+   !> Fails with `err_input` when the case cannot be stepped.
+   subroutine create_stepping(stepping, case, error, t_begin, peak)
+      type(stepping_t), intent(inout) :: stepping
+      !! empty; not one that still holds a wall
+      type(case_t), intent(in) :: case
+      !! valid; `&output`, `&spectrum` and `t_end` play no part
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: t_begin
+      !! time of the initial state, 0 when absent [s]
+      real(wp), intent(in), optional :: peak
+      !! size of the ground acceleration to come, which sets the absolute tolerance unless
+      !! `&solver atol` does; by default that of the case's motion, else g/10 [m/s2]
+
+      call check_case(stepping, case, t_begin, peak, error)
+      if (allocated(error)) return
+      allocate (stepping%machine)
+      associate (machine => stepping%machine)
+         machine%case = case
+         machine%own_motion = motion_from_case(case)
+         if (allocated(machine%case%record)) deallocate (machine%case%record)
+         if (allocated(machine%case%output)) deallocate (machine%case%output)
+         call build_equation(case, machine%own_motion, machine%equation)
+         call new_stepper(case%solver%method, machine%stepper)
+      end associate
+      call start_machine(stepping%machine, t_begin, peak, error)
+      if (allocated(error)) call destroy_stepping(stepping)
+   end subroutine create_stepping
+
+   subroutine check_case(stepping, case, t_begin, peak, error)
+      type(stepping_t), intent(in) :: stepping
+      type(case_t), intent(in) :: case
+      real(wp), intent(in), optional :: t_begin
+      real(wp), intent(in), optional :: peak
+      type(error_t), allocatable, intent(out) :: error
+
+      if (associated(stepping%machine)) then
+         call fail(error, err_input, 'this handle holds a wall already: destroy it first')
+      else if (allocated(case%solver%accuracy)) then
+         call fail(error, err_input, '&solver: accuracy needs the whole motion; give rtol')
+      else if (allocated(case%frame)) then
+         if (.not. allocated(case%frame%T_s)) then
+            call fail(error, err_input, '&frame: T_s is missing')
+         end if
+      end if
+      if (allocated(error)) return
+      if (present(t_begin)) call check_finite(t_begin, 't_begin', error)
+      if (allocated(error)) return
+      if (.not. present(peak)) return
+      call check_finite(peak, 'peak', error)
+      if (.not. allocated(error) .and. .not. peak > 0) then
+         call fail(error, err_input, 'peak = '//real_to_text(peak)//', allowed are values > 0')
+      end if
+   end subroutine check_case
+
+   subroutine check_finite(x, name, error)
+      real(wp), intent(in) :: x
+      character(*), intent(in) :: name
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. ieee_is_finite(x)) call fail(error, err_input, name//' is not a finite number')
+   end subroutine check_finite
+
+   !> Give everything back. Safe to call twice.
+   subroutine destroy_stepping(stepping)
+      type(stepping_t), intent(inout) :: stepping
+
+      if (.not. associated(stepping%machine)) return
+      if (allocated(stepping%machine%stepper)) call stepping%machine%stepper%destroy()
+      deallocate (stepping%machine)
+      stepping%machine => null()
+   end subroutine destroy_stepping
+
+   !> Is there a wall behind the handle? Fails with `err_input`.
+   subroutine require(stepping, error)
+      type(stepping_t), intent(in) :: stepping
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. associated(stepping%machine)) then
+         call fail(error, err_input, 'no wall: it was never created, or it has been destroyed', &
+            'no_wall')
+      end if
+   end subroutine require
+
+   !> Advance under the motion of the case (none without `&motion`).
+   subroutine advance_own(stepping, t, error)
+      type(stepping_t), intent(inout) :: stepping
+      real(wp), intent(in) :: t
+      !! not before the present time [s]
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_target(stepping, t, error)
+      if (allocated(error)) return
+      associate (machine => stepping%machine)
+         if (machine%follows_host) then
+            machine%equation%motion => machine%own_motion
+            machine%equation%interval = interval_at(machine%own_motion, machine%t)
+            machine%hybrid%must_restart = .true.
+            machine%follows_host = .false.
+         end if
+         call advance_machine(machine, t, error)
+      end associate
+   end subroutine advance_own
+
+   !> Advance to the last of the times under straight lines through samples of the acceleration.
+   !>
+   !> A first value that differs from the last one of the call before is a jump of the ground.
+   subroutine advance_samples(stepping, t, a, error)
+      type(stepping_t), intent(inout) :: stepping
+      real(wp), intent(in) :: t(:)
+      !! (n >= 2) strictly increasing times, the first of them the present time [s]
+      real(wp), intent(in) :: a(:)
+      !! (n) ground accelerations [m/s2]
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_samples(stepping, t, a, error)
+      if (allocated(error)) return
+      associate (machine => stepping%machine)
+         call follow_samples(machine%given_motion, t, a)
+         call follow_host(machine, a(1))
+         call advance_machine(machine, t(size(t)), error)
+      end associate
+   end subroutine advance_samples
+
+   !> Advance under an acceleration that the host computes, smooth between now and t.
+   !>
+   !> A resting wall looks for lift-off at eighths of the way: a motion that turns more often asks
+   !> for shorter ones.
+   subroutine advance_ground(stepping, t, ground, error)
+      type(stepping_t), intent(inout) :: stepping
+      real(wp), intent(in) :: t
+      !! after the present time [s]
+      class(ground_t), intent(in), target :: ground
+      !! used during this call only
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_target(stepping, t, error)
+      if (allocated(error)) return
+      associate (machine => stepping%machine)
+         if (.not. t > machine%t) return
+         call check_finite(ground%acceleration_at(t), 'ground acceleration', error)
+         if (allocated(error)) return
+         call check_finite(ground%acceleration_at(machine%t), 'ground acceleration', error)
+         if (allocated(error)) return
+         call follow_ground(machine%given_motion, machine%t, t, ground)
+         call follow_host(machine, ground%acceleration_at(machine%t))
+         call advance_machine(machine, t, error)
+         ! what the host computes with may be gone by the next call
+         if (machine%follows_host) call hold_ground(machine)
+      end associate
+   end subroutine advance_ground
+
+   !> Is t a time to advance to?
+   subroutine check_target(stepping, t, error)
+      type(stepping_t), intent(in) :: stepping
+      real(wp), intent(in) :: t
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      call check_finite(t, 'the time to advance to', error)
+      if (allocated(error)) return
+      if (t < stepping%machine%t) then
+         call fail(error, err_input, 'cannot advance to t = '//real_to_text(t)//' s from ' &
+            //real_to_text(stepping%machine%t)//' s: restore a saved state to go back', 'backwards')
+      end if
+   end subroutine check_target
+
+   subroutine check_samples(stepping, t, a, error)
+      type(stepping_t), intent(in) :: stepping
+      real(wp), intent(in) :: t(:)
+      real(wp), intent(in) :: a(:)
+      type(error_t), allocatable, intent(out) :: error
+      integer :: n
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      n = size(t)
+      if (n < 2 .or. size(a) /= n) then
+         call fail(error, err_input, 'times and accelerations must be two or more, and as many of ' &
+            //'the one as of the other', 'wrong_length')
+      else if (.not. (all(ieee_is_finite(t)) .and. all(ieee_is_finite(a)))) then
+         call fail(error, err_input, 'a time or an acceleration is not a finite number', 'not_finite')
+      else if (any(t(2:) <= t(:n - 1))) then
+         call fail(error, err_input, 'the times do not increase strictly', 'backwards')
+      else if (abs(t(1) - stepping%machine%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then
+         call fail(error, err_input, 'the first time is '//real_to_text(t(1)) &
+            //' s, expected is the present time, '//real_to_text(stepping%machine%t)//' s', &
+            'wrong_time')
+      end if
+   end subroutine check_samples
+
+   !> Remember the present state.
+   !>
+   !> CVODE and ARKODE begin anew in the next call (see above).
+   subroutine save_stepping(stepping, snapshot, error)
+      type(stepping_t), intent(inout) :: stepping
+      type(snapshot_t), intent(out) :: snapshot
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      call take(stepping%machine, snapshot)
+      if (snapshot%is_one_step) return
+      stepping%machine%hybrid%must_restart = .true.
+      snapshot%must_restart = .true.
+   end subroutine save_stepping
+
+   !> Return to a state that `save_stepping` remembered of this wall (or of one made alike).
+   !> The events of the last call are forgotten.
+   subroutine restore_stepping(stepping, snapshot, error)
+      type(stepping_t), intent(inout) :: stepping
+      type(snapshot_t), intent(in) :: snapshot
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      if (.not. snapshot%is_filled) then
+         call fail(error, err_input, 'nothing was saved in this snapshot', 'empty_snapshot')
+      else if (any(abs(snapshot%identity - identity_of(stepping%machine%equation)) > 0)) then
+         call fail(error, err_input, 'the snapshot is that of another wall', 'other_wall')
+      end if
+      if (allocated(error)) return
+      call put_back(stepping%machine, snapshot)
+      if (snapshot%follows_host) call hold_ground(stepping%machine)
+      stepping%machine%observer%n_events = 0
+   end subroutine restore_stepping
+
+end module rwmf_stepping
