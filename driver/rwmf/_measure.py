@@ -1,0 +1,281 @@
+"""Measurements by the kernel: one method or procedure, and the quadruple-precision reference."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import _library
+
+__all__ = ["Measurement", "Reference", "measure_method", "measure_practice", "solve_reference"]
+
+# impacts beyond are counted, their times left out: only chatter has so many
+_ROOM = 20000
+
+
+@dataclasses.dataclass(frozen=True)
+class Measurement:
+    """One way to compute a case.
+
+    Attributes
+    ----------
+    values : dict
+        Numbers by the kernel's names, unit included; NaN for what does not apply to the scene.
+    impact_times : numpy.ndarray
+        Times of the impacts [s].
+    steps, rhs_evaluations, impacts : int
+        Counts.
+    overturned : bool
+        Whether the wall overturned.
+    seconds : float
+        Fastest of all repeats, measured inside the kernel [s].
+    dt : float
+        Step of a procedure with fixed steps [s], else NaN.
+    """
+
+    values: dict[str, float]
+    impact_times: npt.NDArray[np.float64]
+    steps: int
+    rhs_evaluations: int
+    impacts: int
+    overturned: bool
+    seconds: float
+    dt: float = float("nan")
+
+    def close(self) -> None:
+        """Release nothing: everything has been copied."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Reference(Measurement):
+    """Results in quadruple precision.
+
+    Attributes
+    ----------
+    differences : dict
+        How much each value differs from that at a looser tolerance.
+    impact_differences : numpy.ndarray
+        The same for each impact time [s].
+    """
+
+    differences: dict[str, float] = dataclasses.field(default_factory=dict)
+    impact_differences: npt.NDArray[np.float64] = dataclasses.field(
+        default_factory=lambda: np.zeros(0)
+    )
+
+
+def measure_method(text: str, source: str, method: str, rtol: float, budget: float) -> Measurement:
+    """Run a case with a method and tolerance, repeatedly.
+
+    Parameters
+    ----------
+    text, source : str
+        Namelist text, and path of its file or ''.
+    method : str
+        As `&solver method`.
+    rtol : float
+        As `&solver rtol` [-].
+    budget : float
+        Time to be spent on repeats [s]; 0: one run.
+
+    Returns
+    -------
+    Measurement
+        The results.
+
+    Raises
+    ------
+    InputError, NumericalError, Interrupted
+        As the kernel reports them.
+    """
+
+    def call(
+        control: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
+    ) -> tuple[dict[str, Any], int, int]:
+        seconds, counts, status, n = _library.cost_kernel.measure(
+            *_encoded(text, source, method),
+            rtol,
+            budget,
+            control,
+            room.values,
+            room.impact_times,
+            message,
+        )
+        return {"seconds": seconds} | _counts(counts), status, n
+
+    found, room = _run(call, source)
+    return Measurement(**room.content(found["impacts"]), **found)
+
+
+def measure_practice(
+    text: str, source: str, name: str, divisor: float, budget: float
+) -> Measurement:
+    """Run a case with one of today's procedures, repeatedly.
+
+    Parameters
+    ----------
+    text, source : str
+        Namelist text, and path of its file or ''.
+    name : str
+        'ode45', 'rk4' or 'newmark'.
+    divisor : float
+        The step is the usual interval of samples over this [-].
+    budget : float
+        Time to be spent on repeats [s]; 0: one run.
+
+    Returns
+    -------
+    Measurement
+        The results.
+
+    Raises
+    ------
+    InputError, NumericalError
+        As the kernel reports them.
+    """
+
+    def call(
+        _: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
+    ) -> tuple[dict[str, Any], int, int]:
+        seconds, dt, counts, status, n = _library.cost_kernel.measure_practice(
+            *_encoded(text, source, name),
+            divisor,
+            budget,
+            room.values,
+            room.impact_times,
+            message,
+        )
+        return {"seconds": seconds, "dt": dt} | _counts(counts), status, n
+
+    found, room = _run(call, source)
+    return Measurement(**room.content(found["impacts"]), **found)
+
+
+def solve_reference(
+    text: str,
+    source: str,
+    rtol_loose: float,
+    rtol: float,
+    progress: Callable[[int], None] | None = None,
+) -> Reference:
+    """Run a case in quadruple precision at two tolerances.
+
+    Parameters
+    ----------
+    text, source : str
+        Namelist text, and path of its file or ''.
+    rtol_loose, rtol : float
+        Relative tolerances [-]; the results are those of the second.
+    progress : callable, optional
+        Called about 20 times a second with the number of finished runs; what it raises stops the
+        kernel.
+
+    Returns
+    -------
+    Reference
+        Results, and how much they differ between the tolerances.
+
+    Raises
+    ------
+    InputError, NumericalError, Interrupted
+        As the kernel reports them.
+    """
+    differences = np.full(_n_values(), np.nan)
+    impact_differences = np.zeros(_ROOM)
+
+    def call(
+        control: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
+    ) -> tuple[dict[str, Any], int, int]:
+        seconds, counts, status, n = _library.reference_kernel.solve(
+            *_encoded(text, source),
+            rtol_loose,
+            rtol,
+            control,
+            room.values,
+            differences,
+            room.impact_times,
+            impact_differences,
+            message,
+        )
+        return {"seconds": seconds} | _counts(counts), status, n
+
+    found, room = _run(call, source, progress)
+    return Reference(
+        **room.content(found["impacts"]),
+        **found,
+        differences=_by_name(differences),
+        impact_differences=impact_differences[: found["impacts"]].copy(),
+    )
+
+
+class _Room:
+    """Arrays that the kernel fills."""
+
+    def __init__(self) -> None:
+        self.values = np.full(_n_values(), np.nan)
+        self.impact_times = np.zeros(_ROOM)
+
+    def content(self, impacts: int) -> dict[str, Any]:
+        return {
+            "values": _by_name(self.values),
+            "impact_times": self.impact_times[:impacts].copy(),
+        }
+
+
+_Call = Callable[
+    [npt.NDArray[np.int64], _Room, npt.NDArray[np.int8]], tuple[dict[str, Any], int, int]
+]
+
+
+class _Found(dict[str, Any]):
+    """Facts of a run; nothing of them stays in the kernel."""
+
+    def close(self) -> None:
+        """Release nothing."""
+
+
+def _run(
+    call: _Call, source: str, progress: Callable[[int], None] | None = None
+) -> tuple[dict[str, Any], _Room]:
+    """Wait for the kernel in a way that Ctrl-C can end."""
+    room = _Room()
+    message = _library._message_buffer()
+    found = _Found()
+
+    def work(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
+        facts, status, n = call(control, room, message)
+        found.update(facts)
+        return 0, status, n
+
+    _library._wait_for(work, message, source, lambda _: found, progress)
+    return found, room
+
+
+def _counts(counts: npt.NDArray[np.int64]) -> dict[str, Any]:
+    steps, rhs_evaluations, impacts, overturned = (int(count) for count in counts[:4])
+    return {
+        "steps": steps,
+        "rhs_evaluations": rhs_evaluations,
+        "impacts": impacts,
+        "overturned": bool(overturned),
+    }
+
+
+def _names() -> list[str]:
+    return _library._fetch_text(_library.cost_kernel.value_names).split()
+
+
+def _n_values() -> int:
+    return len(_names())
+
+
+def _by_name(values: npt.NDArray[np.float64]) -> dict[str, float]:
+    return dict(zip(_names(), values.tolist(), strict=True))
+
+
+def _encoded(*texts: str) -> tuple[bytes, ...]:
+    return tuple(_library._bytes(text) for text in texts)

@@ -1,0 +1,123 @@
+"""The subcommand ``rwmf cost``."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from rwmf import commands, figures, plot_cost
+from rwmf.case import Case
+from rwmf.cost import Cost, Row, cost, count_tasks
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Parser of the subcommand.
+    """
+    parser.add_argument("case", metavar="CASE.nml", help="namelist file")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--plot", metavar="FILE", help="draw error against time (png, svg, pdf)")
+    parser.add_argument(
+        "--target",
+        metavar="ERROR",
+        type=_error,
+        default=1e-6,
+        help="relative error of the peak that a setting is recommended for (1e-6)",
+    )
+
+
+def _error(word: str) -> float:
+    value = float(word)
+    if not 0 < value < 1:
+        raise argparse.ArgumentTypeError(f"{word}: must be in (0, 1)")
+    return value
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show what accuracy costs in time.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As `add_arguments` declares them.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    case = Case.from_namelist(options.case)
+    commands._check_outputs(options.plot)
+    commands._check_plot(options.plot)
+    with commands.progress_bar(count_tasks()) as report:
+        found = cost(case, options.target, report)
+    if options.plot:
+        with figures.new_figure(6.4, 4.2) as figure:
+            plot_cost.work_precision(found, figure.subplots())
+            figures.save(figure, options.plot)
+    if options.json:
+        commands._print_json(found.to_dict())
+    else:
+        _print(found, options.plot)
+    return 0
+
+
+def _print(found: Cost, plot: str | None) -> None:
+    reference = found.reference
+    print(f"reference: {reference['method']}")
+    print(
+        f"           {reference['peak']} = {reference[reference['peak']]:.15g}, its own relative "
+        f"error {reference['relative_error']:.1e} ({reference['error_estimate']})"
+    )
+    if not reference["good_enough"]:
+        print("           NOT two digits better than the best row: errors near it mean little")
+    print()
+    print(f"{'':27s}{'errors of':>9s}")
+    print(
+        f"  {'method':15s} {'rtol':>7s} {'peak':>9s} {'rotation':>9s} {'impacts s':>9s} "
+        f"{'end state':>9s} {'time ms':>9s} {'steps':>8s} {'rhs':>9s} {'impacts':>7s}"
+    )
+    for row in [*found.practices, *found.rows]:
+        print(_line(row, "*" if row is found.recommended else " "))
+    print()
+    print(_recommendation(found))
+    if plot:
+        print(f"written: {plot}")
+
+
+def _line(row: Row, mark: str) -> str:
+    if row.status != "ok":
+        return f"{mark} {row.method:15s} {_number(row.rtol, '7.0e')} {row.status}"
+    errors = (
+        row.relative_error,
+        row.theta_max_relative_error,
+        row.impact_time_error_s,
+        row.end_state_relative_error,
+    )
+    return (
+        f"{mark} {row.method:15s} {_number(row.rtol, '7.0e')} "
+        + " ".join(_number(error, "9.1e") for error in errors)
+        + f" {1e3 * row.seconds:9.3f} {row.steps:8d} {row.rhs_evaluations:9d} {row.impacts:7d}"
+    )
+
+
+def _number(value: float, form: str) -> str:
+    if math.isnan(value):
+        return f"{'-':>{form.split('.')[0]}s}"
+    return format(value, form)
+
+
+def _recommendation(found: Cost) -> str:
+    row = found.recommended
+    if row is None:
+        return f"no setting has a relative error of {found.target:.0e} or less"
+    return (
+        f"* cheapest for a relative error of {found.target:.0e}: method = '{row.method}', "
+        f"rtol = {row.rtol:.0e} ({1e3 * row.seconds:.2f} ms)"
+    )
