@@ -19,8 +19,8 @@ module rwmf_cvode
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: i8, wp
    use rwmf_stepper, only: tolerance_t
-   use rwmf_sundials, only: create_common, data_of, destroy_common, evaluate_rhs, has_failed, &
-      made, stay_silent, sundials_t
+   use rwmf_sundials, only: create_common, data_of, destroy_common, evaluate_rhs, &
+      first_end, has_failed, made, stay_silent, step_end, sundials_t
    implicit none
    private
 
@@ -136,7 +136,6 @@ contains
          'Jacobian', error)) return
    end subroutine attach_newton
 
-   !> CVODE begins with tiny steps of order 1 by itself, whatever the span.
    subroutine start_cvode(self, t, y, span, error)
       class(cvode_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -149,6 +148,7 @@ contains
       self%y1(:) = y
       self%state = y
       self%t_stop = t
+      self%t_first = first_end(t, span)
       if (self%is_initialised) then
          flag = FCVodeReInit(self%memory, t, self%vector)
          if (has_failed(self, flag, 'CVodeReInit', error)) return
@@ -163,15 +163,17 @@ contains
       real(wp), intent(in) :: t_limit
       type(error_t), allocatable, intent(out) :: error
       real(c_double) :: reached(1)
+      real(wp) :: t_end
 
-      if (abs(t_limit - self%t_stop) > 0 .or. self%t1 >= self%t_stop) then
-         if (has_failed(self, FCVodeSetStopTime(self%memory, t_limit), 'stop time', error)) return
-         self%t_stop = t_limit
+      t_end = step_end(self, t_limit)
+      if (abs(t_end - self%t_stop) > 0 .or. self%t1 >= self%t_stop) then
+         if (has_failed(self, FCVodeSetStopTime(self%memory, t_end), 'stop time', error)) return
+         self%t_stop = t_end
       end if
       self%t0 = self%t1
       self%y0(:) = self%y1
       reached(1) = self%t1
-      if (has_failed(self, FCVode(self%memory, t_limit, self%vector, reached, CV_ONE_STEP), &
+      if (has_failed(self, FCVode(self%memory, t_end, self%vector, reached, CV_ONE_STEP), &
          'CVode', error)) return
       self%t1 = reached(1)
       self%y1(:) = self%state

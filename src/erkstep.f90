@@ -13,8 +13,8 @@ module rwmf_erkstep
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: i8, wp
    use rwmf_stepper, only: taylor_step, tolerance_t
-   use rwmf_sundials, only: create_common, data_of, destroy_common, evaluate_rhs, free_vector, &
-      has_failed, made, stay_silent, sundials_t
+   use rwmf_sundials, only: create_common, data_of, destroy_common, evaluate_rhs, &
+      first_end, free_vector, has_failed, made, stay_silent, step_end, sundials_t
    implicit none
    private
 
@@ -75,7 +75,6 @@ contains
       if (has_failed(self, FERKStepSetMaxNumSteps(memory, -1_c_long), 'step limit', error)) return
    end subroutine initialise_erk
 
-   !> ERKStep chooses its first step by itself, whatever the span.
    subroutine start_erk(self, t, y, span, error)
       class(erk_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -87,6 +86,7 @@ contains
       self%t1 = t
       self%y1(:) = y
       self%state = y
+      self%t_first = first_end(t, span)
       if (self%is_initialised) then
          flag = FERKStepReInit(self%memory, c_funloc(evaluate_rhs), t, self%vector)
          if (has_failed(self, flag, 'ERKStepReInit', error)) return
@@ -104,12 +104,14 @@ contains
       real(wp), intent(in) :: t_limit
       type(error_t), allocatable, intent(out) :: error
       real(c_double) :: reached(1)
+      real(wp) :: t_end
 
-      if (has_failed(self, FERKStepSetStopTime(self%memory, t_limit), 'stop time', error)) return
+      t_end = step_end(self, t_limit)
+      if (has_failed(self, FERKStepSetStopTime(self%memory, t_end), 'stop time', error)) return
       self%t0 = self%t1
       self%y0(:) = self%y1
       reached(1) = self%t1
-      if (has_failed(self, FERKStepEvolve(self%memory, t_limit, self%vector, reached, &
+      if (has_failed(self, FERKStepEvolve(self%memory, t_end, self%vector, reached, &
          ARK_ONE_STEP), 'ERKStepEvolve', error)) return
       self%t1 = reached(1)
       self%y1(:) = self%state

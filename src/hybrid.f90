@@ -1,22 +1,21 @@
 !> The hybrid system: rest, rocking on either corner, overturned, and the ways between them.
 !>
 !> Between events an integrator follows the equation of motion of one side in one interval of the
-!> ground motion. After each of its steps the states inside the step are searched for events, in the
-!> order of time: peaks (theta' = 0) split the step into monotone pieces; in each of them a return
-!> to theta = 0 or a passage of the overturning angle shows by the values at its ends. So two
-!> returns in one step, or a peak and an impact, are found as well. A flight knows its side, so that
-!> a start on theta = 0 is no event.
+!> ground motion. Each of its steps is searched for events (`search.f90`), so that two returns in
+!> one step, or a peak and an impact, are found as well. A flight knows its side, so that a start on
+!> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: equation_t, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
-   use rwmf_locate, only: count_parts, find_reversal, locate
-   use rwmf_motion, only: has_jump, interval_at, interval_end
-   use rwmf_observer, only: observe_event, observe_impact, observe_piece, observe_rest, &
-      observe_state, observer_t
-   use rwmf_rest, only: find_lift_off, may_rest
-   use rwmf_result, only: event_impact, event_lift_off, event_overturned, event_peak, event_rest
+   use rwmf_motion, only: interval_at, interval_end
+   use rwmf_observer, only: observe_event, observe_impact, observe_piece, observe_rest, observer_t
+   use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
+      pass_knot
+   use rwmf_rest, only: find_lift_off, may_rest, pull_duration
+   use rwmf_result, only: event_impact, event_lift_off, event_overturned, event_rest
+   use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
    use rwmf_text, only: real_to_text
    implicit none
@@ -24,30 +23,6 @@ module rwmf_hybrid
 
    public :: hybrid_t, begin_hybrid, advance_hybrid
    public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
-
-   integer, parameter :: mode_rest = 0
-   integer, parameter :: mode_rocking = 1
-   integer, parameter :: mode_overturned = 2
-   integer, parameter :: mode_no_impacts = 3
-   !! bare frame or hinged wall: one smooth regime
-
-   !> State of the hybrid system and the numbers that its transitions need.
-   type :: hybrid_t
-      integer :: mode
-      real(wp) :: t
-      !! [s]
-      real(wp), allocatable :: y(:)
-      !! (states)
-      logical :: must_restart
-      !! the integrator has to begin anew at (t, y)
-      real(wp) :: e
-      !! velocity factor at impact [-]
-      real(wp) :: overturning_angle
-      !! [rad]
-      real(wp) :: rtol
-      !! requested relative tolerance [-]
-      integer(i8) :: max_steps
-   end type hybrid_t
 
    real(wp), parameter :: negligible = 0.01_wp
    !! part of the tolerance below which a motion may be put to rest
@@ -67,6 +42,7 @@ contains
       hybrid%t = t
       hybrid%y = y
       hybrid%must_restart = .true.
+      hybrid%steps_at_knot = 0_i8
       equation%interval = interval_at(equation%motion, t)
       equation%side = 1
       if (.not. equation%has_impacts) then
@@ -157,7 +133,7 @@ contains
       if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%t = t_limit
-         call pass_knot(hybrid, equation)
+         call pass_knot(hybrid, equation, stepper%steps)
          return
       end if
       if (hybrid%must_restart) then
@@ -180,11 +156,12 @@ contains
       case default
          ! Nothing happened: the flight goes on with the next step.
       end select
-      call pass_knot(hybrid, equation)
+      call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
 
-   !> Estimated duration of a flight that begins at theta = 0 against an acceleration that pulls it
-   !> back, a little more than 2 v/a; else no limit [s].
+   !> Estimated duration of a flight that begins at theta = 0: a little more than 2 v/a against an
+   !> acceleration that pulls it back, or twice the time for which the motion pulls it off; else no
+   !> limit [s].
    real(wp) function flight_time(hybrid, equation) result(time)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
@@ -196,164 +173,12 @@ contains
       pull = -equation%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
          time = 2.2_wp*abs(hybrid%y(2))/max(pull, tiny(pull))
+      else if (pull <= 0) then
+         time = pull_duration(equation, hybrid%t)
+         if (time < huge(time)/4) time = max(2*time, 256*spacing(hybrid%t))
       end if
       if (time <= 0) time = huge(time)
    end function flight_time
-
-   !> Enter the next interval of the motion when the present one is over.
-   subroutine pass_knot(hybrid, equation)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-
-      if (hybrid%t < interval_end(equation%motion, equation%interval)) return
-      equation%interval = equation%interval + 1
-      ! A kink of the motion costs a multistep method less than a restart; a jump does not.
-      if (has_jump(equation%motion, equation%interval)) hybrid%must_restart = .true.
-   end subroutine pass_knot
-
-   !> Search the integrator's last step; leaves time and state of its end or of the event in hybrid.
-   subroutine search_step(hybrid, equation, stepper, observer, event, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
-      integer, intent(out) :: event
-      !! `event_impact`, `event_overturned`, or 0
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: t_a
-      real(wp) :: t_b
-      real(wp) :: y_a(equation%n)
-      real(wp) :: y_b(equation%n)
-      integer :: n
-      integer :: i
-
-      n = count_parts(equation, stepper%t0, stepper%t1)
-      t_a = stepper%t0
-      y_a = stepper%y0
-      do i = 1, n
-         t_b = stepper%t1
-         y_b = stepper%y1
-         if (i < n) then
-            t_b = stepper%t0 + i*((stepper%t1 - stepper%t0)/n)
-            call stepper%state_at(t_b, y_b, error)
-            if (allocated(error)) return
-         end if
-         call search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
-         if (allocated(error) .or. event /= 0) return
-         t_a = t_b
-         y_a = y_b
-      end do
-   end subroutine search_step
-
-   !> Search a part of the step in which theta' changes its sign at most twice.
-   subroutine search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: y_a(:)
-      real(wp), intent(in) :: t_b
-      real(wp), intent(in) :: y_b(:)
-      integer, intent(out) :: event
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: t_m
-      real(wp) :: y_m(size(y_a))
-      logical :: turns_twice
-
-      event = 0
-      t_m = t_a
-      y_m = y_a
-      if (.not. has_peak(hybrid, equation, y_a, y_b)) then
-         call find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t_m, y_m, turns_twice, error)
-         if (allocated(error)) return
-         if (turns_twice) then
-            call search_span(hybrid, equation, stepper, observer, t_a, y_a, t_m, y_m, event, error)
-            if (allocated(error) .or. event /= 0) return
-         else
-            t_m = t_a
-            y_m = y_a
-         end if
-      end if
-      call search_span(hybrid, equation, stepper, observer, t_m, y_m, t_b, y_b, event, error)
-   end subroutine search_part
-
-   !> Search a span in which theta' changes its sign at most once.
-   subroutine search_span(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: y_a(:)
-      real(wp), intent(in) :: t_b
-      real(wp), intent(in) :: y_b(:)
-      integer, intent(out) :: event
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: t_peak
-      real(wp) :: y_peak(size(y_a))
-
-      t_peak = t_a
-      y_peak = y_a
-      if (has_peak(hybrid, equation, y_a, y_b)) then
-         call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, y_peak, error)
-         if (allocated(error)) return
-         hybrid%t = t_peak
-         hybrid%y(:) = y_peak
-         call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
-         if (allocated(error) .or. event /= 0) return
-         call observe_state(observer, equation, t_peak, y_peak)
-         call observe_event(observer, event_peak, t_peak, y_peak)
-      end if
-      hybrid%t = t_b
-      hybrid%y(:) = y_b
-      call end_piece(hybrid, equation, stepper, t_peak, y_peak, event, error)
-   end subroutine search_span
-
-   !> Does theta' change its sign between two states? A flight that starts with theta' = 0 moves
-   !> away from the base.
-   logical function has_peak(hybrid, equation, y_a, y_b)
-      type(hybrid_t), intent(in) :: hybrid
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y_a(:)
-      real(wp), intent(in) :: y_b(:)
-      real(wp) :: v_a
-
-      v_a = y_a(2)
-      if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
-         v_a = equation%side
-      end if
-      has_peak = (v_a > 0 .and. y_b(2) <= 0) .or. (v_a < 0 .and. y_b(2) >= 0)
-   end function has_peak
-
-   !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it?
-   subroutine end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: y_a(:)
-      integer, intent(out) :: event
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: level
-      real(wp) :: t_b
-      real(wp) :: y_b(size(y_a))
-
-      event = 0
-      level = 0
-      if (hybrid%mode == mode_rocking .and. equation%side*hybrid%y(1) < 0) then
-         event = event_impact
-      else if (equation%has_wall .and. abs(hybrid%y(1)) >= hybrid%overturning_angle) then
-         event = event_overturned
-         level = sign(hybrid%overturning_angle, hybrid%y(1))
-      else
-         return
-      end if
-      t_b = hybrid%t
-      y_b = hybrid%y
-      call locate(equation, stepper, 1, level, t_a, y_a, t_b, y_b, hybrid%t, hybrid%y, error)
-      hybrid%y(1) = level
-   end subroutine end_piece
 
    !> Impact: the velocity falls by the factor e, the other side's equation takes over, or the wall
    !> comes to rest.

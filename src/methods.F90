@@ -19,11 +19,12 @@ contains
    !> The integrator that `&solver method` names.
    subroutine new_stepper(method, stepper)
       character(*), intent(in) :: method
-      !! 'adams', 'bdf', 'erk54', 'dop853' or 'extrapolation'
+      !! 'adams', 'bdf', 'erk54', 'dop853', 'extrapolation' or 'fast'
       class(stepper_t), allocatable, intent(out) :: stepper
 
       select case (method)
-      case ('dop853')
+      case ('dop853', 'fast')
+         ! A single run has no lanes.
          allocate (dop853_t :: stepper)
 #ifndef RWMF_QUAD
       case ('adams', 'bdf')

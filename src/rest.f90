@@ -2,11 +2,11 @@
 module rwmf_rest
    use rwmf_equation, only: equation_t, lift_off_drive
    use rwmf_kinds, only: wp
-   use rwmf_motion, only: interval_end, is_known_until, turning_point
+   use rwmf_motion, only: interval_end, interval_last, is_known_until, turning_point
    implicit none
    private
 
-   public :: find_lift_off, pressing_acceleration, may_rest
+   public :: find_lift_off, pressing_acceleration, may_rest, inverse_inertia, pull_duration
 
 contains
 
@@ -88,6 +88,36 @@ contains
       t = high
    end subroutine refine_lift_off
 
+   !> How long the ground motion goes on pulling the wall off its base on the side in force, within
+   !> the interval in force [s]; no limit when that is to its end.
+   pure real(wp) function pull_duration(equation, t_begin) result(duration)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_begin
+      !! a time at which it pulls [s]
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: middle
+
+      duration = huge(duration)
+      high = t_begin
+      do
+         low = high
+         if (low >= interval_end(equation%motion, equation%interval)) return
+         if (low >= huge(low)) return
+         high = turning_point(equation%motion, equation%interval, low)
+         if (lift_off_drive(equation, equation%side, equation%interval, high) <= 0) exit
+      end do
+      do while (high - low > 1.0e-3_wp*(low - t_begin) .and. high - low > 4*spacing(high))
+         middle = low + (high - low)/2
+         if (lift_off_drive(equation, equation%side, equation%interval, middle) > 0) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      duration = low - t_begin
+   end function pull_duration
+
    !> Smallest ground acceleration that presses the wall down on both sides over a span [m/s2];
    !> not positive when one side lets go.
    pure real(wp) function pressing_acceleration(equation, t_begin, t_end) result(press)
@@ -126,7 +156,8 @@ contains
    !>
    !> Impacts with e < 1 accumulate: flights of duration 2 v e**n/a end after 2 v/(a (1 - e)).
    !> If the wall is pressed down throughout that time, the true motion has ended by then and stays
-   !> below v**2/(2a) meanwhile: when that is negligible, resting at once changes nothing else.
+   !> below v**2/(2a) meanwhile: when that is negligible, resting at once changes nothing else. The
+   !> same holds when the ground has come to rest for good, whatever e.
    !> Otherwise only a velocity that is itself negligible may be dropped.
    pure logical function may_rest(equation, t, v, e, small_angle, small_velocity)
       type(equation_t), intent(in) :: equation
@@ -149,10 +180,12 @@ contains
       press = pressing_acceleration(equation, t, t)
       if (press <= 0) return
       ! A flight of a few spacings of the time cannot be followed.
-      may_rest = v <= max(small_velocity, press*inverse_inertia(equation)*64*spacing(t))
-      if (may_rest .or. e >= 1) return
       gain = inverse_inertia(equation)
-      if (v**2 > 2*press*gain*small_angle) return
+      may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
+      if (may_rest .or. v**2 > 2*press*gain*small_angle) return
+      ! With e = 1 the chatter has no end, but nothing can come of it after the last knot.
+      may_rest = equation%interval >= interval_last(equation%motion)
+      if (may_rest .or. e >= 1) return
       ! Twice the time that the present pressure allows leaves room for a smaller one meanwhile.
       chatter = 4*v/(press*gain*(1 - e))
       if (.not. is_known_until(equation%motion, equation%interval, t + chatter)) return

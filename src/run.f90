@@ -11,6 +11,7 @@ module rwmf_run
    use rwmf_methods, only: new_stepper
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
+   use rwmf_rest, only: inverse_inertia
    use rwmf_result, only: add_warning, result_t
    use rwmf_stepper, only: stepper_t, tolerance_t
    use rwmf_text, only: real_to_text
@@ -108,7 +109,8 @@ contains
 
       size_found = 0
       equation%rhs_evaluations = 0
-      call stepper%create(equation, tolerances(case, size_guess), error)
+      call stepper%create(equation, above_round_off(tolerances(case, size_guess), equation, &
+         size_guess), error)
       if (allocated(error)) return
       hybrid%e = restitution(case, equation%p%alpha)
       hybrid%overturning_angle = case%model%overturning_angle
@@ -139,6 +141,26 @@ contains
          tolerance%atol = max(case%solver%rtol*size_guess, 1.0e3_wp*tiny(1.0_wp))
       end if
    end function tolerances
+
+   !> Tolerances that the round-off of the acceleration allows.
+   !>
+   !> A wall that hardly lifts off is driven by the small difference of large accelerations. When its
+   !> round-off, over the time that the response takes, exceeds the tolerance, no step is short enough.
+   pure type(tolerance_t) function above_round_off(tolerance, equation, size_guess) result(floored)
+      type(tolerance_t), intent(in) :: tolerance
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+      real(wp) :: noise
+      !! [rad/s2]
+      real(wp) :: duration
+      !! [s]
+
+      floored = tolerance
+      if (.not. equation%has_impacts .or. minval(size_guess) <= 0) return
+      noise = epsilon(1.0_wp)*equation%threshold*inverse_inertia(equation)
+      duration = size_guess(1)/size_guess(2)
+      floored%atol = max(floored%atol, noise*duration*[duration, 1.0_wp])
+   end function above_round_off
 
    pure function initial_state(case, equation) result(y)
       type(case_t), intent(in) :: case
@@ -217,6 +239,9 @@ contains
       real(wp) :: e_max
 
       allocate (result%warnings(0))
+      if (case%solver%method == 'fast') then
+         call add_warning(result, 'method fast is for spectra: this run was integrated by dop853')
+      end if
       if (.not. allocated(case%wall)) return
       if (case%wall%base == 'pinned') return
       e = restitution(case, alpha)

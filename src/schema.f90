@@ -11,7 +11,7 @@ module rwmf_schema
 
    character(*), parameter :: pulse_kinds = 'one_sine one_cosine sine'
    !! kinds of motion that are pulses
-   character(*), parameter :: all_methods = 'adams bdf erk54 dop853 extrapolation'
+   character(*), parameter :: all_methods = 'adams bdf erk54 dop853 extrapolation fast'
    !! integrators
 
    character(*), parameter :: any_real = 'any finite number'
@@ -31,7 +31,7 @@ module rwmf_schema
       !! value when it is not given, or the name of the key of the group that has it; '' for none
       logical :: is_required
       !! must be given whenever the group is (conditions on other groups: rwmf_case_rules)
-      character(40) :: allowed
+      character(48) :: allowed
       !! of a number: `> 0`, `>= 0` or an interval; of a choice: its names
       character(90) :: help
       character(24) :: kinds

@@ -4,6 +4,7 @@ module rwmf_spectrum
    use rwmf_case, only: case_t, spectrum_spec_t
    use rwmf_control, only: control_t, count_done, is_cancelled
    use rwmf_errors, only: err_input, err_interrupt, err_numerical, error_t, fail
+   use rwmf_fast_spectrum, only: run_fast
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: motion_from_case, motion_t
    use rwmf_result, only: result_t
@@ -144,6 +145,9 @@ contains
       integer(i8) :: evaluations
       integer :: i
 
+      if (case%solver%method == 'fast' .and. allocated(case%wall)) then
+         call run_lanes(case, motion, control, spectrum)
+      end if
       evaluations = 0_i8
       !$omp parallel do num_threads(spectrum%threads) schedule(dynamic) default(shared) &
       !$omp reduction(+:evaluations)
@@ -153,6 +157,19 @@ contains
       !$omp end parallel do
       spectrum%rhs_evaluations = evaluations
    end subroutine run_all
+
+   !> The ordinates that advance in lanes; the others keep their status and are run one by one.
+   subroutine run_lanes(case, motion, control, spectrum)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(spectrum_t), intent(inout) :: spectrum
+      logical :: is_done(size(spectrum%T_s), size(spectrum%gamma), size(spectrum%b))
+
+      call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
+         spectrum%b, spectrum%u_s_max, is_done)
+      where (is_done) spectrum%status = 'ok'
+   end subroutine run_lanes
 
    !> One ordinate. Everything that a thread needs for itself is local here.
    subroutine run_one(case, motion, control, spectrum, number, evaluations)
@@ -172,6 +189,7 @@ contains
       i = mod(number - 1, size(spectrum%T_s)) + 1
       j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
       k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
+      if (spectrum%status(i, j, k) == 'ok') return
       call copy_scene(case, one)
       one%frame%T_s = spectrum%T_s(i)
       if (allocated(one%wall)) then

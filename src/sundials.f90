@@ -18,6 +18,7 @@ module rwmf_sundials
 
    public :: sundials_t, evaluate_rhs, data_of, stay_silent
    public :: has_failed, made, create_common, destroy_common, free_vector
+   public :: first_end, step_end
 
    integer(c_int), parameter :: no_memory = -20
    !! flag of CVODE and ARKODE
@@ -38,6 +39,8 @@ module rwmf_sundials
       real(wp) :: rtol = 0
       real(wp) :: t_stop = 0
       !! stop time that the integrator knows; it forgets it when it gets there [s]
+      real(wp) :: t_first
+      !! latest end of the first step after a start [s]
    end type sundials_t
 
    interface
@@ -168,5 +171,29 @@ contains
       vector => null()
       values => null()
    end subroutine free_vector
+
+   !> Latest end of the first step of a flight [s].
+   !>
+   !> A first step has a low order: across a whole flight that is too small for the tolerance it
+   !> returns a velocity of the wrong sign, so that the wall would hit its base at once, again and
+   !> again. Before the top of the flight it cannot.
+   pure real(wp) function first_end(t, span)
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: span
+      !! as in `start` [s]
+
+      first_end = t + max(0.4_wp*span, 16*spacing(t))
+   end function first_end
+
+   !> Where the next step has to stop at the latest [s].
+   pure real(wp) function step_end(self, t_limit)
+      class(sundials_t), intent(in) :: self
+      real(wp), intent(in) :: t_limit
+      !! [s]
+
+      step_end = t_limit
+      if (self%t1 < self%t_first) step_end = min(t_limit, self%t_first)
+   end function step_end
 
 end module rwmf_sundials

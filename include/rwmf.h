@@ -1,0 +1,146 @@
+/* Rocking walls in a host program written in C: walls that step with the host, and the wall as an
+ * element of a host that owns the frame. See docs/embedding.md.
+ *
+ * Every function that can fail returns 0, or one of the RWMF_ numbers; then `message` (room for
+ * `size` bytes, may be NULL) says what went wrong, and everything is as it was before the call.
+ * Nothing prints, nothing is kept between calls, any thread may call with its own handles. */
+#ifndef RWMF_H
+#define RWMF_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { RWMF_NUMERICAL = 1, RWMF_INPUT = 2, RWMF_INTERRUPTED = 130 };
+
+enum {
+   RWMF_EVENT_IMPACT = 1,
+   RWMF_EVENT_PEAK = 2,
+   RWMF_EVENT_LIFT_OFF = 3,
+   RWMF_EVENT_REST = 4,
+   RWMF_EVENT_OVERTURNED = 5
+};
+
+typedef struct rwmf_wall rwmf_wall;         /* a wall that steps */
+typedef struct rwmf_snapshot rwmf_snapshot; /* a saved state */
+typedef struct rwmf_element rwmf_element;   /* a wall without frame */
+
+/* Maxima of one simulation; what does not apply is NaN. */
+typedef struct {
+   double u_s_max;             /* m */
+   double theta_max;           /* of |theta|, rad */
+   double theta_dot_max;       /* rad/s */
+   double cable_increment_max; /* P/(m_w g) - eta_0 */
+   double t_end;               /* s */
+   int64_t impacts;
+   int64_t lift_offs;
+   int64_t steps;
+   int32_t overturned; /* 1 or 0 */
+} rwmf_result;
+
+typedef struct {
+   double t;          /* s */
+   double theta;      /* rad */
+   double theta_dot;  /* rad/s */
+   double theta_ddot; /* rad/s2 */
+   double u_s;        /* m */
+   double u_s_dot;    /* m/s */
+   double u_s_ddot;   /* m/s2 */
+   double u_s_max;    /* largest |u_s| so far, m */
+   double theta_max;  /* largest |theta| so far, rad */
+   int64_t impacts;
+   int64_t lift_offs;
+   int64_t steps;
+   int32_t at_rest;
+   int32_t overturned;
+} rwmf_state;
+
+/* In N; in N per kg of the wall when the case has no m_w. */
+typedef struct {
+   double link;        /* from the wall on the frame */
+   double frame_shear; /* of the frame's spring and damper */
+   double cable;       /* tension */
+} rwmf_forces;
+
+typedef struct {
+   double t;         /* s */
+   double theta;     /* rad */
+   double theta_dot; /* rad/s, before an impact */
+   int32_t kind;     /* RWMF_EVENT_ */
+} rwmf_event;
+
+typedef struct {
+   double force;      /* resisting force on the link, N */
+   double stiffness;  /* N/m */
+   double damping;    /* N s/m */
+   double mass;       /* kg */
+   double theta;      /* rad */
+   double theta_dot;  /* rad/s */
+   double theta_ddot; /* rad/s2 */
+   double cable;      /* tension, N */
+} rwmf_response;
+
+/* Version of the library as text. */
+void rwmf_version(char *text, size_t size);
+
+/* One simulation of a case in namelist text. */
+int rwmf_run(const char *namelist, rwmf_result *result, char *message, size_t size);
+
+/* --- a wall that steps --- */
+
+/* `peak`: size of the ground acceleration to come, m/s2, sets the absolute tolerance unless the case
+ * gives atol; <= 0: the case's motion or g/10. `*wall` has to be NULL. */
+int rwmf_create(const char *namelist, double t_begin, double peak, rwmf_wall **wall,
+                char *message, size_t size);
+/* Sets *wall to NULL. Safe to call twice. */
+void rwmf_destroy(rwmf_wall **wall);
+
+/* Advance to t under the motion of the case. */
+int rwmf_advance(rwmf_wall *wall, double t, char *message, size_t size);
+/* Advance to t[n - 1] under straight lines through n >= 2 samples in m/s2; t[0] is the present. */
+int rwmf_advance_samples(rwmf_wall *wall, size_t n, const double *t, const double *a,
+                         char *message, size_t size);
+/* Advance to t under an acceleration that is computed, smooth between now and t. `ground` must depend
+ * on its arguments only. */
+int rwmf_advance_ground(rwmf_wall *wall, double t, double (*ground)(double t, void *data),
+                        void *data, char *message, size_t size);
+
+int rwmf_query_state(const rwmf_wall *wall, rwmf_state *state, char *message, size_t size);
+int rwmf_query_forces(const rwmf_wall *wall, rwmf_forces *forces, char *message, size_t size);
+/* Events of the last advance: the first `capacity` of `*count`. */
+int rwmf_query_events(const rwmf_wall *wall, size_t capacity, rwmf_event *events, size_t *count,
+                      char *message, size_t size);
+
+/* `*snapshot` is made when it is NULL, else written over. */
+int rwmf_save(rwmf_wall *wall, rwmf_snapshot **snapshot, char *message, size_t size);
+int rwmf_restore(rwmf_wall *wall, const rwmf_snapshot *snapshot, char *message, size_t size);
+void rwmf_destroy_snapshot(rwmf_snapshot **snapshot);
+
+/* --- the wall as an element --- */
+
+int rwmf_create_element(const char *namelist, rwmf_element **element, char *message, size_t size);
+void rwmf_destroy_element(rwmf_element **element);
+/* `side`: 1 or -1, the side on which the wall rocks. */
+int rwmf_respond(const rwmf_element *element, int side, double u, double u_dot, double u_ddot,
+                 double u_g_ddot, rwmf_response *response, char *message, size_t size);
+/* Factor on the velocity of the link at an impact; NaN without an element. */
+double rwmf_velocity_factor(const rwmf_element *element);
+/* First impact in a step of length dt: 1 and its time since the beginning in *tau, or 0. */
+int rwmf_next_impact(int side, double dt, double u_0, double u_dot_0, double u_1, double u_dot_1,
+                     double *tau);
+/* First lift-off of a resting wall in a step over which the host's push on it and the ground
+ * acceleration vary linearly: the side (1 or -1) and its time in *tau, or 0. */
+int rwmf_next_lift_off(const rwmf_element *element, double dt, double push_0, double push_1,
+                       double u_g_ddot_0, double u_g_ddot_1, double *tau);
+/* 1 when the wall may be put to rest after an impact, see docs/embedding.md. */
+int rwmf_settles(const rwmf_element *element, double dt, double u_dot, double push,
+                 double u_g_ddot, double host_mass);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,158 @@
+!> The ground motion cut into the steps of the fast spectra, once for all ordinates.
+!>
+!> Steps end at every knot of the motion and at every extremum of a pulse, so that the acceleration
+!> is monotone within a step. In a step it is the cubic through its values on Lobatto's nodes, which
+!> is exact for a record.
+module rwmf_fast_grid
+   use rwmf_fast_lanes, only: c_2, c_3, step_t
+   use rwmf_kinds, only: wp
+   use rwmf_motion, only: acceleration, interval_at, interval_end, motion_t, peak_acceleration, &
+      turning_point
+   implicit none
+   private
+
+   public :: fast_grid_t, build_grid, ground_at, ground_end, loud_steps
+
+   !> Steps from 0 to the end of the simulation.
+   type :: fast_grid_t
+      type(step_t), allocatable :: step(:)
+      !! (steps)
+      real(wp), allocatable :: t(:)
+      !! (steps) beginnings [s]
+   end type fast_grid_t
+
+contains
+
+   !> Cut [0, t_end] into steps of at most h_max.
+   pure subroutine build_grid(motion, t_end, h_max, grid)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t_end
+      !! [s]
+      real(wp), intent(in) :: h_max
+      !! [s]
+      type(fast_grid_t), intent(out) :: grid
+      integer :: number
+
+      call walk(motion, t_end, h_max, grid, number)
+      allocate (grid%step(number), grid%t(number))
+      call walk(motion, t_end, h_max, grid, number)
+      call find_kinks(grid)
+   end subroutine build_grid
+
+   !> Count the steps, and store them once there is room for them.
+   pure subroutine walk(motion, t_end, h_max, grid, number)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t_end
+      real(wp), intent(in) :: h_max
+      type(fast_grid_t), intent(inout) :: grid
+      integer, intent(out) :: number
+      real(wp) :: t
+      real(wp) :: t_next
+      integer :: interval
+      integer :: parts
+      integer :: i
+
+      number = 0
+      t = 0
+      interval = interval_at(motion, t)
+      do while (t < t_end)
+         t_next = min(turning_point(motion, interval, t), t_end)
+         parts = max(1, ceiling((t_next - t)/h_max*(1 - 1.0e-9_wp)))
+         do i = 1, parts
+            if (allocated(grid%step)) then
+               call store(motion, interval, t + (i - 1)*((t_next - t)/parts), (t_next - t)/parts, &
+                  number + i, grid)
+            end if
+         end do
+         number = number + parts
+         t = t_next
+         if (t >= interval_end(motion, interval)) interval = interval + 1
+      end do
+   end subroutine walk
+
+   pure subroutine store(motion, interval, t, h, number, grid)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: h
+      !! [s]
+      integer, intent(in) :: number
+      type(fast_grid_t), intent(inout) :: grid
+      real(wp) :: f(0:3)
+      real(wp) :: second
+      real(wp) :: third
+
+      grid%t(number) = t
+      associate (step => grid%step(number))
+         step%h = h
+         ! Equal steps of a record differ by round-off, which would only cost new weights.
+         if (number > 1) then
+            if (abs(grid%step(number - 1)%h - h) < 1.0e-11_wp*h) step%h = grid%step(number - 1)%h
+         end if
+         f = [acceleration(motion, interval, t), acceleration(motion, interval, t + c_2*h), &
+            acceleration(motion, interval, t + c_3*h), acceleration(motion, interval, t + h)]
+         step%f = [f(0), f(3) - f(0), 0.0_wp, 0.0_wp]
+         second = ((f(2) - f(0))/c_3 - (f(1) - f(0))/c_2)/(c_3 - c_2)
+         if (abs(second) > 1.0e-11_wp*peak_acceleration(motion)) then
+            third = ((f(3) - f(0) - (f(1) - f(0))/c_2)/(1 - c_2) - second)/(1 - c_3)
+            step%f(1:) = [(f(1) - f(0))/c_2, second, third]
+         end if
+      end associate
+   end subroutine store
+
+   !> Discontinuities of the acceleration and of its rate between the steps.
+   pure subroutine find_kinks(grid)
+      type(fast_grid_t), intent(inout) :: grid
+      real(wp) :: f
+      real(wp) :: rate
+      integer :: i
+
+      f = 0
+      rate = 0
+      do i = 1, size(grid%step)
+         associate (step => grid%step(i))
+            step%jump = step%f(0) - f
+            step%kink = (step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3))/step%h - rate
+            f = ground_end(step)
+            rate = (step%f(1) + (2 - c_2)*step%f(2) &
+               + ((1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2))*step%f(3))/step%h
+         end associate
+      end do
+   end subroutine find_kinks
+
+   !> Ground acceleration at the position x of a step [m/s2].
+   pure real(wp) function ground_at(step, x)
+      type(step_t), intent(in) :: step
+      real(wp), intent(in) :: x
+      !! from 0 to 1 [-]
+
+      ground_at = step%f(0) + x*(step%f(1) + (x - c_2)*(step%f(2) + (x - c_3)*step%f(3)))
+   end function ground_at
+
+   !> Ground acceleration at the end of a step [m/s2].
+   pure real(wp) function ground_end(step)
+      type(step_t), intent(in) :: step
+
+      ground_end = ground_at(step, 1.0_wp)
+   end function ground_end
+
+   !> For each step the next one, itself included, that can lift a resting wall; the number of steps
+   !> plus one for none.
+   pure function loud_steps(grid, threshold) result(next)
+      type(fast_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: threshold
+      !! [m/s2]
+      integer, allocatable :: next(:)
+      !! (steps + 1)
+      integer :: i
+
+      allocate (next(size(grid%step) + 1))
+      next(size(next)) = size(next)
+      do i = size(grid%step), 1, -1
+         next(i) = next(i + 1)
+         if (max(abs(grid%step(i)%f(0)), abs(ground_end(grid%step(i)))) > threshold) next(i) = i
+      end do
+   end function loud_steps
+
+end module rwmf_fast_grid

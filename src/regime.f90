@@ -1,0 +1,59 @@
+!> State of the hybrid system, and what a knot of the motion does to it.
+module rwmf_regime
+   use rwmf_equation, only: equation_t
+   use rwmf_kinds, only: i8, wp
+   use rwmf_motion, only: has_jump, interval_end
+   implicit none
+   private
+
+   public :: hybrid_t, pass_knot
+   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
+
+   integer, parameter :: mode_rest = 0
+   integer, parameter :: mode_rocking = 1
+   integer, parameter :: mode_overturned = 2
+   integer, parameter :: mode_no_impacts = 3
+   !! bare frame or hinged wall: one smooth regime
+
+   !> State of the hybrid system and the numbers that its transitions need.
+   type :: hybrid_t
+      integer :: mode
+      real(wp) :: t
+      !! [s]
+      real(wp), allocatable :: y(:)
+      !! (states)
+      logical :: must_restart
+      !! the integrator has to begin anew at (t, y)
+      real(wp) :: e
+      !! velocity factor at impact [-]
+      real(wp) :: overturning_angle
+      !! [rad]
+      real(wp) :: rtol
+      !! requested relative tolerance [-]
+      integer(i8) :: max_steps
+      integer(i8) :: steps_at_knot = 0_i8
+      !! of the integrator when the present interval of the motion began
+   end type hybrid_t
+
+contains
+
+   !> Enter the next interval of the motion when the present one is over.
+   !>
+   !> A multistep method that carries its past over a kink loses two digits there, and a restart costs
+   !> it some 30 small steps. So it begins anew at jumps, and where an interval has taken more steps than
+   !> that; not at the samples of a record, where its steps are as long as the intervals.
+   subroutine pass_knot(hybrid, equation, steps)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      integer(i8), intent(in) :: steps
+      !! that the integrator has taken
+      integer(i8), parameter :: cost_of_restart = 30_i8
+
+      if (hybrid%t < interval_end(equation%motion, equation%interval)) return
+      equation%interval = equation%interval + 1
+      if (has_jump(equation%motion, equation%interval)) hybrid%must_restart = .true.
+      if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
+      hybrid%steps_at_knot = steps
+   end subroutine pass_knot
+
+end module rwmf_regime

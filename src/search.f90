@@ -1,0 +1,165 @@
+!> Search of the integrator's last step for the events that it contains, in the order of time.
+!>
+!> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or a
+!> passage of the overturning angle shows by the values at its ends.
+module rwmf_search
+   use rwmf_equation, only: equation_t
+   use rwmf_errors, only: error_t
+   use rwmf_kinds, only: wp
+   use rwmf_locate, only: count_parts, find_reversal, locate
+   use rwmf_observer, only: observe_event, observe_state, observer_t
+   use rwmf_regime, only: hybrid_t, mode_rocking
+   use rwmf_result, only: event_impact, event_overturned, event_peak
+   use rwmf_stepper, only: stepper_t
+   implicit none
+   private
+
+   public :: search_step
+
+contains
+
+   !> Search the integrator's last step; leaves time and state of its end or of the event in hybrid.
+   subroutine search_step(hybrid, equation, stepper, observer, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      integer, intent(out) :: event
+      !! `event_impact`, `event_overturned`, or 0
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_a
+      real(wp) :: t_b
+      real(wp) :: y_a(equation%n)
+      real(wp) :: y_b(equation%n)
+      integer :: n
+      integer :: i
+
+      n = count_parts(equation, stepper%t0, stepper%t1)
+      t_a = stepper%t0
+      y_a = stepper%y0
+      do i = 1, n
+         t_b = stepper%t1
+         y_b = stepper%y1
+         if (i < n) then
+            t_b = stepper%t0 + i*((stepper%t1 - stepper%t0)/n)
+            call stepper%state_at(t_b, y_b, error)
+            if (allocated(error)) return
+         end if
+         call search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+         if (allocated(error) .or. event /= 0) return
+         t_a = t_b
+         y_a = y_b
+      end do
+   end subroutine search_step
+
+   !> Search a part of the step in which theta' changes its sign at most twice.
+   subroutine search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      integer, intent(out) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_m
+      real(wp) :: y_m(size(y_a))
+      logical :: turns_twice
+
+      event = 0
+      t_m = t_a
+      y_m = y_a
+      if (.not. has_peak(hybrid, equation, y_a, y_b)) then
+         call find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t_m, y_m, turns_twice, error)
+         if (allocated(error)) return
+         if (turns_twice) then
+            call search_span(hybrid, equation, stepper, observer, t_a, y_a, t_m, y_m, event, error)
+            if (allocated(error) .or. event /= 0) return
+         else
+            t_m = t_a
+            y_m = y_a
+         end if
+      end if
+      call search_span(hybrid, equation, stepper, observer, t_m, y_m, t_b, y_b, event, error)
+   end subroutine search_part
+
+   !> Search a span in which theta' changes its sign at most once.
+   subroutine search_span(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      integer, intent(out) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_peak
+      real(wp) :: y_peak(size(y_a))
+
+      t_peak = t_a
+      y_peak = y_a
+      if (has_peak(hybrid, equation, y_a, y_b)) then
+         call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, y_peak, error)
+         if (allocated(error)) return
+         hybrid%t = t_peak
+         hybrid%y(:) = y_peak
+         call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+         if (allocated(error) .or. event /= 0) return
+         call observe_state(observer, equation, t_peak, y_peak)
+         call observe_event(observer, event_peak, t_peak, y_peak)
+      end if
+      hybrid%t = t_b
+      hybrid%y(:) = y_b
+      call end_piece(hybrid, equation, stepper, t_peak, y_peak, event, error)
+   end subroutine search_span
+
+   !> Does theta' change its sign between two states? A flight that starts with theta' = 0 moves
+   !> away from the base.
+   logical function has_peak(hybrid, equation, y_a, y_b)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: y_b(:)
+      real(wp) :: v_a
+
+      v_a = y_a(2)
+      if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
+         v_a = equation%side
+      end if
+      has_peak = (v_a > 0 .and. y_b(2) <= 0) .or. (v_a < 0 .and. y_b(2) >= 0)
+   end function has_peak
+
+   !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it?
+   subroutine end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      integer, intent(out) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: level
+      real(wp) :: t_b
+      real(wp) :: y_b(size(y_a))
+
+      event = 0
+      level = 0
+      if (hybrid%mode == mode_rocking .and. equation%side*hybrid%y(1) < 0) then
+         event = event_impact
+      else if (equation%has_wall .and. abs(hybrid%y(1)) >= hybrid%overturning_angle) then
+         event = event_overturned
+         level = sign(hybrid%overturning_angle, hybrid%y(1))
+      else
+         return
+      end if
+      t_b = hybrid%t
+      y_b = hybrid%y
+      call locate(equation, stepper, 1, level, t_a, y_a, t_b, y_b, hybrid%t, hybrid%y, error)
+      hybrid%y(1) = level
+   end subroutine end_piece
+
+end module rwmf_search

@@ -1,0 +1,195 @@
+!> The wall as an element: tangents against differences, inverse kinematics, events of a host's step.
+program test_element
+   use check, only: checks_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
+      lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
+      velocity_factor, wall_element_t, wp
+   use scenes, only: rwmf_scene
+   implicit none
+
+   character(9), parameter :: formulations(3) = [character(9) :: 'published', 'symmetric', 'exact']
+   type(checks_t) :: checks
+   integer :: i
+
+   do i = 1, 3
+      call test_tangents(trim(formulations(i)), 'linear', '')
+      if (i > 1) call test_tangents(trim(formulations(i)), 'truss', '')
+      if (i > 1) call test_tangents(trim(formulations(i)), 'linear', '&link L = 6.0 /')
+   end do
+   call test_statics()
+   call test_impact()
+   call test_lift_off()
+   call test_bad_calls()
+   call checks%finish()
+
+contains
+
+   function element_of(formulation, law, more) result(element)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: law
+      character(*), intent(in) :: more
+      !! further groups
+      type(wall_element_t) :: element
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      character(*), parameter :: nl = new_line('a')
+      character(:), allocatable :: frame
+
+      frame = ''
+      if (len(more) > 0) frame = '&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /'
+      call read_case_text('&wall h = 2.0, b = 0.5, m_w = 1.0e4 /'//nl &
+         //'&cable eta_0 = 1.0, eta_alpha = 5.0, law = "'//law//'" /'//nl//frame//nl//more//nl &
+         //'&impact rule = "constant", e = 0.9 /'//nl &
+         //'&model formulation = "'//formulation//'" /'//nl//'&solver t_end = 1.0 /', '', case, error)
+      if (.not. allocated(error)) call create_element(element, case, error)
+      call checks%no_error(error, 'element '//formulation//' '//law//more)
+   end function element_of
+
+   !> Central differences of the force by u, u' and u''.
+   subroutine test_tangents(formulation, law, more)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: law
+      character(*), intent(in) :: more
+      type(wall_element_t) :: element
+      type(element_response_t) :: response
+      type(error_t), allocatable :: error
+      real(wp) :: motion(3)
+      real(wp) :: slope(3)
+      integer :: side
+      integer :: k
+
+      element = element_of(formulation, law, more)
+      do side = -1, 1, 2
+         motion = side*[0.15_wp, -0.8_wp, 3.0_wp]
+         call respond(element, side, motion(1), motion(2), motion(3), 1.7_wp, response, error)
+         call checks%no_error(error, 'response')
+         do k = 1, 3
+            slope(k) = difference(element, side, motion, k)
+         end do
+         ! The difference has an error of 1e-10 by truncation and as much by round-off.
+         call checks%close_to(response%stiffness, slope(1), formulation//law//more//': stiffness', &
+            rtol=1.0e-7_wp)
+         call checks%close_to(response%damping, slope(2), formulation//law//more//': damping', &
+            rtol=1.0e-7_wp)
+         call checks%close_to(response%mass, slope(3), formulation//law//more//': mass', &
+            rtol=1.0e-7_wp)
+         call checks%that(side*response%theta > 0, 'rotation to the side of the motion')
+      end do
+   end subroutine test_tangents
+
+   real(wp) function difference(element, side, motion, k) result(slope)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      real(wp), intent(in) :: motion(3)
+      !! u [m], u' [m/s], u'' [m/s2]
+      integer, intent(in) :: k
+      !! by which of them
+      type(element_response_t) :: up
+      type(element_response_t) :: down
+      type(error_t), allocatable :: error
+      real(wp) :: step(3)
+
+      step = 0
+      step(k) = 1.0e-5_wp
+      associate (x => motion + step, y => motion - step)
+         call respond(element, side, x(1), x(2), x(3), 1.7_wp, up, error)
+         call respond(element, side, y(1), y(2), y(3), 1.7_wp, down, error)
+      end associate
+      slope = (up%force - down%force)/(2*step(k))
+   end function difference
+
+   !> At rest and without motion the force is that of gravity and cable, half the overturning moment
+   !> over the height: m_w g tan(alpha)/2 (1 + eta_0).
+   subroutine test_statics()
+      type(wall_element_t) :: element
+      type(element_response_t) :: response
+      type(error_t), allocatable :: error
+      real(wp) :: expected
+
+      element = element_of('exact', 'linear', '')
+      expected = 1.0e4_wp*9.81_wp*0.25_wp/2*2
+      call respond(element, 1, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%close_to(response%force, expected, 'static force', rtol=1.0e-13_wp)
+      call respond(element, -1, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%close_to(response%force, -expected, 'on the other side', rtol=1.0e-13_wp)
+      call checks%close_to(lift_off_drive_of(element, 1, expected, 0.0_wp), 0.0_wp, &
+         'the push that lifts', atol=1.0e-9_wp*expected)
+      ! u = 2h sin(theta) for theta < 0
+      call respond(element, -1, -4*sin(0.3_wp), 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%close_to(response%theta, -0.3_wp, 'rotation', rtol=1.0e-14_wp)
+      call respond(element, 1, 1.0e-9_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%close_to(response%theta, 1.0e-9_wp/4, 'small rotation', rtol=1.0e-9_wp)
+      call checks%close_to(velocity_factor(element), 0.9_wp, 'velocity factor', rtol=1.0e-15_wp)
+   end subroutine test_statics
+
+   !> Cubics with roots that are known.
+   subroutine test_impact()
+      logical :: found
+      real(wp) :: tau
+
+      call next_impact(1, 0.1_wp, 0.02_wp, 0.1_wp, 0.03_wp, 0.1_wp, found, tau)
+      call checks%that(.not. found, 'no impact')
+      ! u = 0.01 - 4 t**2
+      call next_impact(1, 0.1_wp, 0.01_wp, 0.0_wp, -0.03_wp, -0.8_wp, found, tau)
+      call checks%that(found, 'impact')
+      call checks%close_to(tau, 0.05_wp, 'its time', rtol=1.0e-14_wp)
+      ! -u = (t - 0.02) (t - 0.04) has come back at the end
+      call next_impact(-1, 0.1_wp, -0.0008_wp, 0.06_wp, -0.0048_wp, -0.14_wp, found, tau)
+      call checks%that(found, 'two returns in one step')
+      call checks%close_to(tau, 0.02_wp, 'the first of them', rtol=1.0e-12_wp)
+      ! u = 0.5 t - 10 t**2: begins on the base
+      call next_impact(1, 0.1_wp, 0.0_wp, 0.5_wp, -0.05_wp, -1.5_wp, found, tau)
+      call checks%that(found, 'flight from the base')
+      call checks%close_to(tau, 0.05_wp, 'its end', rtol=1.0e-14_wp)
+   end subroutine test_impact
+
+   subroutine test_lift_off()
+      type(wall_element_t) :: element
+      real(wp) :: hold
+      !! push that the resting wall bears [N]
+      real(wp) :: tau
+      integer :: side
+
+      element = element_of('symmetric', 'linear', '')
+      hold = -lift_off_drive_of(element, 1, 0.0_wp, 0.0_wp)
+      call next_lift_off(element, 0.1_wp, 0.0_wp, 0.9_wp*hold, 0.0_wp, 0.0_wp, side, tau)
+      call checks%that(side == 0, 'stays at rest')
+      call next_lift_off(element, 0.1_wp, 0.0_wp, -2*hold, 0.0_wp, 0.0_wp, side, tau)
+      call checks%that(side == -1, 'lifts off to the left')
+      call checks%close_to(tau, 0.05_wp, 'its time', rtol=1.0e-13_wp)
+      call next_lift_off(element, 0.1_wp, 2*hold, 3*hold, 0.0_wp, 0.0_wp, side, tau)
+      call checks%that(side == 1 .and. tau <= 0, 'at once')
+      call next_lift_off(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, -9.81_wp, side, tau)
+      call checks%that(side == 1, 'by the ground alone')
+      call checks%that(settles(element, 0.01_wp, 1.0e-6_wp, 0.0_wp, 0.0_wp, 5.0e4_wp), 'settles')
+      call checks%that(.not. settles(element, 0.01_wp, 0.1_wp, 0.0_wp, 0.0_wp, 5.0e4_wp), &
+         'too fast to settle')
+      call checks%that(.not. settles(element, 0.01_wp, 0.0_wp, 2*hold, 0.0_wp, 5.0e4_wp), &
+         'pushed too hard to settle')
+   end subroutine test_lift_off
+
+   subroutine test_bad_calls()
+      type(wall_element_t) :: element
+      type(element_response_t) :: response
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: nan
+
+      nan = ieee_value(1.0_wp, ieee_quiet_nan)
+      call respond(element, 1, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%has_error(error, err_input, 'never created', 'no element')
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'adams')
+      call create_element(element, case, error)
+      call respond(element, 0, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%has_error(error, err_input, 'side', 'at rest')
+      call respond(element, 1, nan, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%has_error(error, err_input, 'not a finite', 'motion that is no number')
+      call respond(element, 1, 50.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
+      deallocate (case%wall)
+      call create_element(element, case, error)
+      call checks%has_error(error, err_input, '&wall', 'no wall')
+   end subroutine test_bad_calls
+
+end program test_element

@@ -1,0 +1,230 @@
+!> Method 'fast': the same peaks as the general kernel, the same bits in every company.
+program test_fast
+   use check, only: checks_t
+   use rwmf_case, only: case_t
+   use rwmf_control, only: control_t
+   use rwmf_errors, only: error_t
+   use rwmf_fast_block, only: run_block
+   use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps
+   use rwmf_fast_law, only: build_law, fast_law_t
+   use rwmf_fast_machine, only: best_level
+   use rwmf_fast_spectrum, only: run_fast
+   use rwmf_kinds, only: wp
+   use rwmf_motion, only: motion_from_case, motion_t
+   use rwmf_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_text, only: real_to_text
+   use scenes, only: rwmf_scene
+   implicit none
+
+   real(wp), parameter :: periods(7) = [0.07_wp, 0.16_wp, 0.3_wp, 0.55_wp, 1.0_wp, 1.7_wp, 2.9_wp]
+   !! [s]
+   real(wp), parameter :: accuracy = 1.0e-8_wp
+   !! of peaks that are no more sensitive than the motion: a tenth of what spectra promise
+   real(wp), parameter :: amplified = 1.0e-7_wp
+   !! 100 rtol, per unit of the sensitivity (relative change of the peak over that of the motion)
+   type(checks_t) :: checks
+
+   call check_against_general('published', 'linear')
+   call check_against_general('symmetric', 'linear')
+   call check_against_general('exact', 'linear')
+   call check_against_general('symmetric', 'truss')
+   call check_against_general('exact', 'truss')
+   call check_jumps()
+   call check_tiny_response()
+   call check_perfect_restitution()
+   call check_fallback()
+   call check_company()
+   call check_levels()
+   call checks%finish()
+
+contains
+
+   !> A scene with a spectrum under a record without any pattern.
+   function shaken_scene(formulation) result(case)
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+      integer :: i
+
+      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'fast')
+      allocate (case%spectrum, case%record)
+      case%spectrum%T_s = periods
+      case%spectrum%gamma = [5.0_wp, 1800.0_wp]
+      case%spectrum%b = [0.5_wp, 1.0_wp]
+      case%motion%kind = 'record'
+      deallocate (case%motion%a_max_g, case%motion%omega_p)
+      case%record%t = [(0.02_wp*i, i=0, 500)]
+      case%record%a = [(0.9_wp*(sin(6.1_wp*0.02_wp*i) + sin(1.7_wp + 14.3_wp*0.02_wp*i) &
+         + 0.7_wp*sin(0.3_wp + 37.9_wp*0.02_wp*i)), i=0, 500)]
+   end function shaken_scene
+
+   !> Peaks of a case by `fast`, and by the general kernel at the limit of double precision.
+   subroutine compare(case, name)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: name
+      type(spectrum_t) :: fast
+      type(spectrum_t) :: general
+      type(error_t), allocatable :: error
+      type(spectrum_t) :: harder
+      real(wp), allocatable :: allowed(:, :, :)
+      real(wp), allocatable :: excess(:, :, :)
+      character(12) :: position
+      logical :: is_done(size(case%spectrum%T_s), size(case%spectrum%gamma), size(case%spectrum%b))
+
+      call compute_spectrum(case, 2, fast, error)
+      call checks%no_error(error, name)
+      call run_fast(case, motion_from_case(case), 1, control_t(), case%spectrum%T_s, &
+         case%spectrum%gamma, case%spectrum%b, fast%u_s_max, is_done)
+      call checks%that(all(is_done), name//': all ordinates in lanes')
+      case%solver%method = 'dop853'
+      case%solver%rtol = 1.0e-13_wp
+      call compute_spectrum(case, 2, general, error)
+      call checks%no_error(error, name//', general kernel')
+      call checks%that(all(fast%status == general%status), name//': status')
+      call shake_harder(case, 1.0e-6_wp)
+      call compute_spectrum(case, 2, harder, error)
+      call checks%no_error(error, name//', larger motion')
+      allowed = accuracy + amplified*abs(harder%u_s_max/general%u_s_max - 1)/1.0e-6_wp
+      excess = abs(fast%u_s_max/general%u_s_max - 1)/allowed
+      write (position, '(3i4)') maxloc(excess)
+      call checks%that(all(excess <= 1), name//': peaks', &
+         'error over what is allowed '//real_to_text(maxval(excess))//' at '//position)
+   end subroutine compare
+
+   !> Enlarge the motion of a case.
+   subroutine shake_harder(case, step)
+      type(case_t), intent(inout) :: case
+      real(wp), intent(in) :: step
+      !! relative [-]
+
+      case%record%a = (1 + step)*case%record%a
+      if (allocated(case%motion%a_max_g)) case%motion%a_max_g = (1 + step)*case%motion%a_max_g
+   end subroutine shake_harder
+
+   subroutine check_against_general(formulation, law)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      case = shaken_scene(formulation)
+      case%cable%law = law
+      call compare(case, formulation//', '//law//', record')
+      case = shaken_scene(formulation)
+      case%cable%law = law
+      case%motion = pulse_of('one_sine')
+      call compare(case, formulation//', '//law//', pulse')
+   end subroutine check_against_general
+
+   !> A cosine pulse begins and ends with a jump; no cable, and nothing after the pulse.
+   subroutine check_jumps()
+      type(case_t) :: case
+
+      case = shaken_scene('exact')
+      case%motion = pulse_of('one_cosine')
+      deallocate (case%cable)
+      case%solver%t_end = 3
+      call compare(case, 'one-cosine')
+   end subroutine check_jumps
+
+   !> Pulse of the scenes of the other tests.
+   function pulse_of(kind) result(motion)
+      use rwmf_case, only: motion_spec_t
+      character(*), intent(in) :: kind
+      type(motion_spec_t) :: motion
+      type(case_t) :: case
+
+      case = rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'fast')
+      motion = case%motion
+      motion%kind = kind
+   end function pulse_of
+
+   !> A motion that barely lifts the wall: no absolute tolerance hides in the method.
+   subroutine check_tiny_response()
+      type(case_t) :: case
+
+      case = shaken_scene('symmetric')
+      case%motion = pulse_of('one_sine')
+      case%spectrum%gamma = [5.0_wp]
+      case%spectrum%b = [0.5_wp]
+      ! 0.1 % above the threshold of lift-off
+      case%motion%a_max_g = 1.001_wp*0.25_wp*2/11
+      call compare(case, 'tiny response')
+   end subroutine check_tiny_response
+
+   subroutine check_perfect_restitution()
+      type(case_t) :: case
+
+      case = shaken_scene('symmetric')
+      case%impact%e = 1
+      case%spectrum%T_s = [0.5_wp, 1.0_wp, 2.0_wp]
+      call compare(case, 'e = 1')
+   end subroutine check_perfect_restitution
+
+   !> Small mass ratios, overturning and effects beyond the method go to the general kernel.
+   subroutine check_fallback()
+      type(case_t) :: case
+      type(spectrum_t) :: fast
+      type(spectrum_t) :: general
+      type(error_t), allocatable :: error
+
+      case = shaken_scene('symmetric')
+      case%spectrum%T_s = [0.5_wp, 2.5_wp]
+      case%spectrum%gamma = [1.0_wp, 5.0_wp]
+      case%spectrum%b = [0.15_wp]
+      case%motion = pulse_of('one_sine')
+      case%motion%a_max_g = 5
+      deallocate (case%cable)
+      call compute_spectrum(case, 1, fast, error)
+      call checks%no_error(error, 'fallback')
+      case%solver%method = 'dop853'
+      call compute_spectrum(case, 1, general, error)
+      call checks%that(any(general%status == 'overturned'), 'fallback: something overturns')
+      call checks%that(all(fast%status == general%status), 'fallback: status')
+      call checks%that(all(abs(fast%u_s_max(:, 1, 1) - general%u_s_max(:, 1, 1)) <= 0), &
+         'fallback: the bits of the general kernel')
+   end subroutine check_fallback
+
+   !> An ordinate has the same bits alone, in any order and for any number of threads.
+   subroutine check_company()
+      type(case_t) :: case
+      type(spectrum_t) :: together
+      type(spectrum_t) :: alone
+      type(error_t), allocatable :: error
+      integer :: i
+
+      case = shaken_scene('published')
+      case%spectrum%T_s = [periods(7:1:-1), (0.5_wp + 0.01_wp*i, i=1, 90)]
+      call compute_spectrum(case, 2, together, error)
+      call checks%no_error(error, 'company')
+      do i = 1, size(periods)
+         case%spectrum%T_s = [together%T_s(i)]
+         call compute_spectrum(case, 1, alone, error)
+         call checks%that(all(abs(alone%u_s_max(1, :, :) - together%u_s_max(i, :, :)) <= 0), &
+            'company: same bits')
+      end do
+   end subroutine check_company
+
+   !> Every instruction set gives the same bits.
+   subroutine check_levels()
+      integer, parameter :: levels(3) = [1, 3, 4]
+      type(case_t) :: case
+      type(motion_t) :: motion
+      type(fast_grid_t) :: grid
+      type(fast_law_t) :: law
+      real(wp) :: peak(size(periods), size(levels))
+      logical :: failed(size(periods))
+      integer :: i
+
+      case = shaken_scene('exact')
+      motion = motion_from_case(case)
+      call build_grid(motion, case%solver%t_end, 0.005_wp, grid)
+      call build_law(case, 0.2_wp, law)
+      do i = 1, size(levels)
+         call run_block(law, grid, loud_steps(grid, law%threshold), periods, case%frame%xi_s, &
+            case%solver%rtol, min(levels(i), best_level()), peak(:, i), failed)
+         call checks%that(.not. any(failed), 'levels: nothing failed')
+      end do
+      call checks%that(all(abs(peak(:, 2) - peak(:, 1)) <= 0), 'levels: AVX2')
+      call checks%that(all(abs(peak(:, 3) - peak(:, 1)) <= 0), 'levels: AVX-512')
+   end subroutine check_levels
+
+end program test_fast
