@@ -56,7 +56,8 @@ def main(n: int = 240, seed: int = 1) -> None:
         for case in random_cases(n, seed=seed, records=Path(folder)):
             trusted, _ = _run(case, method="dop853", rtol=3e-14)
             other, _ = _run(case, method="extrapolation", rtol=1e-13)
-            if abs(other - trusted) > TRUSTED * trusted:
+            # a wall that never lifts off has an exact answer
+            if trusted <= 0.0 or abs(other - trusted) > TRUSTED * trusted:
                 skipped += 1
                 continue
             settings = _search(case, trusted)
@@ -68,8 +69,8 @@ def main(n: int = 240, seed: int = 1) -> None:
                 rows[asked].append(
                     (error, float(attrs["estimated_relative_error"]), cost / cheapest)
                 )
-    print(f"rwmf {rwmf.__version__}, {n} scenes, seed {seed}; {skipped} left out because the two")
-    print(f"trusted methods differ by more than {TRUSTED:g}.\n")
+    print(f"rwmf {rwmf.__version__}, {n} scenes, seed {seed}; {skipped} left out because the")
+    print(f"wall never lifts off or the trusted methods differ by more than {TRUSTED:g}.\n")
     print("| asked | kept in | largest error / asked | estimate within a factor of 10 | cost |")
     print("|---|---|---|---|---|")
     for asked, found in rows.items():

@@ -1,7 +1,7 @@
 !> A host with many walls: each in a thread of its own, advanced together step by step.
 program many_walls
-   use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, query_state, &
-      read_case_text, stepping_t, wall_state_t, wp
+   use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, &
+      query_state, read_case_text, stepping_t, wall_state_t, wp
    implicit none
    integer, parameter :: n = 64
    integer, parameter :: steps = 200

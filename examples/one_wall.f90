@@ -1,7 +1,7 @@
 !> A host that advances one wall: a record step by step, steps that it rejects, forces and events.
 program one_wall
-   use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, event_name, &
-      event_peak, event_t, query_events, query_forces, query_state, read_case_text, &
+   use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, &
+      event_name, event_peak, event_t, query_events, query_forces, query_state, read_case_text, &
       restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t, wp
    implicit none
    character(*), parameter :: text = &
@@ -33,7 +33,8 @@ program one_wall
       if (.not. allocated(error)) call query_events(wall, events, error)
       if (allocated(error)) exit
       do j = 1, size(events)
-         if (events(j)%kind /= event_peak) print '(f9.6, 2a)', events(j)%t, ' s ', event_name(events(j)%kind)
+         if (events(j)%kind == event_peak) cycle
+         print '(f9.6, 2a)', events(j)%t, ' s ', event_name(events(j)%kind)
       end do
    end do
    if (.not. allocated(error)) call query_state(wall, state, error)

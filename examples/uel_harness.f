@@ -51,7 +51,7 @@ C     Fails unless the displacement is that of the kernel.
       a = 0d0
       err = 0d0
       step = 0.02d0
-      dt = 0.001d0
+      dt = 0.002d0
       do 50 i = 1, nint(3d0/dt)
          ag0 = ground((i - 1)*dt)
          ag1 = ground(i*dt)

@@ -1,9 +1,9 @@
 !> C binding of the stepping walls and of a whole simulation: include/rwmf.h.
 !>
-!> Handles are addresses on the heap. A function that fails returns the number of its error, puts the
-!> message into the caller's buffer and changes nothing.
+!> Handles are addresses on the heap. A function that fails returns the number of its error, puts
+!> the message into the caller's buffer and changes nothing.
 module rwmf_c_api
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, &
       c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_c_text, only: put_message, put_text, read_case
@@ -101,7 +101,7 @@ contains
 
    !> `rwmf_version`.
    subroutine c_version(text, size) bind(c, name='rwmf_version')
-      character(kind=c_char), intent(inout) :: text(*)
+      type(c_ptr), value :: text
       integer(c_size_t), value :: size
 
       call put_text(version, text, size)
@@ -109,7 +109,7 @@ contains
 
    !> `rwmf_run`.
    integer(c_int) function c_run(namelist, result, message, size) bind(c, name='rwmf_run')
-      character(kind=c_char), intent(in) :: namelist(*)
+      type(c_ptr), value :: namelist
       type(c_result_t), intent(inout) :: result
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
@@ -153,7 +153,7 @@ contains
    !> `rwmf_create`.
    integer(c_int) function c_create(namelist, t_begin, peak, handle, message, size) &
       bind(c, name='rwmf_create')
-      character(kind=c_char), intent(in) :: namelist(*)
+      type(c_ptr), value :: namelist
       real(c_double), value :: t_begin
       real(c_double), value :: peak
       type(c_ptr), intent(inout) :: handle

@@ -1,6 +1,6 @@
 !> C binding of the wall as an element: include/rwmf.h.
 module rwmf_c_element
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
       c_loc, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_c_text, only: put_message, read_case
@@ -32,7 +32,7 @@ contains
    !> `rwmf_create_element`.
    integer(c_int) function c_create_element(namelist, handle, message, size) &
       bind(c, name='rwmf_create_element')
-      character(kind=c_char), intent(in) :: namelist(*)
+      type(c_ptr), value :: namelist
       type(c_ptr), intent(inout) :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
@@ -125,8 +125,8 @@ contains
    end function c_next_impact
 
    !> `rwmf_next_lift_off`; 0 without an element.
-   integer(c_int) function c_next_lift_off(handle, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, tau) &
-      bind(c, name='rwmf_next_lift_off')
+   integer(c_int) function c_next_lift_off(handle, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, &
+      tau) bind(c, name='rwmf_next_lift_off')
       type(c_ptr), value :: handle
       real(c_double), value :: dt
       real(c_double), value :: push_0

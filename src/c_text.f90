@@ -4,29 +4,42 @@ module rwmf_c_text
       c_ptr, c_size_t
    use rwmf_case, only: case_t
    use rwmf_case_reader, only: read_case_text
-   use rwmf_errors, only: error_t
+   use rwmf_errors, only: err_input, error_t, fail
    implicit none
    private
 
    public :: put_text, put_message, read_case
 
+   interface
+      !> Length of a text of C without its null.
+      pure function c_length(text) result(length) bind(c, name='strlen')
+         import :: c_ptr, c_size_t
+         implicit none
+         type(c_ptr), value :: text
+         integer(c_size_t) :: length
+      end function c_length
+   end interface
+
 contains
 
    !> Copy a text with its terminating null, as much of it as there is room for.
-   pure subroutine put_text(text, buffer, size)
+   subroutine put_text(text, buffer, size)
       character(*), intent(in) :: text
-      character(kind=c_char), intent(inout) :: buffer(*)
+      type(c_ptr), intent(in) :: buffer
+      !! NULL: nobody asks
       integer(c_size_t), intent(in) :: size
       !! bytes of the buffer
+      character(kind=c_char), pointer :: bytes(:)
       integer(c_size_t) :: i
       integer(c_size_t) :: n
 
-      if (size < 1_c_size_t) return
+      if (size < 1_c_size_t .or. .not. c_associated(buffer)) return
+      call c_f_pointer(buffer, bytes, [size])
       n = min(len(text, c_size_t), size - 1_c_size_t)
       do i = 1, n
-         buffer(i) = text(i:i)
+         bytes(i) = text(i:i)
       end do
-      buffer(n + 1) = c_null_char
+      bytes(n + 1) = c_null_char
    end subroutine put_text
 
    !> Number of a failure, 0 without one; its message into the caller's buffer.
@@ -35,31 +48,33 @@ contains
       type(c_ptr), intent(in) :: message
       !! NULL: nobody asks
       integer(c_size_t), intent(in) :: size
-      character(kind=c_char), pointer :: buffer(:)
+      !! bytes of the message
 
       status = 0_c_int
-      if (allocated(error)) status = int(error%stat, c_int)
-      if (.not. allocated(error) .or. .not. c_associated(message)) return
-      call c_f_pointer(message, buffer, [size])
-      call put_text(error%message, buffer, size)
+      if (.not. allocated(error)) return
+      status = int(error%stat, c_int)
+      call put_text(error%message, message, size)
    end function put_message
 
-   !> A case from namelist text that ends with a null; paths in it are relative to the working folder.
+   !> A case from namelist text of C; paths in it are relative to the working folder.
    subroutine read_case(namelist, case, error)
-      character(kind=c_char), intent(in) :: namelist(*)
+      type(c_ptr), intent(in) :: namelist
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
+      character(kind=c_char), pointer :: bytes(:)
       character(:), allocatable :: text
       integer :: n
       integer :: i
 
-      n = 0
-      do while (namelist(n + 1) /= c_null_char)
-         n = n + 1
-      end do
+      if (.not. c_associated(namelist)) then
+         call fail(error, err_input, 'the namelist text is NULL')
+         return
+      end if
+      n = int(c_length(namelist))
+      call c_f_pointer(namelist, bytes, [n])
       allocate (character(n) :: text)
       do i = 1, n
-         text(i:i) = namelist(i)
+         text(i:i) = bytes(i)
       end do
       call read_case_text(text, '', case, error)
    end subroutine read_case

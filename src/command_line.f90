@@ -117,12 +117,14 @@ contains
       slash = index(text, '/')
       status = 1
       ! digits only: a list-directed read would also take '1,5' or '2*3'
-      if (slash > 1 .and. verify(text, '0123456789/') == 0) then
+      if (slash > 1 .and. slash == index(text, '/', back=.true.) &
+         .and. verify(text, '0123456789/') == 0) then
          read (text(:slash - 1), *, iostat=status) command_line%part
          if (status == 0) read (text(slash + 1:), *, iostat=status) command_line%parts
       end if
-      if (status == 0 .and. command_line%part >= 1 .and. command_line%part <= command_line%parts) &
-         return
+      if (status == 0) then
+         if (command_line%part >= 1 .and. command_line%part <= command_line%parts) return
+      end if
       call fail(error, err_input, '--part '//text//': must be K/N with 1 <= K <= N, as in 3/16')
    end subroutine read_part
 

@@ -1,8 +1,9 @@
 !> The rocking wall as an element of a host program that owns the frame.
 !>
-!> The host's equation of motion at the link reads m u'' + c u' + k u + f(u, u', u'') = -m u_g'', and
-!> f is what the wall resists with. From the balance of moments about the pivot, without the frame,
-!> with phi = |theta|, w = sigma u = R u_phi(phi), w' = R j phi' and w'' = R (k phi'**2 + j phi''):
+!> The host's equation of motion at the link reads m u'' + c u' + k u + f(u, u', u'') = -m u_g'',
+!> and f is what the wall resists with. From the balance of moments about the pivot, without the
+!> frame, with phi = |theta|, w = sigma u = R u_phi(phi), w' = R j phi' and
+!> w'' = R (k phi'**2 + j phi''):
 !>
 !>    sigma f = m_w/lever [inertia R phi'' + c sigma u_g'' + g (s + q r)]
 !>
@@ -61,7 +62,7 @@ module rwmf_element
 
 contains
 
-   !> Make an element from a case with `&wall`, and `&cable`, `&link`, `&impact`, `&model` as wanted.
+   !> Make an element from a case with `&wall`; `&cable`, `&link`, `&impact`, `&model` as wanted.
    !>
    !> `&frame` serves only the rule 'coupled', which wants the mass ratio. Fails with `err_input`.
    subroutine create_element(element, case, error)

@@ -1,6 +1,6 @@
 !> When a wall that a host carries as an element hits its base, comes to rest and lifts off.
 !>
-!> The host knows its motion at both ends of a time step; these functions find the instant inside it.
+!> The host knows its motion at both ends of a time step; these find the instant inside it.
 module rwmf_element_events
    use rwmf_element, only: lift_off_drive_of, resting_inertia, velocity_factor, wall_element_t
    use rwmf_kinds, only: wp

@@ -122,7 +122,7 @@ contains
       do
          h = even_share(t_limit - self%t0, self%h)
          call self%attempt(self%t0, self%y0, self%f0, h, y_new, local_error)
-         if (local_error <= 1) exit
+         if (local_error <= 1 .and. all(ieee_is_finite(y_new))) exit
          was_rejected = .true.
          self%h = h*shrink(self, local_error)
          if (self%h <= 8*spacing(self%t0)) then
@@ -142,7 +142,9 @@ contains
       !! [s]
 
       share = remaining
-      if (h < remaining) share = remaining/real(ceiling(min(remaining/h, 1.0e8_wp), i8), wp)
+      if (h >= remaining) return
+      share = h
+      if (h > 1.0e-8_wp*remaining) share = remaining/real(ceiling(remaining/h, i8), wp)
    end function even_share
 
    !> Factor on the length after a rejected step [-].
@@ -151,7 +153,7 @@ contains
       real(wp), intent(in) :: local_error
 
       factor = 0.1_wp
-      if (ieee_is_finite(local_error)) then
+      if (ieee_is_finite(local_error) .and. local_error > 1) then
          factor = max(0.1_wp, 0.9_wp*local_error**(-1.0_wp/self%error_order))
       end if
    end function shrink

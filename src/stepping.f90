@@ -1,9 +1,9 @@
 !> One rocking wall-moment frame inside the time loop of a host program.
 !>
 !> The host creates it from a case, advances it under the ground acceleration that it hands over
-!> piece by piece, asks for state, forces and events (`rwmf_stepping_query`), saves and restores when
-!> it rejects a step, and destroys it. Any number may exist at once, each in any thread; nothing is
-!> read, written or kept anywhere else. A call that fails leaves everything as it was.
+!> piece by piece, asks for state, forces and events (`rwmf_stepping_query`), saves and restores
+!> when it rejects a step, and destroys it. Any number may exist at once, each in any thread;
+!> nothing is read, written or kept anywhere else. A call that fails leaves everything as it was.
 !>
 !> With `dop853` and `extrapolation` the bits do not depend on how a motion is cut into calls as
 !> long as the cuts lie at knots. CVODE and ARKODE have a history that cannot be saved: with them
@@ -221,10 +221,11 @@ contains
       if (allocated(error)) return
       n = size(t)
       if (n < 2 .or. size(a) /= n) then
-         call fail(error, err_input, 'times and accelerations must be two or more, and as many of ' &
-            //'the one as of the other', 'wrong_length')
+         call fail(error, err_input, 'times and accelerations must be two or more, and as many ' &
+            //'of the one as of the other', 'wrong_length')
       else if (.not. (all(ieee_is_finite(t)) .and. all(ieee_is_finite(a)))) then
-         call fail(error, err_input, 'a time or an acceleration is not a finite number', 'not_finite')
+         call fail(error, err_input, 'a time or an acceleration is not a finite number', &
+            'not_finite')
       else if (any(t(2:) <= t(:n - 1))) then
          call fail(error, err_input, 'the times do not increase strictly', 'backwards')
       else if (abs(t(1) - stepping%machine%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then

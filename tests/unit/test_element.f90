@@ -1,4 +1,4 @@
-!> The wall as an element: tangents against differences, inverse kinematics, events of a host's step.
+!> The wall as an element: tangents against differences, inverse kinematics, events of a step.
 program test_element
    use check, only: checks_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -41,7 +41,8 @@ contains
       call read_case_text('&wall h = 2.0, b = 0.5, m_w = 1.0e4 /'//nl &
          //'&cable eta_0 = 1.0, eta_alpha = 5.0, law = "'//law//'" /'//nl//frame//nl//more//nl &
          //'&impact rule = "constant", e = 0.9 /'//nl &
-         //'&model formulation = "'//formulation//'" /'//nl//'&solver t_end = 1.0 /', '', case, error)
+         //'&model formulation = "'//formulation//'" /'//nl//'&solver t_end = 1.0 /', '', case, &
+         error)
       if (.not. allocated(error)) call create_element(element, case, error)
       call checks%no_error(error, 'element '//formulation//' '//law//more)
    end function element_of

@@ -27,7 +27,7 @@ contains
 
 end module host_sine
 
-!> A wall inside the time loop of a host: pieces against one run, rejected steps, bad calls, threads.
+!> A wall inside the time loop of a host: pieces, rejected steps, bad calls, threads.
 program test_stepping
    use check, only: checks_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -109,7 +109,8 @@ contains
       call checks%no_error(error, method//': one run')
       if (allocated(error)) return
       call run_in_pieces(case, state, impacts)
-      call checks%close_to(state%u_s_max, whole%u_s_max, method//': largest displacement', 1.0e-7_wp)
+      call checks%close_to(state%u_s_max, whole%u_s_max, method//': largest displacement', &
+         1.0e-7_wp)
       call checks%that(impacts == state%impacts, method//': the events of the calls add up')
       if (.not. is_exact) return
       call checks%that(same_bits([state%theta, state%theta_dot], whole%final_state), &
