@@ -1,7 +1,7 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
-   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, impact_t, initial_t, link_t, motion_spec_t, &
-      output_t, spectrum_spec_t, wall_t
+   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, impact_t, initial_t, link_t, &
+      motion_spec_t, output_t, spectrum_spec_t, wall_t
    use rwmf_case_rules, only: check_rules
    use rwmf_errors, only: add_context, err_input, error_t, fail
    use rwmf_files, only: read_file

@@ -46,24 +46,14 @@ contains
       error%message = message
       if (present(name)) then
          error%name = name
+      else if (stat == err_input) then
+         error%name = 'input'
+      else if (stat == err_interrupt) then
+         error%name = 'interrupted'
       else
-         error%name = default_name(stat)
+         error%name = 'numerical_failure'
       end if
    end subroutine fail
-
-   pure function default_name(stat) result(name)
-      integer, intent(in) :: stat
-      character(:), allocatable :: name
-
-      select case (stat)
-      case (err_input)
-         name = 'input'
-      case (err_interrupt)
-         name = 'interrupted'
-      case default
-         name = 'numerical_failure'
-      end select
-   end function default_name
 
    !> Put the caller's context (a file, a group) in front of the message of a failure.
    pure subroutine add_context(error, context)

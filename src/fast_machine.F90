@@ -1,7 +1,8 @@
 !> The vectorised loops for the processor at hand.
 !>
-!> On x86-64 they are compiled three times: for every such processor (two lanes an instruction), with
-!> AVX2 (four) and with AVX-512 (eight). The choice is made at run time and changes no bit of a result.
+!> On x86-64 they are compiled three times: for every such processor (two lanes an instruction),
+!> with AVX2 (four) and with AVX-512 (eight). The choice is made at run time and changes no bit of a
+!> result.
 module rwmf_fast_machine
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int

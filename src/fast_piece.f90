@@ -131,8 +131,14 @@ contains
       real(wp) :: forcing(0:3)
       real(wp) :: n(0:3)
       !! divided differences of N
+      real(wp) :: a
+      !! v'' at the beginning [1/s2]
+      real(wp) :: by_v
+      !! derivative of N by v there [1/s2]
       real(wp) :: s
-      !! rate of N at the beginning [1/s3]
+      !! rate of N there [1/s3]
+      real(wp) :: change
+      !! of N within the part, as far as it is not yet followed [1/s2]
       real(wp) :: highest
       real(wp) :: damping
       real(wp) :: stiffness
@@ -146,16 +152,20 @@ contains
       forcing = -law%m2*ordinate%side*f - weight_of_wall(law)
       c = law%coef(:, :, merge(1, 2, ordinate%side > 0))
       n = [c(0, 1)*w**2, 0.0_wp, 0.0_wp, 0.0_wp]
-      s = w*(c(1, 1)*w**2 + 2*c(0, 1)*(forcing(0) + n(0) - damping*w) &
-         - c(0, 2)*ordinate%damping*w - c(0, 3)*ordinate%side*f(0) - c(0, 4))
+      a = forcing(0) + n(0) - damping*w
+      by_v = -c(0, 2)*ordinate%damping*w - c(0, 3)*ordinate%side*f(0) - c(0, 4)
+      s = w*(c(1, 1)*w**2 + 2*c(0, 1)*a + by_v)
       n(1) = h*s
       highest = n(1)
       small = negligible_n*ordinate%rtol*ordinate%v_max
+      ! From rest the slope is zero, and the second derivative of N is what counts.
+      change = abs(n(1)) + h**2*abs(a*(2*c(0, 1)*a + by_v))
       do i = 1, 3
-         if (h**2*abs(n(i)) <= small) exit
+         if (h**2*change <= small) exit
          call series(damping, stiffness, h, 0.0_wp, w, forcing + newton_to_powers(n), last, p)
          call end_of_piece(ordinate, c, f, p(:last), h, node(i), finish)
          call refine(i, finish%n, highest, n)
+         change = abs(n(min(i + 1, 3)))
       end do
       call series(damping, stiffness, h, 0.0_wp, w, forcing + newton_to_powers(n), last, p)
       if (i <= 3) then

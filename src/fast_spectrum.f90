@@ -57,6 +57,7 @@ contains
       logical, intent(out) :: is_done(:, :, :)
       !! (n_T, n_gamma, n_b)
       type(fast_grid_t) :: grid(0:halvings)
+      type(fast_law_t) :: law(size(gamma), size(b))
       type(task_t), allocatable :: task(:)
       integer :: level
       integer :: i
@@ -69,11 +70,16 @@ contains
       end do
       task = list_tasks(case, T_s, gamma, b)
       level = best_level()
+      do i = 1, size(law)
+         associate (j => mod(i - 1, size(gamma)) + 1, k => (i - 1)/size(gamma) + 1)
+            call build_law(scene_of(case, gamma(j), b(k)), fit_range(1), law(j, k))
+         end associate
+      end do
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
       do i = 1, size(task)
          if (.not. is_cancelled(control)) then
-            call run_task(case, grid(task(i)%level), task(i), level, control, T_s, gamma, b, &
-               u_s_max, is_done)
+            call run_task(case, grid(task(i)%level), law(task(i)%j, task(i)%k), task(i), level, &
+               control, T_s, gamma, b, u_s_max, is_done)
          end if
       end do
       !$omp end parallel do
@@ -126,7 +132,8 @@ contains
       do k = 1, size(b)
          do j = 1, size(gamma)
             if (gamma(j) < least_gamma) cycle
-            do l = 0, halvings
+            ! The expensive ones first, so that no thread is left alone with one at the end.
+            do l = halvings, 0, -1
                do n = 1, count(level == l), lanes
                   task = [task, task_of(j, k, l, n, order, level)]
                end do
@@ -153,7 +160,7 @@ contains
       task%member(:task%n) = members(first:first + task%n - 1)
    end function task_of
 
-   !> Halvings that a period calls for; one more than there are: none of these steps is short enough.
+   !> Halvings that a period calls for; one more than there are: no step is short enough.
    pure elemental integer function levels(case, T_s)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: T_s
@@ -182,9 +189,12 @@ contains
    end function sorted
 
    !> One block, with ever wider fits for the ordinates that leave the first one.
-   subroutine run_task(case, grid, task, level, control, T_s, gamma, b, u_s_max, is_done)
+   subroutine run_task(case, grid, first_law, task, level, control, T_s, gamma, b, u_s_max, &
+      is_done)
       type(case_t), intent(in) :: case
       type(fast_grid_t), intent(in) :: grid
+      type(fast_law_t), intent(in) :: first_law
+      !! on the narrowest range
       type(task_t), intent(in) :: task
       integer, intent(in) :: level
       !! instruction set
@@ -203,8 +213,11 @@ contains
 
       n = task%n
       left(:n) = task%member(:n)
+      law = first_law
       do range = 1, size(fit_range)
-         call build_law(scene_of(case, gamma(task%j), b(task%k)), fit_range(range), law)
+         if (range > 1) then
+            call build_law(scene_of(case, gamma(task%j), b(task%k)), fit_range(range), law)
+         end if
          if (.not. is_usable(case, law)) return
          call run_block(law, grid, loud_steps(grid, law%threshold), T_s(left(:n)), &
             case%frame%xi_s, case%solver%rtol, level, v_max(:n), failed(:n))

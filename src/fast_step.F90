@@ -1,10 +1,10 @@
-!> One step of exponential collocation for many ordinates at once: the loops that must be vectorised.
+!> One step of exponential collocation for many ordinates at once: the loops to be vectorised.
 !>
 !> The linear part of the equation (see `rwmf_fast_law`) is advanced exactly; the remainder N is
 !> interpolated on Lobatto's nodes 0, c2, c3, 1. Each of its values is taken at the state predicted
 !> from the earlier ones and from the slope of N at the end of the step before, so that three
-!> evaluations of N suffice. A lane never sees another one: the result of an ordinate does not depend
-!> on its neighbours.
+!> evaluations of N suffice. A lane never sees another one: the result of an ordinate does not
+!> depend on its neighbours.
 !>
 !> Compiled once for each instruction set (see `rwmf_fast_machine`): FAST_STEP is the module's name.
 !> Neither fused multiply-add nor reordering is allowed, so that all of them give the same bits.

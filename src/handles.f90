@@ -124,6 +124,9 @@ contains
    end function join_status
 
    !> Read and validate a case; messages begin with the name of its file.
+   !>
+   !> One thread at a time: gfortran keeps the length of every text that a function returns in a
+   !> static variable, so that two threads at once could read each other's lengths.
    subroutine read_source(text, source, case, error)
       character(*), intent(in) :: text
       !! namelist text
@@ -132,8 +135,10 @@ contains
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
 
+      !$omp critical (rwmf_text)
       call read_case_text(text, folder_of(source), case, error)
       if (allocated(error) .and. len(source) > 0) call add_context(error, source)
+      !$omp end critical (rwmf_text)
    end subroutine read_source
 
    !> Progress counter and cancel flag in the caller's memory.

@@ -85,13 +85,17 @@ contains
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
 
+      if (.not. is_cancelled(control) .and. stepper%steps <= hybrid%max_steps) return
+      ! gfortran keeps the length of such texts in static memory: one thread at a time
+      !$omp critical (rwmf_text)
       if (is_cancelled(control)) then
          call fail(error, err_interrupt, 'interrupted at t = '//real_to_text(hybrid%t)//' s')
-      else if (stepper%steps > hybrid%max_steps) then
+      else
          call fail(error, err_numerical, 'more than &solver max_steps steps by t = ' &
             //real_to_text(hybrid%t)//' s, theta = '//real_to_text(hybrid%y(1)) &
             //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
       end if
+      !$omp end critical (rwmf_text)
    end subroutine check_work
 
    !> Rest until the ground motion lifts the wall.

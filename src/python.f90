@@ -80,7 +80,10 @@ contains
 
       length = 0_c_int
       call read_source(text, source, the_case, error)
+      ! texts: one thread at a time, see `read_source`
+      !$omp critical (rwmf_text)
       if (.not. allocated(error)) call put_text(describe_case(the_case), buffer, length)
+      !$omp end critical (rwmf_text)
       call put_error(error, status, message, message_length)
    end subroutine describe
 
@@ -122,8 +125,10 @@ contains
       type(summary_item_t), allocatable :: items(:)
 
       run => find_run(handle)
+      !$omp critical (rwmf_text)
       call summarise(run%case, run%result, items)
       call put_text(summary_text(items), buffer, length)
+      !$omp end critical (rwmf_text)
    end subroutine result_summary
 
    !> Sizes of the history and of the list of events; 0 where there is none.

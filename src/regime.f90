@@ -39,9 +39,9 @@ contains
 
    !> Enter the next interval of the motion when the present one is over.
    !>
-   !> A multistep method that carries its past over a kink loses two digits there, and a restart costs
-   !> it some 30 small steps. So it begins anew at jumps, and where an interval has taken more steps than
-   !> that; not at the samples of a record, where its steps are as long as the intervals.
+   !> A multistep method that carries its past over a kink loses two digits there, and a restart
+   !> costs it some 30 small steps. So it begins anew at jumps, and where an interval has taken more
+   !> steps than that; not at the samples of a record, where a step is about as long as an interval.
    subroutine pass_knot(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation

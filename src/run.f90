@@ -144,8 +144,9 @@ contains
 
    !> Tolerances that the round-off of the acceleration allows.
    !>
-   !> A wall that hardly lifts off is driven by the small difference of large accelerations. When its
-   !> round-off, over the time that the response takes, exceeds the tolerance, no step is short enough.
+   !> A wall that hardly lifts off is driven by the small difference of large accelerations. When
+   !> its round-off, over the time that the response takes, exceeds the tolerance, no step is short
+   !> enough.
    pure type(tolerance_t) function above_round_off(tolerance, equation, size_guess) result(floored)
       type(tolerance_t), intent(in) :: tolerance
       type(equation_t), intent(in) :: equation
@@ -253,8 +254,11 @@ contains
          end if
       end if
       if (e > e_max) then
+         ! gfortran keeps the length of such texts in static memory: one thread at a time
+         !$omp critical (rwmf_text)
          call add_warning(result, 'e = '//real_to_text(e)//' exceeds e_max = ' &
             //real_to_text(e_max)//', the most that the momentum balance of wall and frame allows')
+         !$omp end critical (rwmf_text)
       end if
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &

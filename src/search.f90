@@ -1,7 +1,7 @@
 !> Search of the integrator's last step for the events that it contains, in the order of time.
 !>
-!> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or a
-!> passage of the overturning angle shows by the values at its ends.
+!> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or
+!> a passage of the overturning angle shows by the values at its ends.
 module rwmf_search
    use rwmf_equation, only: equation_t
    use rwmf_errors, only: error_t

@@ -65,13 +65,13 @@ contains
       type(case_t), intent(in) :: case
       character(8), allocatable :: names(:)
       !! (effects)
-      character(8), parameter :: all_names(*) = [character(8) :: 'wall', 'frame', 'link', 'damper', 'cable', &
-         'impact', 'motion', 'initial']
+      character(8), parameter :: all_names(*) = [character(8) :: 'wall', 'frame', 'link', &
+         'damper', 'cable', 'impact', 'motion', 'initial']
       logical :: present_effects(size(all_names))
 
       present_effects = [allocated(case%wall), allocated(case%frame), allocated(case%link), &
-         allocated(case%damper), allocated(case%cable), allocated(case%impact), allocated(case%motion), &
-         allocated(case%initial)]
+         allocated(case%damper), allocated(case%cable), allocated(case%impact), &
+         allocated(case%motion), allocated(case%initial)]
       ! free vibration is stated as kind 'none': nothing shakes the scene
       if (allocated(case%motion)) present_effects(7) = case%motion%kind /= 'none'
       names = pack(all_names, present_effects)

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_python as _kernel
-from rwmf._kernel import rwmf_python_cost as cost_kernel
-from rwmf._reference import rwmf_reference as reference_kernel
+from rwmf._kernel import rwmf_python_cost as cost_kernel  # noqa: F401 (for _measure)
+from rwmf._reference import rwmf_reference as reference_kernel  # noqa: F401 (for _measure)
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
 __all__ = ["Run", "Sweep", "describe", "schema", "start_simulation", "start_spectrum", "version"]

@@ -61,9 +61,9 @@ def test_no_circles() -> None:
 
 
 @pytest.mark.parametrize("name", list(SOURCES))
-def test_one_file_names_sundials(name: str) -> None:
+def test_only_its_own_files_name_sundials(name: str) -> None:
     foreign = re.compile(r"^\s*use\s*,?.*\b(f?sundials_\w+|f(?:cvode|arkode|sun|nvector)\w*)", re.I)
-    if name != "sundials":
+    if name not in ("sundials", "cvode", "erkstep"):
         assert not [line for line in _code(name) if foreign.match(line)]
 
 

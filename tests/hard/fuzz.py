@@ -1,0 +1,125 @@
+"""Mutated namelists and records, from a seed.
+
+Texts are cut, doubled, exchanged and overwritten with what parsers fear; the same number makes the
+same input on every machine.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+
+SEEDS = (
+    """&wall h = 2.0, b = 0.5, m_w = 1920.0 /
+&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
+&cable eta_0 = 1.0, eta_alpha = 5.0, law = 'linear' /
+&impact rule = 'constant', e = 0.9 /
+&motion kind = 'one_cosine', a_max_g = 0.4, omega_p = 6.28, t_0 = 0.1 /
+&model formulation = 'exact', g = 9.81, overturning_angle = 1.5 /
+&solver method = 'dop853', rtol = 1e-6, t_end = 0.5, max_steps = 20000 /
+&output dt = 0.1, energy = .true. /
+""",
+    """! a record
+&wall
+   h = 2.0
+   b = 0.5
+/
+&impact
+   r = 0.81
+/
+&motion
+   kind = 'record'
+   file = 'record.txt'
+   unit = 'g'
+   scale = 0.5
+/
+&initial theta_over_alpha = 0.1, theta_dot = 0.0 /
+&solver
+   method = 'adams'
+   rtol = 1e-5, t_end = 0.5
+   max_steps = 20000
+/
+""",
+    """&frame xi_s = 0.05 T_s = 0.5 /
+&motion kind='sine' v_p=0.1 T_p=0.3 cycles=2.5 /
+&solver t_end=0.5 method='erk54' max_steps=20000 /
+&spectrum T_s_min = 0.5, T_s_max = 1.0, n = 3, spacing = 'log' /
+""",
+)
+RECORDS = (
+    b"# time a\n0.0 0.0\n0.1 0.2\n0.2 -0.3\n0.3 0.1\n0.4 0.0\n",
+    b"t,a\n0,0\n.1,1e-1\n.2,-2E-1\n.3,0\n",
+    b"PEER\nPLACE\nUNITS OF G\n 6  0.1  NPTS, DT\n 0.0 0.1 0.2\n -0.1 0.0 0.0\n",
+)
+_TOKENS = (
+    "1e308", "-1e308", "1e-308", "NaN", "inf", "-0", "0", "1d400", "1e", "+", "-", ".", "'", '"',
+    "/", "&", "&end", "=", ",", "!", "$", "\t", "\r\n", "\x00", "\x1b", "é", "\ufeff", "2*1.0",
+    "()", "%", ".true.", "''", "'a''b'", "99999999999999999999", "1" * 400, " " * 3000, "#", ";",
+    "&wall", "h", "T_s", "e = 1.0", "gamma = 0", "t_end = 1e-300", "dt = 1e-300", "n = 1000000",
+    "rtol = 1e-300", "xi_s = 1e300", "eta_0 = 1e300", "a_max_g = 1e300", "T_s = 1e-300",
+    "b = 1e-300", "h = 1e300", "method = 'bdf'", "formulation = 'published'",
+)  # fmt: skip
+_BYTES = (b"\x00", b"\xff\xfe", b"nan", b"inf", b"1e999", b"-1e308", b"1,2,3", b"\r", b"\n\n", b"#",
+          b"1e-308", b"9" * 400, b"x", b"NPTS", b"-", b".", b"1d3", b"\x1a", b"\t,\t")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Attack:
+    """Namelist and record of one attempt."""
+
+    number: int
+    namelist: bytes
+    record: bytes
+
+
+def attack(number: int) -> Attack:
+    """Make the input of a number.
+
+    Parameters
+    ----------
+    number : int
+        Any; the same number gives the same bytes.
+
+    Returns
+    -------
+    Attack
+        A namelist and a record; one of both at least is mutated.
+    """
+    dice = random.Random(number)
+    text = dice.choice(SEEDS)
+    record = dice.choice(RECORDS)
+    if dice.random() < 0.25:
+        text = SEEDS[1]
+        record = _mutate_bytes(dice, record)
+    for _ in range(dice.choice((0, 1, 1, 2, 3, 8)) if text == SEEDS[1] else dice.choice((1, 2, 5))):
+        text = _mutate(dice, text)
+    raw = text.encode("utf-8", "surrogateescape")
+    if dice.random() < 0.1:
+        raw = _mutate_bytes(dice, raw)
+    return Attack(number, raw, record)
+
+
+def _mutate(dice: random.Random, text: str) -> str:
+    at, kind = dice.randrange(len(text) + 1), dice.randrange(8)
+    if kind == 0:
+        return text[:at] + dice.choice(_TOKENS) + text[at:]
+    if kind == 1:
+        return text[:at] + text[at + dice.randrange(1, 30) :]
+    if kind == 2:
+        return text[:at]
+    if kind == 3:
+        return text[:at] + text[at : at + 40] * 2 + text[at + 40 :]
+    if kind == 4:
+        return text[:at] + chr(dice.randrange(1, 256)) + text[at + 1 :]
+    words = text.split(" ")
+    spot = dice.randrange(len(words))
+    words[spot] = dice.choice(_TOKENS) if kind < 7 else dice.choice(words)
+    return " ".join(words)
+
+
+def _mutate_bytes(dice: random.Random, raw: bytes) -> bytes:
+    for _ in range(dice.randrange(1, 4)):
+        at = dice.randrange(len(raw) + 1)
+        cut = dice.choice((0, 0, 1, 3, 50))
+        raw = raw[:at] + dice.choice(_BYTES) + raw[at + cut :]
+    return raw
