@@ -17,6 +17,7 @@ from rwmf.cost import Cost, cost
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 from rwmf.simulation import simulate
 from rwmf.spectrum import spectrum
+from rwmf.sweep import sweep
 
 __all__ = [
     "Case",
@@ -31,6 +32,7 @@ __all__ = [
     "plot",
     "simulate",
     "spectrum",
+    "sweep",
 ]
 
 __version__ = _kernel_version()

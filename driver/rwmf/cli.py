@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import sys
 from collections.abc import Callable, Sequence
 
 import rwmf
-from rwmf import commands, cost_command
+from rwmf import animate_command, commands, cost_command
 from rwmf.errors import Interrupted, RwmfError
+from rwmf.reproduce import command as reproduce_command
+from rwmf.studies.commands import add_parsers as add_studies
+from rwmf.sweep.commands import add_parsers as add_sweeps
 
 __all__ = ["main", "make_parser"]
 
@@ -60,6 +64,10 @@ def make_parser() -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for add in (_add_run, _add_spectrum, _add_cost, _add_check, _add_records):
         add(subparsers)
+    add_sweeps(functools.partial(_add, subparsers))
+    add_studies(functools.partial(_add, subparsers))
+    for add_parser in (reproduce_command.add_parser, animate_command.add_parser):
+        add_parser(functools.partial(_add, subparsers))
     return parser
 
 

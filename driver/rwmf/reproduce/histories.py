@@ -1,0 +1,182 @@
+"""Figs 4 to 6: histories of one wall, with engines or with the frame alone beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from rwmf.case import Case
+from rwmf.figures import new_figure
+from rwmf.reproduce import drawing
+from rwmf.reproduce.engines import EngineHistory, read
+from rwmf.reproduce.forms import EXACT, FORMS, PUBLISHED, Form
+from rwmf.reproduce.workshop import Workshop
+from rwmf.simulation import simulate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["ENGINES", "VALIDATION", "draw_pulses", "draw_validation", "respond", "stored"]
+
+# folder of stored histories, name in a legend
+ENGINES = {"mujoco": "MuJoCo, rigid contact", "calculix": "CalculiX, deformable wall"}
+VALIDATION = ("free", "block", "g5", "g1800", "disc")
+_MARKERS = {
+    "mujoco": {"marker": "o"},
+    "calculix": {"marker": "x", "color": "#009e73", "markersize": 5, "markeredgewidth": 1.2},
+}
+# of the dots of an engine [s]: sparse enough to leave the lines visible
+_DOTS = 0.04
+
+
+def respond(work: Workshop, name: str, form: Form) -> xr.Dataset:
+    """Simulate a validation case in one of the forms.
+
+    Parameters
+    ----------
+    work : Workshop
+        Where the cases are.
+    name : str
+        Name of the case.
+    form : Form
+        `EXACT` with the straight cable as the case has it; `PUBLISHED` with e = 0.9, Eq. (1).
+
+    Returns
+    -------
+    xarray.Dataset
+        The response.
+    """
+    case = Case.from_namelist(work.validation / f"{name}.nml")
+    if form is PUBLISHED:
+        linear = {"cable": {"law": "linear"}} if case.cable is not None else {}
+        impact = {"rule": "constant", "e": 0.9}
+        case = case.replace(model={"formulation": "published"}, impact=impact, **linear)
+    return simulate(case)
+
+
+def stored(work: Workshop, name: str) -> dict[str, EngineHistory]:
+    """Read the histories that engines left for a validation case."""
+    paths = {engine: work.validation / engine / f"{name}.csv" for engine in ENGINES}
+    return {engine: read(path) for engine, path in paths.items() if path.is_file()}
+
+
+@contextmanager
+def draw_validation(work: Workshop, name: str) -> Iterator[Figure]:
+    """Draw the panels of Fig. 4 for a validation case: uplifts, angular velocity and u_s.
+
+    Parameters
+    ----------
+    work : Workshop
+        Where responses come from.
+    name : str
+        Name of the case; Fig. 4 is ``g1800``.
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    responses = {form: respond(work, name, form) for form in FORMS}
+    engines = stored(work, name)
+    has_frame = "u_s" in responses[EXACT]
+    with new_figure(7.0, 7.4 if has_frame else 5.8) as figure:
+        panels = figure.subplots(4 if has_frame else 3, 1, sharex=True)
+        _draw_panels(panels, work, name, responses, engines)
+        drawing.legend_below(figure, panels[0], columns=2)
+        yield figure
+
+
+def _draw_panels(
+    panels: np.ndarray,
+    work: Workshop,
+    name: str,
+    responses: dict[Form, xr.Dataset],
+    engines: dict[str, EngineHistory],
+) -> None:
+    b = Case.from_namelist(work.validation / f"{name}.nml").wall.b
+    labels = ("$v_{wl}$ (mm)", "$v_{wr}$ (mm)", r"$\dot\theta$ (rad/s)", "$u_s$ (m)")
+    titles = ("uplift of the left corner", "uplift of the right corner", "angular velocity",
+              "displacement of the frame")  # fmt: skip
+    for form, response in responses.items():
+        for ax, values in zip(panels, _rows(response, b), strict=False):
+            ax.plot(response["time"], values, **drawing.style_of(form))
+    for engine, history in engines.items():
+        for ax, values in zip(panels, _engine_rows(history), strict=False):
+            t = np.arange(0.0, history["t_s"][-1], _DOTS)
+            style = {**drawing.ENGINE, **_MARKERS[engine], "label": ENGINES[engine]}
+            ax.plot(t, np.interp(t, history["t_s"], values), **style)
+    for ax, letter, title, label in zip(panels, "abcd", titles, labels, strict=False):
+        drawing.column_title(ax, letter, title)
+        ax.set_ylabel(label)
+        ax.margins(x=0)
+    panels[-1].set_xlabel(drawing.OVER_TIME)
+
+
+def _rows(response: xr.Dataset, b: float) -> list[np.ndarray]:
+    """Return the uplifts of the corners [mm], the angular velocity and the displacement."""
+    theta = response["theta"].values
+    uplift = 2e3 * b * np.sin(np.abs(theta))
+    rows = [np.where(theta > 0, uplift, 0.0), np.where(theta < 0, uplift, 0.0)]
+    rows.append(response["theta_dot"].values)
+    return [*rows, response["u_s"].values] if "u_s" in response else rows
+
+
+def _engine_rows(history: EngineHistory) -> list[np.ndarray]:
+    rows = [1e3 * history["left_uplift_m"], 1e3 * history["right_uplift_m"]]
+    rows.append(history["theta_dot_rad_s"])
+    return [*rows, history["u_s_m"]] if "u_s_m" in history.columns else rows
+
+
+@contextmanager
+def draw_pulses(work: Workshop, stem: str) -> Iterator[Figure]:
+    """Figs 5 and 6: both pulses side by side, the frame alone beside the wall's frame.
+
+    Parameters
+    ----------
+    work : Workshop
+        Where responses come from.
+    stem : str
+        Beginning of the names of the cases: ``fig05_stiff_frame`` or ``fig06_mild_frame``.
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    with new_figure(7.4, 7.2) as figure:
+        panels = figure.subplots(4, 2, sharex=True, sharey="row")
+        for column, pulse in enumerate(("one_sine", "one_cosine")):
+            _draw_pulse(panels[:, column], work, stem, pulse)
+            title = pulse.replace("_", "-") + " pulse"
+            drawing.column_title(panels[0, column], "ab"[column], title)
+        texts = (r"$\ddot u_g/g$", r"$\theta/\alpha$", r"$\dot\theta$ (rad/s)", "$u_s$ (m)")
+        for ax, text in zip(panels[:, 0], texts, strict=True):
+            ax.set_ylabel(text)
+        drawing.legend_below(figure, panels[3, 0])
+        yield figure
+
+
+def _draw_pulse(panels: np.ndarray, work: Workshop, stem: str, pulse: str) -> None:
+    name = f"{stem}_{pulse}"
+    case = work.case(name, EXACT)
+    alpha = float(np.arctan2(case.wall.b, case.wall.h))
+    for form in FORMS:
+        response = work.history(name, form)
+        t, style = response["time"], drawing.style_of(form)
+        panels[1].plot(t, response["theta"] / alpha, **style)
+        panels[2].plot(t, response["theta_dot"], **style)
+        panels[3].plot(t, response["u_s"], **style)
+    _draw_ground(panels[0], response, case.model.g)
+    alone = work.frame_alone(f"{stem}_alone_{pulse}")
+    panels[3].plot(alone["time"], alone["u_s"], **drawing.ALONE, label="frame alone")
+    panels[3].set_xlabel(drawing.OVER_TIME)
+
+
+def _draw_ground(ax: Axes, response: xr.Dataset, g: float) -> None:
+    ax.plot(response["time"], response["u_g_ddot"] / g, color="black", linewidth=1.0)
+    ax.margins(x=0)

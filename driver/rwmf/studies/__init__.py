@@ -1,0 +1,22 @@
+"""Studies that engineers ask for: each computes a labelled dataset from a case."""
+
+from rwmf.studies.bands import sensitivity_bands
+from rwmf.studies.equal_response import equal_response
+from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
+from rwmf.studies.overturning import overturning_map
+from rwmf.studies.statistics import cumulative_distribution, percentiles
+from rwmf.studies.suite_spectra import suite_spectra
+from rwmf.studies.wall_effect import wall_effect, without_wall
+
+__all__ = [
+    "cumulative_distribution",
+    "equal_response",
+    "fragility",
+    "incremental_dynamic_analysis",
+    "overturning_map",
+    "percentiles",
+    "sensitivity_bands",
+    "suite_spectra",
+    "wall_effect",
+    "without_wall",
+]

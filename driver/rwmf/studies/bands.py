@@ -1,0 +1,60 @@
+"""Sensitivity bands: how far a spectrum moves while restitution and post-tension are uncertain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import xarray as xr
+
+from rwmf.case import Case
+from rwmf.studies.statistics import with_overturning
+from rwmf.sweep.run import sweep
+from rwmf.sweep.suite import RecordFile
+
+__all__ = ["sensitivity_bands"]
+
+
+def sensitivity_bands(
+    case: Case,
+    grid: Mapping[str, object],
+    uncertain: Mapping[str, object],
+    records: Sequence[str | RecordFile] = (),
+    **how: object,
+) -> xr.Dataset:
+    """Compute the range of the displacement over uncertain parameters.
+
+    Parameters
+    ----------
+    case : Case
+        The structure with its nominal values.
+    grid : mapping
+        ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
+    uncertain : mapping
+        Values of the uncertain parameters, for example ``e`` and ``eta``.
+    records : sequence of str or RecordFile
+        Ground motions, otherwise the case's own.
+    **how
+        Further arguments of `rwmf.sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``lowest``, ``highest`` and ``nominal`` [m]; the highest is infinite where a wall
+        overturned.
+
+    Raises
+    ------
+    InputError
+        When the case or the grid is not acceptable.
+    """
+    found = sweep(case, {**uncertain, **grid}, records, **how)
+    values = with_overturning(found)
+    over = [name for name in values.dims if name in uncertain]
+    nominal = with_overturning(sweep(case, grid, records, **how))
+    bands = {
+        "lowest": values.min(over),
+        "highest": values.max(over),
+        "nominal": nominal,
+    }
+    labels = {"units": "m", "long_name": "displacement of the frame"}
+    return xr.Dataset({name: band.assign_attrs(labels) for name, band in bands.items()})

@@ -1,0 +1,290 @@
+"""The command ``rwmf study``: one study, one command, one figure."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from rwmf import figures
+from rwmf.case import Case
+from rwmf.errors import InputError, OutputError
+from rwmf.studies import draw
+from rwmf.studies.bands import sensitivity_bands
+from rwmf.studies.equal_response import equal_response
+from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
+from rwmf.studies.overturning import overturning_map
+from rwmf.studies.suite_spectra import suite_spectra
+from rwmf.studies.wall_effect import wall_effect
+from rwmf.sweep.commands import progress
+
+__all__ = ["add_parsers"]
+
+Add = Callable[..., argparse.ArgumentParser]
+Report = Callable[[int, int], None]
+Compute = Callable[[argparse.Namespace, Case, Report], xr.Dataset]
+_PERIODS = "0.1:3:59"
+_MOST_NUMBERS = 1_000_000
+
+
+def add_parsers(add: Add) -> None:
+    """Add the command to the parser of the command line.
+
+    Parameters
+    ----------
+    add : callable
+        Adds a subcommand of a name, a function, a text and an example.
+    """
+    parser = add(
+        "study",
+        _run,
+        "A study from a case: overturning map, spectra of a suite, fragility and others.",
+        "overturning inputs/study_block.nml --plot map.png",
+    )
+    studies = parser.add_subparsers(metavar="NAME", required=True)
+    for adder in (_add_overturning, _add_spectra, _add_ida, _add_wall, _add_bands, _add_equal):
+        adder(studies)
+
+
+def _new(
+    studies: argparse._SubParsersAction[argparse.ArgumentParser],
+    name: str,
+    text: str,
+    compute: Compute,
+    figure: Callable[..., object],
+    example: str,
+) -> argparse.ArgumentParser:
+    parser = studies.add_parser(
+        name, help=text, description=text, epilog=f"example: rwmf study {name} {example}"
+    )
+    parser.set_defaults(compute=compute, figure=figure)
+    parser.add_argument("case", metavar="CASE.nml", help="namelist file")
+    parser.add_argument("--plot", metavar="FILE", help="draw the result (png, svg, pdf)")
+    parser.add_argument("--file", metavar="FILE.nc", help="write the result as NetCDF")
+    parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads (0: all)")
+    return parser
+
+
+def _numbers(word: str) -> list[float]:
+    """Read ``FIRST:LAST:N``, both ends included, or numbers with commas between them."""
+    try:
+        if ":" in word:
+            first, last, n = word.split(":")
+            count = int(n)
+            if not 1 <= count <= _MOST_NUMBERS:
+                raise ValueError
+            return np.linspace(float(first), float(last), count).tolist()
+        return [float(item) for item in word.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{word}: must be FIRST:LAST:N or numbers with commas between them"
+        ) from None
+
+
+def _list(parser: argparse.ArgumentParser, name: str, default: str | None, text: str) -> None:
+    shown = f" (default {default})" if default else ""
+    value = _numbers(default) if default else None
+    parser.add_argument(
+        f"--{name}", metavar="LIST", type=_numbers, default=value, help=text + shown
+    )
+
+
+def _add_records(parser: argparse.ArgumentParser, required: bool) -> None:
+    parser.add_argument(
+        "--records",
+        metavar="WORD",
+        nargs="+",
+        default=[],
+        required=required,
+        help="files, folders of AT2 files, fema:far_field and others",
+    )
+    parser.add_argument("--unit", help="unit of records that are not AT2: g, m/s2, cm/s2")
+
+
+def _add_overturning(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "overturning",
+        "Which pulses overturn the wall, and after how many impacts; boundaries are bisected.",
+        lambda options, case, report: overturning_map(
+            case, options.omega, options.amplitude, options.tolerance, options.threads, report
+        ),
+        draw.draw_overturning,
+        "inputs/study_block.nml --omega 1:8:71 --plot map.png",
+    )
+    _list(parser, "omega", "1:8:57", "frequencies of the pulse over p")
+    _list(parser, "amplitude", "0.5:12:70", "amplitudes a_p/(alpha g) to scan")
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="width of the bisection")
+
+
+def _add_spectra(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "spectra",
+        "Spectra over a suite of records: percentiles of displacement, rotation or cable force.",
+        lambda options, case, report: suite_spectra(
+            case,
+            _grid(options),
+            options.records,
+            options.quantity,
+            unit=options.unit,
+            threads=options.threads,
+            progress=report,
+        ),
+        draw.draw_suite,
+        "inputs/fig13_elcentro_slender_wall.nml --records fema:far_field --plot suite.png",
+    )
+    _add_records(parser, required=True)
+    _add_grid(parser)
+    parser.add_argument(
+        "--quantity",
+        default="u_s_max",
+        help="u_s_max, theta_max_over_alpha, cable_force_increment_max_over_m_w_g",
+    )
+
+
+def _add_grid(parser: argparse.ArgumentParser) -> None:
+    _list(parser, "T_s", _PERIODS, "periods of the frame in s")
+    _list(parser, "gamma", None, "mass ratios (default: those of the case)")
+
+
+def _grid(options: argparse.Namespace) -> dict[str, object]:
+    grid = {"T_s": options.T_s}
+    return grid if options.gamma is None else grid | {"gamma": options.gamma}
+
+
+def _add_ida(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "fragility",
+        "Incremental dynamic analysis of a suite and the probability to exceed a limit.",
+        _compute_fragility,
+        draw.draw_fragility,
+        "inputs/fig06_mild_frame_one_sine.nml --records fema:far_field --limit 0.2 --plot f.png",
+    )
+    _add_records(parser, required=True)
+    _list(parser, "levels", "0.1:2:20", "pseudo-spectral accelerations over g")
+    parser.add_argument("--quantity", default="u_s_max", help="the demand, see rwmf study spectra")
+    parser.add_argument("--limit", type=float, required=True, help="limit of the demand")
+
+
+def _compute_fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    analysis = incremental_dynamic_analysis(
+        case,
+        options.levels,
+        options.records,
+        options.quantity,
+        unit=options.unit,
+        threads=options.threads,
+        progress=report,
+    )
+    curve = fragility(analysis, options.limit, options.quantity)
+    return curve.assign({options.quantity: analysis[options.quantity]})
+
+
+def _add_wall(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "wall",
+        "Seismic effect of the wall: displacement with it over that of the frame alone.",
+        lambda options, case, report: wall_effect(
+            case,
+            _grid(options),
+            options.records,
+            unit=options.unit,
+            threads=options.threads,
+            progress=report,
+        ),
+        draw.draw_wall_effect,
+        "inputs/fig13_elcentro_slender_wall.nml --gamma 5,10,100 --plot wall.png",
+    )
+    _add_records(parser, required=False)
+    _add_grid(parser)
+
+
+def _add_bands(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "bands",
+        "Range of the spectrum over uncertain restitution and post-tension.",
+        _compute_bands,
+        draw.draw_bands,
+        "inputs/fig12_one_sine.nml --gamma 5,100 --e 0.8,0.9 --plot bands.png",
+    )
+    _add_records(parser, required=False)
+    _add_grid(parser)
+    _list(parser, "e", "0.8:0.96:5", "velocity factors at impact")
+    _list(parser, "eta", "0,0,1,5,5,50", "pairs eta_0, eta_alpha one after the other")
+
+
+def _compute_bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    if len(options.eta) % 2 > 0:
+        raise InputError("--eta: needs pairs eta_0, eta_alpha")
+    uncertain = {
+        "e": options.e,
+        "eta": list(zip(options.eta[::2], options.eta[1::2], strict=True)),
+    }
+    return sensitivity_bands(
+        case,
+        _grid(options),
+        uncertain,
+        options.records,
+        unit=options.unit,
+        threads=options.threads,
+        progress=report,
+    )
+
+
+def _add_equal(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "equal-response",
+        "Which amplitude of each pulse gives the same displacement of the frame.",
+        lambda options, case, report: equal_response(
+            case, options.T_p, options.target, threads=options.threads, progress=report
+        ),
+        draw.draw_equal_response,
+        "inputs/fig06_mild_frame_one_sine.nml --target 0.2 --plot equal.png",
+    )
+    _list(parser, "T_p", "0.2:3:57", "periods of the pulse in s")
+    parser.add_argument("--target", type=float, required=True, help="displacement in m")
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Compute a study, write it, draw it (``rwmf study``)."""
+    case = Case.from_namelist(options.case)
+    for path in (options.plot, options.file):
+        if path and not os.access(Path(path).parent, os.W_OK):
+            raise OutputError(f"{Path(path).parent}: the folder cannot be written")
+    if options.plot:
+        figures.check_format(options.plot)
+    with progress() as report:
+        dataset = options.compute(options, case, report)
+    if options.file:
+        _write(dataset, Path(options.file))
+    if options.plot:
+        with figures.new_figure(6.4, 3.8) as figure:
+            options.figure(dataset, figure.subplots())
+            figures.save(figure, options.plot)
+    for path in (options.file, options.plot):
+        if path:
+            print(f"written: {path}")
+    if not options.file and not options.plot:
+        print(dataset)
+    return 0
+
+
+def _write(dataset: xr.Dataset, path: Path) -> None:
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        try:
+            dataset.to_netcdf(temporary, engine="h5netcdf")
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error}") from error

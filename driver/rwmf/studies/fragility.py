@@ -1,0 +1,161 @@
+"""Incremental dynamic analysis of a suite, and the fragility that follows from it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf.case import Case
+from rwmf.errors import InputError
+from rwmf.studies.statistics import with_overturning
+from rwmf.studies.wall_effect import without_wall
+from rwmf.sweep.run import sweep
+from rwmf.sweep.suite import RecordFile, find_records
+
+__all__ = ["fragility", "incremental_dynamic_analysis"]
+
+_ITERATIONS = 100
+_CONVERGED = 1e-10
+# probabilities are kept away from 0 and 1, where the weights of the fit vanish
+_FLOOR = 1e-12
+
+
+def incremental_dynamic_analysis(
+    case: Case,
+    levels: Sequence[float],
+    records: Sequence[str | RecordFile],
+    quantity: str = "u_s_max",
+    grid: Mapping[str, object] | None = None,
+    unit: str | None = None,
+    dt: float | None = None,
+    **how: object,
+) -> xr.Dataset:
+    """Scale every record of a suite to common levels of intensity and run it.
+
+    The intensity is the pseudo-spectral acceleration of the frame alone at its period and
+    damping, omega_s^2 u_s,max, found with the same kernel.
+
+    Parameters
+    ----------
+    case : Case
+        The structure; its frame has a period.
+    levels : sequence of float
+        Pseudo-spectral accelerations over g [-].
+    records : sequence of str or RecordFile
+        The suite.
+    quantity : str
+        The demand that is kept.
+    grid : mapping, optional
+        Further axes.
+    unit, dt : str, float, optional
+        Of records that are not AT2, see `rwmf.sweep`.
+    **how
+        Further arguments of `rwmf.sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The demand over ``record`` and ``scale``, the level of intensity.
+
+    Raises
+    ------
+    InputError
+        When something is not acceptable.
+    """
+    if case.frame is None or case.frame.get("T_s") is None:
+        raise InputError("incremental dynamic analysis: the case needs &frame T_s")
+    T_s = float(case.frame.T_s)
+    suite = find_records(records, unit=unit, dt=dt)
+    alone = sweep(without_wall(case), {"T_s": [T_s]}, suite)["u_s_max"].values.reshape(len(suite))
+    intensity = (2 * math.pi / T_s) ** 2 * alone / float(case.model.g)
+    scaled = [
+        dataclasses.replace(record, scale=record.scale / float(value))
+        for record, value in zip(suite, intensity, strict=True)
+    ]
+    axes = {"scale": [float(level) for level in levels], "T_s": [T_s]} | dict(grid or {})
+    found = sweep(case, axes, scaled, quantities=(quantity,), **how)
+    found["scale"].attrs["long_name"] = "pseudo-spectral acceleration of the frame alone over g"
+    return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])
+
+
+def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> xr.Dataset:
+    """Compute the probability that a limit is exceeded, with a lognormal fit.
+
+    Parameters
+    ----------
+    analysis : xarray.Dataset
+        From `incremental_dynamic_analysis`.
+    limit : float
+        Limit of the demand in its unit; a wall that overturned exceeds every one.
+    quantity : str
+        The demand.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``fraction`` of the records over ``scale``; ``median`` and ``dispersion`` of the
+        lognormal distribution of most likelihood, and ``fitted`` over ``scale``.
+
+    Raises
+    ------
+    InputError
+        When the limit is never or always exceeded: there is nothing to fit.
+    """
+    values = with_overturning(analysis, quantity)
+    usable = values.notnull().sum("record")
+    exceeded = (values > limit).sum("record")
+    levels = analysis["scale"].values
+    if exceeded.ndim != 1:
+        raise InputError(f"fragility: needs record and scale, has also {values.dims}")
+    median, dispersion = _fit(levels, exceeded.values, usable.values, limit)
+    fitted = [_normal(math.log(level / median) / dispersion) for level in levels]
+    return xr.Dataset(
+        {
+            "fraction": (exceeded / usable).assign_attrs(units="1"),
+            "fitted": ("scale", fitted, {"units": "1"}),
+            "median": ((), median, {"units": analysis["scale"].attrs.get("units", "1")}),
+            "dispersion": ((), dispersion, {"units": "1"}),
+        },
+        attrs={"limit": limit, "quantity": quantity},
+    )
+
+
+def _fit(
+    levels: npt.NDArray[np.float64],
+    exceeded: npt.NDArray[np.int64],
+    of: npt.NDArray[np.int64],
+    limit: float,
+) -> tuple[float, float]:
+    """Median and dispersion of most likelihood: probit regression by Fisher scoring."""
+    if not 0 < exceeded.sum() < of.sum():
+        raise InputError(f"fragility: the limit {limit:g} is exceeded never or always")
+    x = np.column_stack([np.ones(levels.size), np.log(levels)])
+    share = (exceeded + 0.5) / (of + 1.0)
+    # a first line through the levels themselves
+    spread = max(float(np.std(x[:, 1])), 0.1)
+    centre = float(np.interp(0.5, np.sort(share), np.sort(x[:, 1])))
+    beta = np.array([-centre / spread, 1 / spread])
+    for _ in range(_ITERATIONS):
+        eta = np.clip(x @ beta, -8, 8)
+        p = np.clip(np.array([_normal(float(value)) for value in eta]), _FLOOR, 1 - _FLOOR)
+        density = np.exp(-0.5 * eta**2) / math.sqrt(2 * math.pi)
+        weight = of * density**2 / (p * (1 - p))
+        score = (exceeded - of * p) * density / (p * (1 - p))
+        step = np.linalg.solve(x.T @ (weight[:, None] * x), x.T @ score)
+        # a fit that wants a jump gets an ever steeper line: limited steps keep it finite
+        step *= min(1.0, 1.0 / float(np.abs(step).max()))
+        beta = beta + step
+        if float(np.abs(step).max()) < _CONVERGED * float(np.abs(beta).max()):
+            break
+    if beta[1] <= 0:
+        raise InputError("fragility: the demand does not grow with the intensity")
+    return math.exp(-beta[0] / beta[1]), 1 / float(beta[1])
+
+
+def _normal(x: float) -> float:
+    return 0.5 * math.erfc(-x / math.sqrt(2))

@@ -1,0 +1,216 @@
+"""Overturning maps: which pulses overturn the wall, and after how many impacts.
+
+Pulses are named by omega_p/p and a_p/(alpha g), with p = sqrt(3 g/(4 R)) of the wall. Along each
+frequency the amplitudes are scanned, and every change of the outcome is bisected.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from rwmf import simulation
+from rwmf.case import Case
+from rwmf.errors import InputError
+from rwmf.sweep.engine import count_threads
+
+__all__ = ["SURVIVES", "Wall", "overturning_map"]
+
+Progress = Callable[[int, int], None]
+# outcome of a wall that stays; otherwise the outcome is the number of impacts before overturning
+SURVIVES = -1
+# how long the motion is followed after the pulse, in 1/p: stopping early moves the boundaries
+_FOLLOW = 25.0
+
+
+@dataclass(frozen=True)
+class Wall:
+    """What normalises a map.
+
+    Attributes
+    ----------
+    alpha : float
+        Slenderness atan(b/h) [rad].
+    p : float
+        Frequency parameter [rad/s].
+    """
+
+    alpha: float
+    p: float
+
+    @classmethod
+    def of(cls, case: Case) -> Wall:
+        """Take it from a case with a wall."""
+        if case.wall is None:
+            raise InputError("overturning: the case has no &wall")
+        h, b = float(case.wall.h), float(case.wall.b)
+        return cls(math.atan2(b, h), math.sqrt(0.75 * float(case.model.g) / math.hypot(h, b)))
+
+
+@dataclass(frozen=True)
+class _Boundary:
+    """A change of the outcome along the amplitudes."""
+
+    omega: float
+    amplitude: float
+    below: int
+    above: int
+
+
+def overturning_map(
+    case: Case,
+    omega_over_p: Sequence[float],
+    amplitude: Sequence[float],
+    tolerance: float = 1e-6,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Compute an overturning map.
+
+    Parameters
+    ----------
+    case : Case
+        Wall, impact, pulse, and what else acts; amplitude, frequency and end are replaced.
+    omega_over_p : sequence of float
+        Frequencies of the pulse over p [-].
+    amplitude : sequence of float
+        Amplitudes a_p/(alpha g) [-] to scan, in increasing order; a region between two of them
+        that neither touches is not seen.
+    tolerance : float
+        Width to which boundaries are bisected [-].
+    threads : int
+        Threads, 0 for all.
+    progress : callable, optional
+        Called with the number of finished frequencies and of all.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``outcome`` over (omega_over_p, amplitude): impacts before overturning, -1 where the wall
+        stays; and over ``boundary``: its frequency, its amplitude (also over g tan(alpha)), and
+        the outcomes below and above.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    NumericalError
+        When a run fails.
+    """
+    wall = Wall.of(case)
+    levels = [float(value) for value in amplitude]
+    if levels != sorted(set(levels)):
+        raise InputError("overturning: the amplitudes must increase")
+
+    def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
+        return _scan(case, wall, omega, levels, tolerance)
+
+    frequencies = [float(value) for value in omega_over_p]
+    results = []
+    with ThreadPoolExecutor(count_threads(threads)) as executor:
+        try:
+            for result in executor.map(follow, frequencies):
+                results.append(result)
+                if progress is not None:
+                    progress(len(results), len(frequencies))
+        except BaseException:
+            executor.shutdown(wait=False, cancel_futures=True)
+            raise
+    outcomes = [outcome for outcome, _ in results]
+    boundaries = [item for _, found in results for item in found]
+    return _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+
+
+def _scan(
+    case: Case, wall: Wall, omega: float, levels: list[float], tolerance: float
+) -> tuple[list[int], list[_Boundary]]:
+    """Outcomes at the levels of one frequency, and the boundaries between them."""
+
+    def outcome_at(amplitude: float) -> int:
+        return _outcome(case, wall, omega, amplitude)
+
+    outcomes = [outcome_at(level) for level in levels]
+    found: list[_Boundary] = []
+    for i in range(len(levels) - 1):
+        ends = (levels[i], outcomes[i]), (levels[i + 1], outcomes[i + 1])
+        found += _bisect(outcome_at, omega, *ends, tolerance)
+    return outcomes, found
+
+
+def _bisect(
+    outcome_at: Callable[[float], int],
+    omega: float,
+    low: tuple[float, int],
+    high: tuple[float, int],
+    tolerance: float,
+) -> list[_Boundary]:
+    """Find all changes that show up between two amplitudes; a third outcome splits the search."""
+    if low[1] == high[1]:
+        return []
+    middle = 0.5 * (low[0] + high[0])
+    if high[0] - low[0] <= tolerance:
+        return [_Boundary(omega, middle, low[1], high[1])]
+    centre = (middle, outcome_at(middle))
+    return _bisect(outcome_at, omega, low, centre, tolerance) + _bisect(
+        outcome_at, omega, centre, high, tolerance
+    )
+
+
+def _outcome(case: Case, wall: Wall, omega: float, amplitude: float) -> int:
+    frequency = omega * wall.p
+    cycles = float(case.motion.cycles) if "cycles" in case.motion else 1.0
+    t_0 = float(case.motion.t_0) if "t_0" in case.motion else 0.0
+    pulse = {
+        "a_max_g": amplitude * wall.alpha,
+        "v_p": None,
+        "omega_p": frequency,
+        "T_p": None,
+    }
+    t_end = t_0 + cycles * 2 * math.pi / frequency + _FOLLOW / wall.p
+    changed = case.replace(motion=pulse, solver={"t_end": t_end})
+    with simulation.start(changed) as run:
+        summary = run.summary()
+    return int(summary["impacts"]) if summary["overturned"] else SURVIVES
+
+
+def _to_dataset(
+    wall: Wall,
+    frequencies: list[float],
+    levels: list[float],
+    outcomes: list[list[int]],
+    boundaries: list[_Boundary],
+) -> xr.Dataset:
+    amplitudes = np.array([item.amplitude for item in boundaries])
+    texts = {
+        "omega_over_p": "frequency of the pulse over p",
+        "amplitude": "a_p/(alpha g)",
+        "outcome": "impacts before overturning, -1: the wall stays",
+        "boundary_omega_over_p": "frequency of the pulse over p at the boundary",
+        "boundary_amplitude": "a_p/(alpha g) at the boundary",
+        "boundary_amplitude_over_g_tan_alpha": "a_p/(g tan(alpha)) at the boundary",
+        "below": "outcome below the boundary",
+        "above": "outcome above the boundary",
+    }
+    values = {
+        "omega_over_p": ("omega_over_p", frequencies),
+        "amplitude": ("amplitude", levels),
+        "outcome": (("omega_over_p", "amplitude"), np.array(outcomes, dtype="i4")),
+        "boundary_omega_over_p": ("boundary", [item.omega for item in boundaries]),
+        "boundary_amplitude": ("boundary", amplitudes),
+        "boundary_amplitude_over_g_tan_alpha": (
+            "boundary",
+            amplitudes * wall.alpha / math.tan(wall.alpha),
+        ),
+        "below": ("boundary", np.array([item.below for item in boundaries], dtype="i4")),
+        "above": ("boundary", np.array([item.above for item in boundaries], dtype="i4")),
+    }
+    labelled = {
+        name: (*value, {"units": "1", "long_name": texts[name]}) for name, value in values.items()
+    }
+    axes = {name: labelled.pop(name) for name in ("omega_over_p", "amplitude")}
+    return xr.Dataset(labelled, axes, {"alpha_rad": wall.alpha, "p_rad_s": wall.p})

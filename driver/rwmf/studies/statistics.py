@@ -1,0 +1,86 @@
+"""Statistics over a suite of records: rocking is judged by distributions, not record by record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+__all__ = ["cumulative_distribution", "percentiles", "with_overturning"]
+
+# the median and one standard deviation of a normal distribution to both sides
+USUAL_PERCENTILES = (16.0, 50.0, 84.0)
+
+
+def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
+    """Take a quantity of a sweep; a wall that overturned exceeds every level.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.sweep`.
+    name : str
+        The quantity.
+
+    Returns
+    -------
+    xarray.DataArray
+        The quantity, infinite where the wall overturned, NaN where the run failed.
+    """
+    names = dataset["status"].attrs["flag_meanings"].split()
+    fallen = dataset["status"] == names.index("overturned")
+    return dataset[name].where(~fallen, np.inf).assign_attrs(dataset[name].attrs)
+
+
+def percentiles(
+    values: xr.DataArray, q: Sequence[float] = USUAL_PERCENTILES, dim: str = "record"
+) -> xr.DataArray:
+    """Compute percentiles over a suite by counting, so that overturned walls take part.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        A quantity, see `with_overturning`.
+    q : sequence of float
+        Percentages [%].
+    dim : str
+        Dimension of the suite.
+
+    Returns
+    -------
+    xarray.DataArray
+        Over ``percentile`` and the other dimensions; runs that failed are left out.
+    """
+    axis = values.get_axis_num(dim)
+    # linear interpolation between a number and infinity would be infinite, or not a number
+    found = np.nanquantile(values.values, np.asarray(q) / 100, axis=axis, method="inverted_cdf")
+    kept = values.isel({dim: 0}, drop=True)
+    return xr.DataArray(
+        found,
+        dims=("percentile", *kept.dims),
+        coords={"percentile": ("percentile", list(q), {"units": "%"}), **kept.coords},
+        name=values.name,
+        attrs=values.attrs,
+    )
+
+
+def cumulative_distribution(values: xr.DataArray, levels: Sequence[float]) -> xr.DataArray:
+    """Compute the fraction of a suite that stays at or below levels.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        A quantity over ``record`` and other dimensions, see `with_overturning`.
+    levels : sequence of float
+        Levels in the quantity's unit.
+
+    Returns
+    -------
+    xarray.DataArray
+        Fractions [-] over ``level`` and the other dimensions; failed runs are left out.
+    """
+    level = xr.DataArray(list(levels), dims="level", attrs=values.attrs)
+    below = (values <= level).sum("record") / values.notnull().sum("record")
+    found = below.assign_coords(level=level).rename("fraction")
+    return found.assign_attrs(units="1", long_name=f"fraction of the suite, {values.name}")

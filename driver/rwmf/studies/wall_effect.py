@@ -1,0 +1,86 @@
+"""Seismic effect of the wall: displacement of the frame with the wall over that without it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from rwmf.case import Case
+from rwmf.errors import InputError
+from rwmf.studies.statistics import with_overturning
+from rwmf.sweep.run import sweep
+from rwmf.sweep.suite import RecordFile
+
+__all__ = ["wall_effect", "without_wall"]
+
+_OF_THE_WALL = ("wall", "cable", "impact", "link", "initial")
+
+
+def without_wall(case: Case) -> Case:
+    """Return the frame alone, a linear oscillator.
+
+    Parameters
+    ----------
+    case : Case
+        A case with a frame.
+
+    Returns
+    -------
+    Case
+        Without wall, cable and impacts.
+
+    Raises
+    ------
+    InputError
+        When the case has no frame.
+    """
+    if case.frame is None:
+        raise InputError("the case has no &frame: nothing is left without the wall")
+    gone = {name: None for name in _OF_THE_WALL if name in case.groups}
+    spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
+    return case.replace(**gone, **spectrum, frame={"gamma": None})
+
+
+def wall_effect(
+    case: Case,
+    grid: Mapping[str, object],
+    records: Sequence[str | RecordFile] = (),
+    **how: object,
+) -> xr.Dataset:
+    """Compare the frame with the wall to the frame alone.
+
+    Parameters
+    ----------
+    case : Case
+        Frame and wall.
+    grid : mapping
+        ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
+    records : sequence of str or RecordFile
+        Ground motions, otherwise the case's own.
+    **how
+        Further arguments of `rwmf.sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``ratio`` [-], ``u_s_max`` [m] and ``u_s_max_alone`` [m]; the ratio is infinite where the
+        wall overturned.
+
+    Raises
+    ------
+    InputError
+        When the case or the grid is not acceptable.
+    """
+    both = sweep(case, grid, records, **how)
+    shared = {key: value for key, value in grid.items() if key in ("T_s", "scale", "t_end", "xi_s")}
+    alone = sweep(without_wall(case), shared, records, **how)["u_s_max"]
+    response = with_overturning(both)
+    ratio = (response / alone).assign_attrs(
+        units="1", long_name="displacement with the wall over that without it"
+    )
+    return xr.Dataset(
+        {"ratio": ratio, "u_s_max": response, "u_s_max_alone": alone.astype(np.float64)},
+        attrs=both.attrs,
+    )

@@ -1,0 +1,148 @@
+"""One chunk of a sweep: what a worker gets, what it gives back."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import _library
+from rwmf.errors import InputError, NumericalError
+from rwmf.namelist import compose
+from rwmf.sweep.axes import Entries
+from rwmf.sweep.quantities import DISPLACEMENT, QUANTITIES
+
+__all__ = ["Chunk", "Task", "run_task"]
+
+Progress = Callable[[int], None]
+_PLACE = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
+
+
+@dataclass(frozen=True)
+class Task:
+    """One call of the kernel, or one a point where more than displacements are asked for.
+
+    Attributes
+    ----------
+    number : int
+        Of the chunk.
+    entries : dict
+        Groups of the case without its grid.
+    source : str
+        Path against whose folder records are resolved.
+    grid : tuple of (name, values)
+        Axes inside the chunk, slowest first: b [m], gamma [-], T_s [s] as far as there are.
+    quantities : tuple of str
+        What is kept of each run.
+    threads : int
+        Threads of the kernel.
+    """
+
+    number: int
+    entries: Entries
+    source: str
+    grid: tuple[tuple[str, tuple[float, ...]], ...]
+    quantities: tuple[str, ...]
+    threads: int = 1
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the chunk."""
+        return tuple(len(values) for _, values in self.grid)
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Results of a task.
+
+    Attributes
+    ----------
+    number : int
+        Of the chunk.
+    status : ndarray of str
+        'ok', 'overturned' or the name of what went wrong.
+    values : dict of str to ndarray
+        One array a quantity, NaN where a run failed.
+    """
+
+    number: int
+    status: npt.NDArray[np.str_]
+    values: dict[str, npt.NDArray[np.float64]]
+
+
+def run_task(task: Task, progress: Progress | None = None) -> Chunk:
+    """Compute a chunk. What the kernel refuses gets a status and does not stop the rest.
+
+    Parameters
+    ----------
+    task : Task
+        The chunk.
+    progress : callable, optional
+        Called with the number of finished runs; what it raises ends the computation.
+
+    Returns
+    -------
+    Chunk
+        The results.
+    """
+    if task.quantities == (DISPLACEMENT,) and any(name == "T_s" for name, _ in task.grid):
+        return _run_grid(task, progress)
+    return _run_points(task, progress)
+
+
+def _run_grid(task: Task, progress: Progress | None) -> Chunk:
+    """Leave the whole chunk to the kernel."""
+    text = compose(task.entries | {"spectrum": dict(task.grid)})
+    try:
+        with _library.start_spectrum(text, task.source, task.threads, progress) as sweep:
+            found = sweep.values()
+    except (InputError, NumericalError) as error:
+        return _failed(task, _status_of(error))
+    status = found["status"].reshape(task.shape)
+    return Chunk(task.number, status, {DISPLACEMENT: found["u_s_max"].reshape(task.shape)})
+
+
+def _run_points(task: Task, progress: Progress | None) -> Chunk:
+    """Simulate the chunk's points one after the other for the scalars of their summaries."""
+    status: list[str] = []
+    rows: list[list[float]] = []
+    for point in itertools.product(*(values for _, values in task.grid)):
+        if progress is not None:
+            progress(len(rows))
+        text = compose(_with_point(task, point))
+        try:
+            with _library.start_simulation(text, task.source) as run:
+                summary = run.summary()
+        except (InputError, NumericalError) as error:
+            status.append(_status_of(error))
+            rows.append([np.nan] * len(task.quantities))
+            continue
+        status.append("overturned" if summary.get("overturned") else "ok")
+        # a quantity whose effect is not in the scene has no value
+        rows.append([summary.get(QUANTITIES[name].key, np.nan) for name in task.quantities])
+    columns = np.array(rows, dtype=np.float64).T
+    values = {
+        name: np.ascontiguousarray(column).reshape(task.shape)
+        for name, column in zip(task.quantities, columns, strict=True)
+    }
+    return Chunk(task.number, np.array(status, dtype=str).reshape(task.shape), values)
+
+
+def _with_point(task: Task, point: tuple[float, ...]) -> Entries:
+    entries = {group: dict(keys) for group, keys in task.entries.items()}
+    for (name, _), value in zip(task.grid, point, strict=True):
+        group, key = _PLACE[name]
+        entries.setdefault(group, {})[key] = value
+    return entries
+
+
+def _failed(task: Task, status: str) -> Chunk:
+    values = {name: np.full(task.shape, np.nan) for name in task.quantities}
+    return Chunk(task.number, np.full(task.shape, status), values)
+
+
+def _status_of(error: Exception) -> str:
+    return "refused" if isinstance(error, InputError) else "failed"

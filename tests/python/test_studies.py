@@ -1,0 +1,164 @@
+"""Studies: published boundaries, closed forms, counted statistics, the command line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from rwmf import cli, studies
+from rwmf.errors import InputError
+from rwmf.sweep import RecordFile, find_records
+from scenes import bare_frame, block, coupled
+
+QUICK = {"method": "dop853", "rtol": 1e-6}
+# nonlinear block, alpha = 0.25 rad, w = 5, e = 0.9: amplitudes over alpha g by an independent
+# program, printed to 1e-5
+BOUNDARIES = [(3.03234, -1, 1), (6.74302, 1, -1), (7.49300, -1, 0)]
+BOUNDARY_TOLERANCE = 1e-4
+
+
+def _overturning_block() -> rwmf.Case:
+    pulse = {"kind": "one_sine", "a_max_g": 1.0, "omega_p": 8.0}
+    return block(wall={"b": 2 * math.tan(0.25)}, motion=pulse, solver={"method": "dop853"})
+
+
+def test_published_overturning_boundaries() -> None:
+    found = studies.overturning_map(_overturning_block(), [5.0], np.linspace(1, 9, 17))
+    assert found.sizes["boundary"] == len(BOUNDARIES)
+    for i, (amplitude, below, above) in enumerate(BOUNDARIES):
+        at = found.isel(boundary=i)
+        assert float(at["boundary_amplitude"]) == pytest.approx(amplitude, abs=BOUNDARY_TOLERANCE)
+        assert (int(at["below"]), int(at["above"])) == (below, above)
+        ratio = float(at["boundary_amplitude_over_g_tan_alpha"] / at["boundary_amplitude"])
+        assert ratio == pytest.approx(0.25 / math.tan(0.25))
+    assert found["outcome"].sel(amplitude=[1.0, 5.0, 7.0, 8.0]).values.tolist() == [[-1, 1, -1, 0]]
+
+
+@pytest.fixture
+def suite(tmp_path: Path) -> tuple[RecordFile, ...]:
+    """Write three records of one column: noise that differs in strength."""
+    chance = np.random.default_rng(7)
+    for i in range(3):
+        samples = (i + 1) * 0.1 * chance.standard_normal(150)
+        text = "".join(f"{value!r}\n" for value in samples.tolist())
+        (tmp_path / f"noise{i}.txt").write_text(text, encoding="ascii")
+    return find_records([tmp_path / "noise*.txt"], unit="g", dt=0.04)
+
+
+def test_ratio_without_a_wall_is_one(suite: tuple[RecordFile, ...]) -> None:
+    """A wall that is too heavily held to lift off keeps the frame at rest; a free one does not."""
+    held = coupled(cable={"eta_0": 1e6, "eta_alpha": 1e6}, solver=QUICK)
+    grid = {"T_s": [0.5, 1.0], "gamma": [1.0, 2000.0]}
+    assert not studies.wall_effect(held, grid, suite)["ratio"].values.any()
+    free = studies.wall_effect(coupled(impact={"e": 0.99}, solver=QUICK), grid, suite)
+    light = free["ratio"].sel(gamma=2000.0)
+    assert free["ratio"].dims == ("record", "b", "gamma", "T_s")
+    assert ((light > 0.7) & (light < 1.1)).all()
+
+
+def test_percentiles_count_overturned_walls() -> None:
+    values = xr.DataArray(
+        [[1.0, np.inf], [2.0, np.inf], [3.0, 1.0], [np.nan, np.nan]], dims=("record", "T_s")
+    )
+    found = studies.percentiles(values, (50.0, 100.0))
+    np.testing.assert_array_equal(found, [[2.0, np.inf], [3.0, np.inf]])
+    fraction = studies.cumulative_distribution(values.rename("u"), [1.0, 2.5])
+    np.testing.assert_allclose(fraction.transpose("level", "T_s"), [[1 / 3, 1 / 3], [2 / 3, 1 / 3]])
+
+
+def test_suite_spectra(suite: tuple[RecordFile, ...]) -> None:
+    found = studies.suite_spectra(coupled(solver=QUICK), {"T_s": [0.5, 1.0]}, suite)
+    median = found["u_s_max_percentiles"].sel(percentile=50.0)
+    np.testing.assert_array_equal(median, np.median(found["u_s_max"], axis=0))
+
+
+def test_fragility_of_a_linear_frame_is_a_step(suite: tuple[RecordFile, ...]) -> None:
+    """The frame alone is linear: all records reach a limit at the same intensity."""
+    case = bare_frame(solver=QUICK)
+    analysis = studies.incremental_dynamic_analysis(case, [0.1, 0.2, 0.3, 0.4], suite)
+    # u = S_a/omega^2 with T_s = 1 s
+    expected = 9.81 * analysis["scale"] / (2 * math.pi) ** 2
+    np.testing.assert_allclose(analysis["u_s_max"].isel(record=1), expected, rtol=1e-4)
+    curve = studies.fragility(analysis, 0.25 * 9.81 / (2 * math.pi) ** 2)
+    assert curve["fraction"].values.tolist() == [0.0, 0.0, 1.0, 1.0]
+    assert 0.2 < float(curve["median"]) < 0.3
+    with pytest.raises(InputError, match="never or always"):
+        studies.fragility(analysis, 100.0)
+
+
+def test_fragility_recovers_a_lognormal() -> None:
+    """Demands that exceed the limit by a known law give its parameters back."""
+    median, dispersion, n = 0.8, 0.4, 4000
+    levels = np.linspace(0.2, 2.5, 24)
+    chance = np.random.default_rng(1)
+    capacity = median * np.exp(dispersion * chance.standard_normal(n))
+    demand = (levels[None, :] > capacity[:, None]).astype(float)
+    dataset = xr.Dataset(
+        {
+            "u_s_max": (("record", "scale"), demand),
+            "status": (("record", "scale"), np.zeros((n, levels.size), "u1")),
+        },
+        {"scale": levels},
+    )
+    dataset["status"].attrs["flag_meanings"] = "ok overturned"
+    found = studies.fragility(dataset, 0.5)
+    # a sample of 4000
+    assert float(found["median"]) == pytest.approx(median, rel=0.03)
+    assert float(found["dispersion"]) == pytest.approx(dispersion, rel=0.05)
+
+
+def test_bands_enclose_the_nominal_spectrum() -> None:
+    uncertain = {"e": [0.8, 0.9, 0.95], "eta": [(1, 5), (0, 0)]}
+    case = coupled(solver=QUICK | {"t_end": 4.0})
+    found = studies.sensitivity_bands(case, {"T_s": [0.5, 1.0]}, uncertain)
+    assert (found["lowest"] <= found["nominal"]).all()
+    assert (found["nominal"] <= found["highest"]).all()
+    assert (found["lowest"] < found["highest"]).all()
+
+
+def test_equal_response_of_a_linear_frame() -> None:
+    case = bare_frame(solver=QUICK)
+    found = studies.equal_response(case, [0.5, 1.0], 0.1)
+    for T_p, amplitude in zip(found["T_p"].values, found["a_max_g"].values, strict=True):
+        pulse = {"a_max_g": float(amplitude), "omega_p": None, "T_p": float(T_p)}
+        single = rwmf.simulate(case.replace(motion=pulse))
+        assert float(single["u_s_max"]) == pytest.approx(0.1, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["overturning", "--omega", "3,5", "--amplitude", "1:9:5"],
+        ["wall", "--T_s", "0.5:1:3"],
+        ["bands", "--T_s", "0.5:1:3", "--e", "0.8,0.9"],
+        ["spectra", "--T_s", "0.5:1:3", "--records", "r.txt"],
+        ["fragility", "--levels", "0.2:3:8", "--limit", "0.1", "--records", "r.txt"],
+        ["equal-response", "--T_p", "0.5,1", "--target", "0.1"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_commands_draw_and_write(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("h5py")
+    monkeypatch.chdir(tmp_path)
+    case = _overturning_block() if words[0] == "overturning" else coupled(solver=QUICK)
+    case.to_namelist("case.nml")
+    t = np.arange(200) * 0.02
+    Path("r.txt").write_text(
+        "".join(f"{x!r} {y!r}\n" for x, y in zip(t.tolist(), np.sin(6 * t).tolist(), strict=True)),
+        encoding="ascii",
+    )
+    if "--records" in words:
+        words = [*words, "--unit", "m/s2"]
+    status = cli.main(
+        ["study", words[0], "case.nml", *words[1:], "--plot", "x.png", "--file", "x.nc"]
+    )
+    assert status == 0
+    assert Path("x.png").stat().st_size > 5000
+    with xr.open_dataset("x.nc", engine="h5netcdf") as found:
+        assert len(found.variables) > 1
