@@ -7,6 +7,7 @@ module rwmf_search
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
    use rwmf_locate, only: count_parts, find_reversal, locate
+   use rwmf_motion, only: turning_point
    use rwmf_observer, only: observe_event, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_rocking
    use rwmf_result, only: event_impact, event_overturned, event_peak
@@ -34,6 +35,12 @@ contains
       integer :: n
       integer :: i
 
+      event = 0
+      if (is_quiet(hybrid, equation, stepper)) then
+         hybrid%t = stepper%t1
+         hybrid%y(:) = stepper%y1
+         return
+      end if
       n = count_parts(equation, stepper%t0, stepper%t1)
       t_a = stepper%t0
       y_a = stepper%y0
@@ -51,6 +58,31 @@ contains
          y_a = y_b
       end do
    end subroutine search_step
+
+   !> Is it plain from the ends of the step that nothing happens in it? Most steps of a multistep
+   !> method are so short that the velocity hardly changes, under a motion that is monotone.
+   logical function is_quiet(hybrid, equation, stepper)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(in) :: stepper
+      real(wp) :: change
+
+      change = abs(stepper%y1(2) - stepper%y0(2))
+      is_quiet = 2*change < min(abs(stepper%y0(2)), abs(stepper%y1(2)))
+      if (is_quiet .and. equation%has_wall) then
+         is_quiet = abs(stepper%y1(1)) < hybrid%overturning_angle
+         if (hybrid%mode == mode_rocking) then
+            is_quiet = is_quiet .and. equation%side*stepper%y0(1) > 0 &
+               .and. equation%side*stepper%y1(1) > 0
+         end if
+      end if
+      if (is_quiet .and. equation%has_frame) then
+         is_quiet = 2*(stepper%t1 - stepper%t0)*equation%p%omega_s < 1
+      end if
+      if (is_quiet) then
+         is_quiet = turning_point(equation%motion, equation%interval, stepper%t0) >= stepper%t1
+      end if
+   end function is_quiet
 
    !> Search a part of the step in which theta' changes its sign at most twice.
    subroutine search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
