@@ -275,6 +275,8 @@ contains
       result%overturned = .false.
       result%steps = 10
       result%rhs_evaluations = 20
+      result%method = 'adams'
+      result%rtol = 1.0e-9_wp
       result%seconds = 0.25_wp
       result%warnings = [character(256) :: 'first', 'say "no"']
    end subroutine make_result
