@@ -15,7 +15,8 @@ module rwmf_cvode
    use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
    use fsunmatrix_dense_mod, only: FSUNDenseMatrix, FSUNDenseMatrix_Data
    use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
-   use rwmf_equation, only: equation_t, jacobian
+   use rwmf_equation, only: equation_t
+   use rwmf_jacobian, only: full_jacobian
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: i8, wp
    use rwmf_stepper, only: tolerance_t
@@ -70,9 +71,8 @@ contains
       call data_of(vector, equation%n, y)
       first => FSUNDenseMatrix_Data(matrix)
       call c_f_pointer(c_loc(first(1)), values, [equation%n, equation%n])
-      values(1, :) = [0.0_c_double, 1.0_c_double]
-      call jacobian(equation, t, y, values(2, 1), values(2, 2))
-      evaluate_jacobian = merge(0_c_int, 1_c_int, all(ieee_is_finite(values(2, :))))
+      call full_jacobian(equation, t, y, values)
+      evaluate_jacobian = merge(0_c_int, 1_c_int, all(ieee_is_finite(values)))
    end function evaluate_jacobian
 
    subroutine create_cvode(self, equation, tolerance, error)

@@ -5,6 +5,7 @@
 module rwmf_energy
    use rwmf_cable, only: cable_state_t
    use rwmf_equation, only: cable_at, equation_t, kinematics_at
+   use rwmf_extras, only: extra_energy, extra_power
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: acceleration
@@ -24,15 +25,16 @@ contains
       type(cable_state_t) :: cable
       real(wp) :: phi
 
+      energy = extra_energy(equation, y)
       associate (p => equation%p)
          if (.not. equation%has_wall) then
-            energy = (y(2)**2 + (p%omega_s*y(1))**2)/2
+            energy = energy + (y(2)**2 + (p%omega_s*y(1))**2)/2
             return
          end if
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
          phi = equation%side*y(1)
-         energy = p%R**2*((equation%inertia + p%gamma*kin%j**2)*y(2)**2 &
+         energy = energy + p%R**2*((equation%inertia + p%gamma*kin%j**2)*y(2)**2 &
             + p%gamma*(p%omega_s*kin%u)**2)/2 &
             + p%g*p%R*(rise_of_centroid(equation, phi) + cable%energy)
       end associate
@@ -74,18 +76,15 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       type(kinematics_t) :: kin
-      integer :: i
 
       associate (p => equation%p)
          power = 2*p%xi_s*p%omega_s*y(2)**2
-         if (.not. equation%has_wall) return
-         kin = kinematics_at(equation, y(1))
-         power = power*p%gamma*(p%R*kin%j)**2
+         if (equation%has_wall) then
+            kin = kinematics_at(equation, y(1))
+            power = power*p%gamma*(p%R*kin%j)**2
+         end if
       end associate
-      if (.not. allocated(equation%extras)) return
-      do i = 1, size(equation%extras)
-         power = power + equation%extras(i)%power(equation, t, y)
-      end do
+      power = power + extra_power(equation, t, y)
    end function viscous_power
 
    !> Kinetic energy that an impact takes [J/kg].
@@ -96,7 +95,8 @@ contains
       real(wp), intent(in) :: after
       !! and after [rad/s]
 
-      loss = equation%p%R**2*(4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2) &
+      loss = equation%p%R**2*(4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2 &
+         + equation%added_inertia) &
          *(before**2 - after**2)/2
    end function impact_loss
 

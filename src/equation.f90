@@ -11,18 +11,18 @@ module rwmf_equation
       truss_cable
    use rwmf_case, only: case_t
    use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
-   use rwmf_damper, only: add_damper, damper_power
+   use rwmf_extras, only: choose_extras, extra_rates
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
-   use rwmf_scene, only: cable_at, cable_moment, equation_t, extra_t, frame_displacement, &
+   use rwmf_scene, only: cable_at, cable_moment, equation_t, frame_displacement, &
       ground, kinematics_at, lift_off_drive, second_derivative_i
    implicit none
    private
 
    public :: equation_t, build_equation
-   public :: rhs, second_derivative, jacobian, kinematics_at, cable_at, lift_off_drive
+   public :: rhs, rates_of_state, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -58,9 +58,17 @@ contains
          call choose_extras(case, equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma)
+         equation%bearing = equation%threshold
+         equation%bears_extras = equation%has_impacts .and. allocated(equation%extras)
+         if (allocated(equation%extras)) then
+            equation%acceleration_positive => with_extras
+            equation%acceleration_negative => with_extras
+         end if
       else
+         call choose_extras(case, equation)
          equation%acceleration_positive => bare_frame
-         equation%acceleration_negative => bare_frame
+         if (allocated(equation%extras)) equation%acceleration_positive => frame_with_extras
+         equation%acceleration_negative => equation%acceleration_positive
       end if
    end subroutine build_equation
 
@@ -95,18 +103,6 @@ contains
       equation%acceleration_positive => wall_and_frame
       equation%acceleration_negative => wall_and_frame
    end subroutine hinge_base
-
-   !> Further effects, one line each. Scenes without any keep their own acceleration.
-   subroutine choose_extras(case, equation)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(inout) :: equation
-
-      if (.not. allocated(case%damper)) return
-      equation%damper_c = case%damper%c_over_m_w
-      equation%extras = [extra_t(add_damper, damper_power)]
-      equation%acceleration_positive => with_extras
-      equation%acceleration_negative => with_extras
-   end subroutine choose_extras
 
    subroutine choose_kinematics(formulation, equation)
       character(*), intent(in) :: formulation
@@ -177,7 +173,7 @@ contains
       end if
    end subroutine choose_acceleration
 
-   !> First-order form: y' = (theta', theta'').
+   !> First-order form: y' = (theta', theta'', rates of further states).
    subroutine rhs(equation, t, y, y_dot)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
@@ -188,9 +184,23 @@ contains
       !! (states)
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
+      call rates_of_state(equation, t, y, y_dot)
+   end subroutine rhs
+
+   !> The same without counting.
+   subroutine rates_of_state(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: y_dot(:)
+      !! (states)
+
       y_dot(1) = y(2)
       y_dot(2) = second_derivative(equation, t, y)
-   end subroutine rhs
+      if (equation%n > 2) call extra_rates(equation, t, y, y_dot)
+   end subroutine rates_of_state
 
    !> theta'' without counting an evaluation: for events and outputs [rad/s2].
    real(wp) function second_derivative(equation, t, y)
@@ -299,6 +309,25 @@ contains
       theta_ddot = equation%side*moment/inertia
    end function with_extras
 
+   !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
+   real(wp) function frame_with_extras(equation, t, y) result(u_ddot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t) :: kin
+      real(wp) :: inertia
+      integer :: i
+
+      kin = kinematics_t(s=0.0_wp, c=0.0_wp, u=y(1), j=1.0_wp, k=0.0_wp, k_1=0.0_wp, &
+         lever=1.0_wp, lever_1=0.0_wp)
+      inertia = 1
+      u_ddot = bare_frame(equation, t, y)
+      do i = 1, size(equation%extras)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, u_ddot)
+      end do
+      u_ddot = u_ddot/inertia
+   end function frame_with_extras
+
    !> Wall without frame, Eqs (11) and (12).
    real(wp) function wall_alone(equation, t, y) result(theta_ddot)
       class(equation_t), intent(in) :: equation
@@ -322,69 +351,5 @@ contains
          u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - ground(equation, t)
       end associate
    end function bare_frame
-
-   !> Derivatives of theta'' by theta [1/s2] and by theta' [1/s].
-   subroutine jacobian(equation, t, y, by_theta, by_theta_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(out) :: by_theta
-      real(wp), intent(out) :: by_theta_dot
-      type(kinematics_t) :: kin
-      type(cable_state_t) :: cable
-      real(wp) :: phi_dot
-      real(wp) :: force
-      real(wp) :: force_1
-      real(wp) :: inertia
-      real(wp) :: moment_1
-
-      if (allocated(equation%extras)) then
-         call difference_quotients(equation, t, y, by_theta, by_theta_dot)
-         return
-      end if
-      associate (p => equation%p)
-         if (.not. equation%has_wall) then
-            by_theta = -p%omega_s**2
-            by_theta_dot = -2*p%xi_s*p%omega_s
-            return
-         end if
-         kin = kinematics_at(equation, y(1))
-         cable = cable_at(equation, y(1))
-         phi_dot = equation%side*y(2)
-         force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
-         force_1 = kin%k_1*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%k*phi_dot + p%omega_s**2*kin%j
-         inertia = equation%inertia + p%gamma*kin%lever*kin%j
-         moment_1 = -p%gamma*(kin%lever_1*force + kin%lever*force_1) &
-            - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
-            - p%g/p%R*(cable%moment_1 - kin%c)
-         by_theta = (moment_1 - p%gamma*(kin%lever_1*kin%j + kin%lever*kin%k) &
-            *equation%side*second_derivative(equation, t, y))/inertia
-         by_theta_dot = -2*p%gamma*kin%lever*(kin%k*phi_dot + p%xi_s*p%omega_s*kin%j)/inertia
-      end associate
-   end subroutine jacobian
-
-   !> The same by central differences, for scenes with further effects: Newton's iteration needs no
-   !> more.
-   subroutine difference_quotients(equation, t, y, by_theta, by_theta_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: by_theta
-      real(wp), intent(out) :: by_theta_dot
-      real(wp) :: step(size(y))
-      real(wp) :: h
-
-      h = epsilon(h)**(1.0_wp/3)
-      step = 0
-      step(1) = h
-      by_theta = (second_derivative(equation, t, y + step) &
-         - second_derivative(equation, t, y - step))/(2*h)
-      step = 0
-      step(2) = h
-      by_theta_dot = (second_derivative(equation, t, y + step) &
-         - second_derivative(equation, t, y - step))/(2*h)
-   end subroutine difference_quotients
 
 end module rwmf_equation

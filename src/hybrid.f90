@@ -5,6 +5,7 @@
 !> one step, or a peak and an impact, are found as well. A flight knows its side, so that a start on
 !> theta = 0 is no event.
 module rwmf_hybrid
+   use rwmf_bearing, only: find_bearing
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: equation_t, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
@@ -45,6 +46,7 @@ contains
       hybrid%steps_at_knot = 0_i8
       equation%interval = interval_at(equation%motion, t)
       equation%side = 1
+      call find_bearing(equation, y)
       if (.not. equation%has_impacts) then
          hybrid%mode = mode_no_impacts
          return
@@ -217,6 +219,7 @@ contains
       call observe_impact(observer, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
       equation%side = -equation%side
+      call find_bearing(equation, hybrid%y)
       if (may_rest(equation, hybrid%t, abs(after), hybrid%e, &
          negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
          negligible*hybrid%rtol*observer%theta_dot_max)) then

@@ -1,6 +1,7 @@
 !> What stands behind the handle of a wall that a host program advances: scene, integrator, hybrid
 !> system, the motion in force, and how its state is taken and put back.
 module rwmf_machine
+   use rwmf_bearing, only: find_bearing
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t
    use rwmf_equation, only: equation_t
@@ -53,7 +54,8 @@ module rwmf_machine
       real(wp) :: ground = 0
       integer :: mode = 0
       real(wp) :: t_hybrid = 0
-      real(wp) :: y(2) = 0
+      real(wp), allocatable :: y(:)
+      !! (states)
       logical :: must_restart = .true.
       integer :: interval = 0
       integer :: side = 1
@@ -63,8 +65,8 @@ module rwmf_machine
       !! impacts, lift-offs, steps, right-hand sides
       real(wp) :: h = 0
       !! step length of a one-step method [s]
-      real(wp) :: f(2) = 0
-      !! derivative that it would begin with
+      real(wp), allocatable :: f(:)
+      !! (states) derivative that it would begin with
    end type snapshot_t
 
 contains
@@ -77,8 +79,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       associate (equation => machine%equation, case => machine%case)
-         call machine%stepper%create(equation, tolerances(case, size_to_expect(machine, peak)), &
-            error)
+         call machine%stepper%create(equation, tolerances(case, equation, &
+            size_to_expect(machine, peak)), error)
          if (allocated(error)) return
          machine%t = 0
          if (present(t_begin)) machine%t = t_begin
@@ -222,6 +224,7 @@ contains
          observer%theta_dot_max = snapshot%extremes(5)
          observer%impacts = snapshot%counts(1)
          observer%lift_offs = snapshot%counts(2)
+         call find_bearing(machine%equation, hybrid%y)
       end associate
       select type (method => machine%stepper)
       class is (one_step_t)

@@ -3,7 +3,7 @@
 !> The impact is applied at the end of the step in which theta changes its sign; theta stays where
 !> the step left it.
 module rwmf_practice_fixed
-   use rwmf_equation, only: jacobian
+   use rwmf_jacobian, only: jacobian
    use rwmf_errors, only: err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_practice_scene, only: collide, evaluate, lifting_side, observe, scene_t

@@ -198,7 +198,8 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (p => equation%p, c => equation%cos_alpha)
-         gain = c*(2*p%gamma + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2))
+         gain = c*(2*p%gamma + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
+            + equation%added_inertia))
       end associate
    end function inverse_inertia
 

@@ -5,6 +5,7 @@ module rwmf_run
    use rwmf_control, only: control_t
    use rwmf_equation, only: build_equation, cable_at, equation_t
    use rwmf_errors, only: error_t
+   use rwmf_extras, only: extra_sizes
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum
    use rwmf_kinds, only: i8, wp
@@ -109,8 +110,8 @@ contains
 
       size_found = 0
       equation%rhs_evaluations = 0
-      call stepper%create(equation, above_round_off(tolerances(case, size_guess), equation, &
-         size_guess), error)
+      call stepper%create(equation, above_round_off(tolerances(case, equation, size_guess), &
+         equation, size_guess), error)
       if (allocated(error)) return
       hybrid%e = restitution(case, equation%p%alpha)
       hybrid%overturning_angle = case%model%overturning_angle
@@ -130,15 +131,19 @@ contains
    end subroutine integrate
 
    !> Local error per step from the tolerance that the case asks for.
-   pure type(tolerance_t) function tolerances(case, size_guess) result(tolerance)
+   type(tolerance_t) function tolerances(case, equation, size_guess) result(tolerance)
       type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
 
       tolerance%rtol = case%solver%rtol
       if (allocated(case%solver%atol)) then
-         tolerance%atol = case%solver%atol*[1.0_wp, size_guess(2)/max(size_guess(1), tiny(1.0_wp))]
+         tolerance%atol = case%solver%atol/max(size_guess(1), tiny(1.0_wp)) &
+            *extra_sizes(equation, size_guess)
+         tolerance%atol(1) = case%solver%atol
       else
-         tolerance%atol = max(case%solver%rtol*size_guess, 1.0e3_wp*tiny(1.0_wp))
+         tolerance%atol = max(case%solver%rtol*extra_sizes(equation, size_guess), &
+            1.0e3_wp*tiny(1.0_wp))
       end if
    end function tolerances
 
@@ -160,7 +165,7 @@ contains
       if (.not. equation%has_impacts .or. minval(size_guess) <= 0) return
       noise = epsilon(1.0_wp)*equation%threshold*inverse_inertia(equation)
       duration = size_guess(1)/size_guess(2)
-      floored%atol = max(floored%atol, noise*duration*[duration, 1.0_wp])
+      floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
    end function above_round_off
 
    pure function initial_state(case, equation) result(y)

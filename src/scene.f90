@@ -12,11 +12,23 @@ module rwmf_scene
    public :: equation_t, second_derivative_i, extra_t
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
 
-   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the power
-   !> that it takes. One file brings both procedures; `build_equation` names them (docs/effects.md).
+   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the states,
+   !> energy and power that belong to it. One file brings its procedures; `choose_extras` names
+   !> them (docs/effects.md).
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
+      !! not associated: dissipates nothing
+      procedure(energy_i), pointer, nopass :: energy => null()
+      !! not associated: stores nothing
+      integer :: states = 0
+      !! number of states of its own
+      procedure(rates_i), pointer, nopass :: rates => null()
+      !! of its states
+      procedure(sizes_i), pointer, nopass :: sizes => null()
+      !! that its states are expected to have
+      integer :: first = 0
+      !! place of its first state among all
    end type extra_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
@@ -26,7 +38,13 @@ module rwmf_scene
       real(wp) :: sin_alpha
       real(wp) :: cos_alpha
       real(wp) :: threshold
-      !! ground acceleration at which the resting wall lifts off [m/s2]
+      !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
+      real(wp) :: bearing(-1:1)
+      !! the same by side (+1: theta > 0) with further effects, see `rwmf_bearing` [m/s2]
+      logical :: bears_extras = .false.
+      !! further effects act on the resting wall
+      real(wp) :: added_inertia = 0
+      !! of further effects at theta = 0 over m_w R**2 [-]
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
@@ -83,6 +101,39 @@ module rwmf_scene
          real(wp), intent(inout) :: moment
          !! away from the base [1/s2]
       end subroutine add_i
+
+      !> Energy that an effect stores [J/kg].
+      real(wp) function energy_i(equation, y)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: y(:)
+         !! (states)
+      end function energy_i
+
+      !> Rates of the states of an effect.
+      subroutine rates_i(equation, t, y, rates)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states) all
+         real(wp), intent(out) :: rates(:)
+         !! (states of the effect)
+      end subroutine rates_i
+
+      !> Sizes that the states of an effect are expected to have, for absolute tolerances.
+      subroutine sizes_i(equation, size_guess, sizes)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: size_guess(2)
+         !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+         real(wp), intent(out) :: sizes(:)
+         !! (states of the effect)
+      end subroutine sizes_i
 
       !> Power that an effect dissipates [W/kg].
       real(wp) function power_i(equation, t, y)
@@ -153,7 +204,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      drive = -side*acceleration(equation%motion, interval, t) - equation%threshold
+      drive = -side*acceleration(equation%motion, interval, t) - equation%bearing(side)
    end function lift_off_drive
 
    !> Displacement of the frame u_s [m].

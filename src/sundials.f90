@@ -68,7 +68,7 @@ contains
       call data_of(vector, equation%n, y)
       call data_of(vector_dot, equation%n, y_dot)
       call rhs(equation, t, y, y_dot)
-      evaluate_rhs = merge(0_c_int, 1_c_int, ieee_is_finite(y_dot(2)))
+      evaluate_rhs = merge(0_c_int, 1_c_int, all(ieee_is_finite(y_dot(2:))))
    end function evaluate_rhs
 
    !> States of a vector. The Fortran interface's own function returns a pointer of the wrong

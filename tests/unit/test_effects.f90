@@ -2,8 +2,9 @@
 program test_effects
    use check, only: checks_t
    use rwmf_case, only: case_t, damper_t, link_t
-   use rwmf_equation, only: build_equation, equation_t, jacobian, kinematics_at, second_derivative
+   use rwmf_equation, only: build_equation, equation_t, kinematics_at, second_derivative
    use rwmf_errors, only: error_t
+   use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: interval_at, motion_from_case, motion_t

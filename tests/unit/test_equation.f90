@@ -4,8 +4,9 @@ program test_equation
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
    use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
-   use rwmf_equation, only: build_equation, cable_at, equation_t, jacobian, kinematics_at, &
+   use rwmf_equation, only: build_equation, cable_at, equation_t, kinematics_at, &
       second_derivative
+   use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
