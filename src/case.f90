@@ -8,7 +8,8 @@ module rwmf_case
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, damper_t, cable_t, impact_t, motion_spec_t
+   public :: case_t, wall_t, frame_t, link_t, damper_t, fuse_t, yielding_t, cable_t, impact_t, &
+      motion_spec_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -45,6 +46,26 @@ module rwmf_case
       !! damper constant over the mass of the wall [1/s]
    end type damper_t
 
+   !> Hysteretic fuses at the corners of the base, `&fuse`.
+   type :: fuse_t
+      real(wp) :: eta_y
+      !! yield force over m_w g [-]
+      real(wp) :: stroke_y
+      !! stroke at first yield [m]
+      real(wp) :: hardening
+      !! stiffness after yielding over elastic stiffness [-]
+   end type fuse_t
+
+   !> Inelastic frame, `&yielding`.
+   type :: yielding_t
+      real(wp) :: u_y
+      !! displacement at first yield [m]
+      real(wp) :: hardening
+      !! stiffness after yielding over elastic stiffness [-]
+      character(:), allocatable :: law
+      !! 'elastic_plastic'
+   end type yielding_t
+
    !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
    type :: cable_t
       real(wp) :: eta_0
@@ -53,6 +74,12 @@ module rwmf_case
       !! P(alpha)/(m_w g) [-]
       character(:), allocatable :: law
       !! 'linear' or 'truss'
+      real(wp), allocatable :: eta_y
+      !! P/(m_w g) at which the tendon yields [-]; absent: elastic
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp), allocatable :: rupture_strain
+      !! strain at which the tendon breaks, that of the prestress included [-]; absent: never
    end type cable_t
 
    !> Energy loss at impact, `&impact`.
@@ -163,6 +190,8 @@ module rwmf_case
       type(frame_t), allocatable :: frame
       type(link_t), allocatable :: link
       type(damper_t), allocatable :: damper
+      type(fuse_t), allocatable :: fuse
+      type(yielding_t), allocatable :: yielding
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
       type(motion_spec_t), allocatable :: motion

@@ -1,7 +1,7 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
-   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, impact_t, initial_t, link_t, &
-      motion_spec_t, output_t, spectrum_spec_t, wall_t
+   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, initial_t, link_t, &
+      motion_spec_t, output_t, spectrum_spec_t, wall_t, yielding_t
    use rwmf_case_rules, only: check_rules
    use rwmf_errors, only: add_context, err_input, error_t, fail
    use rwmf_files, only: read_file
@@ -81,11 +81,23 @@ contains
       if (has_group(groups, 'damper')) then
          case%damper = damper_t(real_of(groups, 'damper', 'c_over_m_w'))
       end if
+      if (has_group(groups, 'fuse')) then
+         case%fuse = fuse_t(real_of(groups, 'fuse', 'eta_y'), real_of(groups, 'fuse', 'stroke_y'), &
+            real_of(groups, 'fuse', 'hardening'))
+      end if
+      if (has_group(groups, 'yielding')) then
+         case%yielding = yielding_t(real_of(groups, 'yielding', 'u_y'), &
+            real_of(groups, 'yielding', 'hardening'))
+         case%yielding%law = text_of(groups, 'yielding', 'law')
+      end if
       if (has_group(groups, 'cable')) then
          case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &
             real_of(groups, 'cable', 'eta_alpha'))
          ! not in the constructor, where gfortran 12 loses the memory of the function's result
          case%cable%law = text_of(groups, 'cable', 'law')
+         case%cable%hardening = real_of(groups, 'cable', 'hardening')
+         call get_real(groups, 'cable', 'eta_y', case%cable%eta_y)
+         call get_real(groups, 'cable', 'rupture_strain', case%cable%rupture_strain)
       end if
       if (has_group(groups, 'impact')) then
          allocate (case%impact)

@@ -92,8 +92,11 @@ contains
       is_supported = allocated(case%wall) .and. allocated(case%frame) &
          .and. .not. allocated(case%initial) .and. .not. allocated(case%solver%accuracy) &
          .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
+         .and. .not. allocated(case%fuse) .and. .not. allocated(case%yielding) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
       if (is_supported) is_supported = case%wall%base == 'rocking'
+      if (is_supported .and. allocated(case%cable)) is_supported = &
+         .not. (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain))
    end function is_supported
 
    !> Longest step [s]: a fraction of the wall's own time, and of the period of a pulse, whose

@@ -18,7 +18,7 @@ module rwmf_python
    use rwmf_handles, only: find_run, find_sweep, join_status, keep_run, keep_sweep, &
       make_control, put_error, put_text, read_source, run_t, sweep_t
    use rwmf_output, only: case_name, write_result, write_spectrum
-   use rwmf_result, only: event_impact, event_name, event_overturned
+   use rwmf_result, only: event_impact, event_name, event_rupture
    use rwmf_schema, only: schema_text
    use rwmf_simulation, only: run_simulation => simulate
    use rwmf_spectrum, only: compute_spectrum
@@ -58,7 +58,7 @@ contains
       integer :: kind_number
 
       names = ''
-      do kind_number = event_impact, event_overturned
+      do kind_number = event_impact, event_rupture
          names = names//event_name(kind_number)//new_line('a')
       end do
       call put_text(names, buffer, length)

@@ -16,6 +16,7 @@ module rwmf_schema
 
    character(*), parameter :: any_real = 'any finite number'
    character(*), parameter :: positive = '> 0'
+   character(*), parameter :: below_one = '[0, 1)'
    character(*), parameter :: not_negative = '>= 0'
 
    !> One key. Texts are padded with blanks.
@@ -67,11 +68,28 @@ contains
             'length of the link, Eqs (2), (3); absent: infinitely long'), &
          required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
             'viscous damper under each corner of the base: its constant over m_w'), &
+         required('fuse', 'eta_y', 'real', '-', positive, &
+            'yield force of the fuse under each corner of the base over m_w g'), &
+         required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
+         optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding fuse over its elastic one'), &
+         required('yielding', 'u_y', 'real', 'm', positive, &
+            'displacement at which the frame yields first'), &
+         optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding frame over its elastic one'), &
+         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', 'elastic_plastic', &
+            'bilinear with kinematic hardening'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &
          optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
             'Eq. (1), or the exact length of the straight cable'), &
+         optional_key('cable', 'eta_y', 'real', '-', '', positive, &
+            'P/(m_w g) at which the tendon yields; absent: it stays elastic'), &
+         optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding tendon over its elastic one'), &
+         optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
+            'strain at which it breaks, that of the prestress included; absent: never'), &
          optional_key('impact', 'rule', 'choice', '', 'constant', 'constant housner coupled', &
             'constant: exactly one of e and r; the other rules set e themselves'), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
