@@ -135,6 +135,19 @@ def test_frame_alone_against_another_program(name: str, method: str) -> None:
     assert float(rwmf.simulate(case)["u_s_max"]) == pytest.approx(expected, rel=EXACT)
 
 
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
+@pytest.mark.parametrize("kind", ["ricker", "ricker_antisymmetric"])
+def test_narrow_pulse_is_not_passed_over(kind: str, method: str) -> None:
+    """Its tails ask for no steps at all, and the tolerance for few."""
+    rtol = 1e-3
+    motion = _motion(kind, T_p=0.02, t_0=5.0)
+    frame = {"T_s": 3.0}
+    loose = bare_frame(motion=motion, frame=frame, solver={"rtol": rtol, "method": method})
+    tight = loose.replace(solver={"rtol": 1e-12, "method": "dop853"})
+    expected = float(rwmf.simulate(tight)["u_s_max"])
+    assert float(rwmf.simulate(loose)["u_s_max"]) == pytest.approx(expected, rel=100 * rtol)
+
+
 @pytest.mark.parametrize("name", PULSES)
 def test_mirrored_pulse(name: str) -> None:
     """`symmetric`: motion -> -motion gives -theta, but for round-off."""
