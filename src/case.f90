@@ -95,17 +95,24 @@ module rwmf_case
    !> Ground motion, `&motion`.
    type :: motion_spec_t
       character(:), allocatable :: kind
-      !! 'none', 'one_sine', 'one_cosine', 'sine' or 'record'
+      !! 'none', a pulse ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker',
+      !! 'ricker_antisymmetric', 'mavroeidis_papageorgiou') or 'record'
       real(wp), allocatable :: a_max_g
-      !! amplitude of the pulse's acceleration in units of `&model g` [-]
+      !! largest acceleration of the pulse in units of `&model g` [-]
       real(wp), allocatable :: v_p
-      !! velocity amplitude of the pulse [m/s], Eqs (16), (17)
+      !! velocity amplitude of the pulse [m/s], Eqs (16), (17); no Ricker pulse has it
       real(wp), allocatable :: omega_p
       !! angular frequency of the pulse [rad/s]
       real(wp), allocatable :: T_p
       !! period of the pulse [s]
       real(wp) :: cycles
       !! number of cycles of kind 'sine' [-], 1 for the other pulses
+      integer :: n_pulses
+      !! n of kind 'type_c', C_n
+      real(wp), allocatable :: gamma_p
+      !! gamma of kind 'mavroeidis_papageorgiou': its number of cycles [-]
+      real(wp) :: nu
+      !! phase of the same [rad]
       real(wp) :: t_0
       !! start of the pulse [s]
       character(:), allocatable :: file

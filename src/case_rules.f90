@@ -5,7 +5,7 @@ module rwmf_case_rules
       text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
-   use rwmf_schema, only: belongs_to, key_t, keys_of, pulse_kinds
+   use rwmf_schema, only: belongs_to, find_key, key_t, keys_of, pulse_kinds
    use rwmf_text, only: real_to_text
    use rwmf_validation, only: fail_at_entry, fail_at_group
    implicit none
@@ -277,14 +277,36 @@ contains
          return
       end do
       if (index(' '//pulse_kinds//' ', ' '//kind//' ') > 0) then
-         call check_one_of(groups, 'motion', 'a_max_g', 'v_p', "with kind = '"//kind//"'", error)
-         if (allocated(error)) return
-         call check_one_of(groups, 'motion', 'omega_p', 'T_p', "with kind = '"//kind//"'", error)
+         call check_pulse(groups, keys, kind, error)
       else if (kind == 'record' .and. .not. has_key(groups, 'motion', 'file')) then
          call fail_group(groups, 'motion', 'the key file is missing: must be the path of the ' &
             //'record in quotes', error)
       end if
    end subroutine check_motion
+
+   !> Amplitude and period of a pulse, and what its kind requires.
+   subroutine check_pulse(groups, keys, kind, error)
+      type(group_t), intent(in) :: groups(:)
+      type(key_t), intent(in) :: keys(:)
+      !! of `&motion`
+      character(*), intent(in) :: kind
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: condition
+
+      condition = "with kind = '"//kind//"'"
+      if (belongs_to(keys(find_key(keys, 'v_p')), kind)) then
+         call check_one_of(groups, 'motion', 'a_max_g', 'v_p', condition, error)
+      else if (.not. has_key(groups, 'motion', 'a_max_g')) then
+         call fail_group(groups, 'motion', 'the key a_max_g is missing (largest acceleration ' &
+            //'over g): must be given '//condition//', any finite number [-]', error)
+      end if
+      if (allocated(error)) return
+      call check_one_of(groups, 'motion', 'omega_p', 'T_p', condition, error)
+      if (allocated(error) .or. has_key(groups, 'motion', 'gamma_p')) return
+      if (.not. belongs_to(keys(find_key(keys, 'gamma_p')), kind)) return
+      call fail_group(groups, 'motion', 'the key gamma_p is missing (number of cycles in the ' &
+         //'envelope): must be given '//condition//', a number in (1, 1000] [-]', error)
+   end subroutine check_pulse
 
    !> The start must not be overturned already, for any width of the spectrum.
    subroutine check_initial(groups, error)

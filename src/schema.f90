@@ -9,7 +9,10 @@ module rwmf_schema
 
    public :: key_t, all_keys, keys_of, group_names, find_key, schema_text, belongs_to, pulse_kinds
 
-   character(*), parameter :: pulse_kinds = 'one_sine one_cosine sine'
+   character(*), parameter :: velocity_kinds = &
+      'one_sine one_cosine sine type_c mavroeidis_papageorgiou'
+   !! pulses with a velocity amplitude
+   character(*), parameter :: pulse_kinds = velocity_kinds//' ricker ricker_antisymmetric'
    !! kinds of motion that are pulses
    character(*), parameter :: all_methods = 'adams bdf erk54 dop853 extrapolation fast'
    !! integrators
@@ -32,10 +35,10 @@ module rwmf_schema
       !! value when it is not given, or the name of the key of the group that has it; '' for none
       logical :: is_required
       !! must be given whenever the group is (conditions on other groups: rwmf_case_rules)
-      character(48) :: allowed
+      character(104) :: allowed
       !! of a number: `> 0`, `>= 0` or an interval; of a choice: its names
       character(90) :: help
-      character(24) :: kinds
+      character(88) :: kinds
       !! of `&motion`: the kinds that the key belongs to; '' for all
    end type key_t
 
@@ -104,15 +107,20 @@ contains
 
       keys = [ &
          required('motion', 'kind', 'choice', '', kinds, &
-            'one_sine: Eq. (16), one_cosine: Eq. (17), sine: several cycles'), &
+            'one_sine: Eq. (16), one_cosine: Eq. (17), sine: cycles; all: docs/pulses.md'), &
          of_kind(pulse_kinds, 'a_max_g', 'real', '-', '', any_real, &
             'largest acceleration over g; exactly one of a_max_g and v_p'), &
-         of_kind(pulse_kinds, 'v_p', 'real', 'm/s', '', any_real, &
-            'velocity amplitude of Eqs (16) and (17)'), &
+         of_kind(velocity_kinds, 'v_p', 'real', 'm/s', '', any_real, &
+            'velocity amplitude of Eqs (16), (17) and docs/pulses.md; no Ricker pulse has it'), &
          of_kind(pulse_kinds, 'omega_p', 'real', 'rad/s', '', positive, &
             'angular frequency; exactly one of omega_p and T_p'), &
          of_kind(pulse_kinds, 'T_p', 'real', 's', '', positive, 'period of the pulse'), &
          of_kind('sine', 'cycles', 'real', '-', '1.0', positive, 'number of cycles'), &
+         of_kind('type_c', 'n_pulses', 'integer', '', '1', '>= 1', 'n of the pulse C_n'), &
+         of_kind('mavroeidis_papageorgiou', 'gamma_p', 'real', '-', '', '(1, 1000]', &
+            'gamma, the number of cycles in the envelope; required for this kind'), &
+         of_kind('mavroeidis_papageorgiou', 'nu', 'real', 'rad', '0.0', any_real, &
+            'phase of the carrier: 0 symmetric, pi/2 antisymmetric velocity'), &
          of_kind(pulse_kinds, 't_0', 'real', 's', '0.0', any_real, 'start of the pulse'), &
          of_kind('record', 'file', 'text', '', '', '', &
             'path, relative to the case file; required for a record'), &
