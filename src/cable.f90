@@ -99,6 +99,9 @@ contains
       real(wp), intent(in) :: phi
       integer, intent(in) :: side
       type(cable_state_t), intent(out) :: cable
+      real(wp) :: half_sine
+      real(wp) :: sine
+      real(wp) :: cosine
       real(wp) :: length
       real(wp) :: rise
       !! l**2 - (2h)**2 [m2]
@@ -107,11 +110,14 @@ contains
       !! dl/dphi [m]
       real(wp) :: arm_1
 
-      rise = 4*law%b**2*sin(phi/2)**2 + 4*law%h*law%b*sin(phi)
+      half_sine = sin(phi/2)
+      sine = 2*half_sine*sqrt(1 - half_sine**2)
+      cosine = 1 - 2*half_sine**2
+      rise = 4*law%b*(law%b*half_sine**2 + law%h*sine)
       length = sqrt(4*law%h**2 + rise)
       elongation = rise/(length + 2*law%h)
-      arm = (law%b**2*sin(phi) + 2*law%h*law%b*cos(phi))/length
-      arm_1 = (law%b**2*cos(phi) - 2*law%h*law%b*sin(phi) - arm**2)/length
+      arm = law%b*(law%b*sine + 2*law%h*cosine)/length
+      arm_1 = (law%b*(law%b*cosine - 2*law%h*sine) - arm**2)/length
       cable%force = law%eta_0 + law%rate*elongation
       cable%moment = cable%force*arm/law%R
       cable%moment_1 = (law%rate*arm**2 + cable%force*arm_1)/law%R

@@ -10,18 +10,18 @@ module rwmf_equation
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
       truss_cable
    use rwmf_case, only: case_t
-   use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
    use rwmf_damper, only: add_damper, damper_power
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
-   use rwmf_scene, only: cable_at, cable_moment, equation_t, extra_t, frame_displacement, &
-      ground, kinematics_at, lift_off_drive, second_derivative_i
+   use rwmf_paper, only: paper_t
+   use rwmf_scene, only: cable_at, cable_moment, enter_interval, equation_t, extra_t, &
+      frame_displacement, ground, interval_of, kinematics_at, lift_off_drive
    implicit none
    private
 
-   public :: equation_t, build_equation
+   public :: equation_t, build_equation, enter_interval, interval_of
    public :: rhs, second_derivative, jacobian, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
@@ -163,17 +163,16 @@ contains
 
       equation%acceleration_negative => wall_and_frame
       equation%acceleration_positive => wall_and_frame
-      if (law /= 'truss' .and. equation%geometry%link <= 0) then
+      if (law == 'truss' .or. equation%geometry%link > 0) return
+      if (equation%has_frame) then
          equation%acceleration_positive => corner_linear
          if (formulation == 'symmetric') equation%acceleration_negative => corner_linear
-      end if
-      if (formulation == 'published') then
-         equation%acceleration_negative => published
-         equation%acceleration_positive => published
-      end if
-      if (.not. equation%has_frame) then
-         equation%acceleration_negative => wall_alone
+      else
          equation%acceleration_positive => wall_alone
+         ! Eq. (1) as printed is another cable for theta < 0.
+         if (law == '' .or. formulation /= 'published') then
+            equation%acceleration_negative => wall_alone
+         end if
       end if
    end subroutine choose_acceleration
 
@@ -182,9 +181,9 @@ contains
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
-      real(wp), intent(out) :: y_dot(:)
+      real(wp), intent(out) :: y_dot(equation%n)
       !! (states)
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
@@ -197,7 +196,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
 
       if (equation%side > 0) then
@@ -207,44 +206,20 @@ contains
       end if
    end function second_derivative
 
-   !> Eq. (15) with the printed coefficients.
-   real(wp) function published(equation, t, y)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp) :: C(4)
-      !! A_i or B_i
-
-      if (equation%side > 0) then
-         C = coefficients_b(equation%p, y(1))
-      else
-         C = coefficients_a(equation%p, y(1))
-      end if
-      published = C(1)*y(2)**2 + C(2)*y(2) + C(3)*ground(equation, t) + C(4)
-   end function published
-
    !> Eq. (8), link at the top corner and linear cable (or none): the commonest scene written out,
    !> because calls through pointers would cost as much as the arithmetic.
    real(wp) function corner_linear(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
-      real(wp) :: half_sine
-      real(wp) :: half_cosine
       real(wp) :: lift
-      !! sin(alpha) - sin(alpha - phi)
       real(wp) :: c
-      !! cos(alpha - phi)
 
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      half_sine = sin(phi/2)
-      half_cosine = cos(phi/2)
-      lift = 2*half_sine*(equation%sin_alpha*half_sine + equation%cos_alpha*half_cosine)
-      c = equation%cos_alpha - 2*half_sine*(equation%cos_alpha*half_sine &
-         - equation%sin_alpha*half_cosine)
+      call turn(equation, phi, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
             + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g/p%R*(s &
@@ -253,22 +228,67 @@ contains
       end associate
    end function corner_linear
 
-   !> Wall and frame, any kinematics and cable law.
-   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
+   !> Wall without frame, linear cable (or none), Eqs (11) and (12).
+   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: phi
+      real(wp) :: lift
+      real(wp) :: c
+
+      phi = equation%side*y(1)
+      call turn(equation, phi, lift, c)
+      associate (p => equation%p, sin_alpha => equation%sin_alpha)
+         theta_ddot = -0.75_wp/p%R*(c*ground(equation, t) + equation%side*p%g*(sin_alpha - lift &
+            + (p%eta_0 + equation%cable%rate*phi)*sin_alpha))
+      end associate
+   end function wall_alone
+
+   !> The same as `kinematics` says of the top corner: lift = sin(alpha) - sin(alpha - phi) and
+   !> c = cos(alpha - phi).
+   pure subroutine turn(equation, phi, lift, c)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: lift
+      real(wp), intent(out) :: c
+      real(wp) :: half_sine
+      real(wp) :: half_cosine
+
+      half_sine = sin(phi/2)
+      half_cosine = sqrt(1 - half_sine**2)
+      associate (sin_alpha => equation%sin_alpha, cos_alpha => equation%cos_alpha)
+         lift = 2*half_sine*(sin_alpha*half_sine + cos_alpha*half_cosine)
+         c = cos_alpha - 2*half_sine*(cos_alpha*half_sine - sin_alpha*half_cosine)
+      end associate
+   end subroutine turn
+
+   !> Wall, with or without frame, any kinematics and cable law. With the kinematics of Eq. (10) and
+   !> the cable of Eq. (1) it is Eq. (15a), with those of Eq. (4) Eq. (15b).
+   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: force
       !! of the frame's spring and damper and the centripetal term, over gamma m_w R [1/s2]
 
-      kin = kinematics_at(equation, y(1))
+      phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%geometry, phi, kin)
+      else
+         call equation%kinematics_negative(equation%geometry, phi, kin)
+      end if
+      call equation%cable_law(equation%cable, equation%sin_alpha, phi, equation%side, cable)
       associate (p => equation%p)
          force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
          theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
-            + p%g/p%R*(kin%s + cable_moment(equation, y(1)))) &
+            + p%g/p%R*(kin%s + cable%moment)) &
             + (p%gamma*kin%lever + kin%c)*ground(equation, t)/p%R) &
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
@@ -276,9 +296,9 @@ contains
 
    !> Wall, with or without frame, and further effects.
    real(wp) function with_extras(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
       real(wp) :: phi_dot
       real(wp) :: inertia
@@ -299,24 +319,11 @@ contains
       theta_ddot = equation%side*moment/inertia
    end function with_extras
 
-   !> Wall without frame, Eqs (11) and (12).
-   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp) :: angle
-      !! alpha - phi [rad]
-
-      angle = equation%p%alpha - equation%side*y(1)
-      theta_ddot = -0.75_wp/equation%p%R*(cos(angle)*ground(equation, t) &
-         + equation%side*equation%p%g*(sin(angle) + cable_moment(equation, y(1))))
-   end function wall_alone
-
    !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
    real(wp) function bare_frame(equation, t, y) result(u_ddot)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
 
       associate (p => equation%p)
          u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - ground(equation, t)

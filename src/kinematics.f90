@@ -23,6 +23,10 @@ module rwmf_kinematics
 
    !> Values at one rotation, all [-].
    type :: kinematics_t
+      real(wp) :: half_sine
+      !! sin(phi/2)
+      real(wp) :: half_cosine
+      !! cos(phi/2)
       real(wp) :: s
       !! sin(alpha - phi): arm of gravity over R
       real(wp) :: c
@@ -78,8 +82,8 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call common_part(geometry, phi, kin)
-      kin%j = 2*geometry%cos_alpha*cos(phi)
-      kin%u = 2*geometry%cos_alpha*sin(phi)
+      kin%j = 2*geometry%cos_alpha*cosine(kin)
+      kin%u = 2*geometry%cos_alpha*sine(kin)
       kin%k = -kin%u
       kin%k_1 = -kin%j
       kin%lever = kin%j
@@ -94,8 +98,8 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      kin%lever = 2*geometry%cos_alpha*cos(phi)
-      kin%lever_1 = -2*geometry%cos_alpha*sin(phi)
+      kin%lever = 2*geometry%cos_alpha*cosine(kin)
+      kin%lever_1 = -2*geometry%cos_alpha*sine(kin)
    end subroutine published_negative
 
    !> Wall hinged at the middle of its base, link on its centre line: u_s = 2h sin(theta).
@@ -105,8 +109,9 @@ contains
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
 
-      kin%s = -geometry%cos_alpha*sin(phi)
-      kin%c = geometry%cos_alpha*cos(phi)
+      call halve(phi, kin%half_sine, kin%half_cosine)
+      kin%s = -geometry%cos_alpha*sine(kin)
+      kin%c = geometry%cos_alpha*cosine(kin)
       kin%j = 2*kin%c
       kin%u = -2*kin%s
       kin%k = -kin%u
@@ -123,8 +128,8 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, +1, [4*sin(phi/2)*(geometry%sin_alpha*cos(phi/2) &
-         - geometry%cos_alpha*sin(phi/2)), 2*kin%s, -2*kin%c, -2*kin%s], kin)
+      call add_tilt(geometry%link, +1, [4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
+         - geometry%cos_alpha*kin%half_sine), 2*kin%s, -2*kin%c, -2*kin%s], kin)
    end subroutine linked_top_corner
 
    !> Link of finite length at the left top corner, theta < 0 of `exact`: the corner sinks by
@@ -135,7 +140,7 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1, [-4*geometry%cos_alpha*sin(phi/2)**2, -kin%u, -kin%j, &
+      call add_tilt(geometry%link, -1, [-4*geometry%cos_alpha*kin%half_sine**2, -kin%u, -kin%j, &
          kin%u], kin)
    end subroutine linked_left_corner
 
@@ -173,21 +178,43 @@ contains
       type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
-      real(wp) :: half_sine
-      real(wp) :: half_cosine
-      real(wp) :: sine
-      real(wp) :: versine
-      !! 1 - cos(phi)
+      real(wp) :: lift
 
-      half_sine = sin(phi/2)
-      half_cosine = cos(phi/2)
-      sine = 2*half_sine*half_cosine
-      versine = 2*half_sine**2
+      call halve(phi, kin%half_sine, kin%half_cosine)
       associate (sin_alpha => geometry%sin_alpha, cos_alpha => geometry%cos_alpha)
-         kin%s = sin_alpha - (sin_alpha*versine + cos_alpha*sine)
-         kin%c = cos_alpha - (cos_alpha*versine - sin_alpha*sine)
-         kin%u = 2*(sin_alpha*versine + cos_alpha*sine)
+         lift = 2*kin%half_sine*(sin_alpha*kin%half_sine + cos_alpha*kin%half_cosine)
+         kin%s = sin_alpha - lift
+         kin%c = cos_alpha - 2*kin%half_sine*(cos_alpha*kin%half_sine &
+            - sin_alpha*kin%half_cosine)
+         kin%u = 2*lift
       end associate
    end subroutine common_part
+
+   !> Sine and cosine of half the rotation. A root takes the place of the cosine, whose call would
+   !> cost as much as the rest of a right-hand side; it is as accurate for |phi| < pi, and no wall
+   !> turns beyond pi/2.
+   pure subroutine halve(phi, half_sine, half_cosine)
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: half_sine
+      real(wp), intent(out) :: half_cosine
+
+      half_sine = sin(phi/2)
+      half_cosine = sqrt(1 - half_sine**2)
+   end subroutine halve
+
+   !> sin(phi) of kinematics whose half angle is known.
+   pure real(wp) function sine(kin)
+      type(kinematics_t), intent(in) :: kin
+
+      sine = 2*kin%half_sine*kin%half_cosine
+   end function sine
+
+   !> cos(phi).
+   pure real(wp) function cosine(kin)
+      type(kinematics_t), intent(in) :: kin
+
+      cosine = 1 - 2*kin%half_sine**2
+   end function cosine
 
 end module rwmf_kinematics

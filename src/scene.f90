@@ -2,14 +2,15 @@
 !> for it, and what follows from both at a given rotation.
 module rwmf_scene
    use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
-   use rwmf_coefficients, only: paper_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
-   use rwmf_motion, only: acceleration, motion_t
+   use rwmf_motion, only: acceleration, line_of, line_t, motion_t
+   use rwmf_paper, only: paper_t
    implicit none
    private
 
    public :: equation_t, second_derivative_i, extra_t
+   public :: enter_interval, interval_of
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the power
@@ -43,8 +44,10 @@ module rwmf_scene
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
-      integer :: interval = 0
-      !! of the motion, set by the hybrid loop
+      integer, private :: interval = 0
+      !! of the motion: `interval_of`, set by `enter_interval`
+      type(line_t) :: line
+      !! of the motion in that interval
       integer :: side = 1
       !! sign of theta in this flight, set by the hybrid loop
       integer(i8) :: rhs_evaluations = 0
@@ -60,10 +63,10 @@ module rwmf_scene
       real(wp) function second_derivative_i(equation, t, y)
          import :: equation_t, wp
          implicit none
-         class(equation_t), intent(in) :: equation
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
-         real(wp), intent(in) :: y(:)
+         real(wp), intent(in) :: y(equation%n)
          !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
       end function second_derivative_i
 
@@ -98,13 +101,38 @@ module rwmf_scene
 
 contains
 
+   !> An interval of the motion comes into force, or the motion has changed within it.
+   !>
+   !> The only way to set it, so that nobody can forget what depends on it.
+   pure subroutine enter_interval(equation, interval)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+
+      equation%interval = interval
+      equation%line = line_of(equation%motion, interval)
+   end subroutine enter_interval
+
+   !> Interval of the motion that is in force.
+   pure integer function interval_of(equation) result(interval)
+      type(equation_t), intent(in) :: equation
+
+      interval = equation%interval
+   end function interval_of
+
    !> Ground acceleration of the interval in force [m/s2].
    real(wp) function ground(equation, t)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
 
-      ground = acceleration(equation%motion, equation%interval, t)
+      associate (line => equation%line)
+         if (line%is_straight) then
+            ground = line%a_0 + line%slope*(t - line%t_0)
+         else
+            ground = acceleration(equation%motion, equation%interval, t)
+         end if
+      end associate
    end function ground
 
    !> Kinematics of the side in force.
