@@ -3,8 +3,8 @@
 !>    effects kernel NAME CASE.nml N    N right-hand sides of the kernel
 !>    effects hand NAME CASE.nml N      N of the program written by hand for the scene NAME
 !>
-!> Both go through the same states, on both sides, in one interval of the ground motion, and print the
-!> sum of theta'', by which they are compared.
+!> Both go through the same states, on both sides, in one interval of the ground motion, and print
+!> the sum of theta'', by which they are compared.
 program effects
    use effects_by_hand, only: choose, hand_i, hand_t, prepare
    use rwmf, only: case_t, error_t, read_case_file, wp
@@ -57,8 +57,8 @@ contains
       error stop 2
    end subroutine read_case
 
-   !> Rotations up to 0.9 alpha (bare frame: displacements in m) and velocities of both signs, on both
-   !> sides, within one interval of the motion.
+   !> Rotations up to 0.9 alpha (bare frame: displacements in m) and velocities of both signs, on
+   !> both sides, within one interval of the motion.
    subroutine fill(case, table)
       type(case_t), intent(in) :: case
       type(table_t), intent(out) :: table

@@ -2,8 +2,8 @@
 !> kernel's right-hand sides cost (bench/effects.py).
 !>
 !> Each procedure knows one scene. Whatever does not change during a flight is computed before, once
-!> (`hand_t`), and nothing is done twice. Formulas are the printed ones, also where those lose digits
-!> of a small rotation that the kernel keeps.
+!> (`hand_t`), and nothing is done twice. Formulas are the printed ones, also where those lose
+!> digits of a small rotation that the kernel keeps.
 module effects_by_hand
    use rwmf, only: case_t, wp
    use rwmf_kinds, only: pi
@@ -103,7 +103,6 @@ contains
       character(*), intent(in) :: name
       procedure(hand_i), pointer, intent(out) :: right_hand_side
 
-      right_hand_side => null()
       select case (name)
       case ('nothing')
          right_hand_side => nothing
@@ -131,6 +130,8 @@ contains
          right_hand_side => pinned
       case ('damper')
          right_hand_side => damped
+      case default
+         right_hand_side => null()
       end select
    end subroutine choose
 

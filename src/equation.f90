@@ -16,7 +16,7 @@ module rwmf_equation
       linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
    use rwmf_paper, only: paper_t
-   use rwmf_scene, only: cable_at, cable_moment, enter_interval, equation_t, extra_t, &
+   use rwmf_scene, only: cable_at, enter_interval, equation_t, extra_t, &
       frame_displacement, ground, interval_of, kinematics_at, lift_off_drive
    implicit none
    private
@@ -49,11 +49,7 @@ contains
          equation%has_impacts = case%wall%base == 'rocking'
          call choose_kinematics(case%model%formulation, equation)
          call choose_cable(case, equation)
-         if (equation%has_cable) then
-            call choose_acceleration(case%model%formulation, case%cable%law, equation)
-         else
-            call choose_acceleration(case%model%formulation, '', equation)
-         end if
+         call choose_acceleration(case%model%formulation, equation)
          if (.not. equation%has_impacts) call hinge_base(equation)
          call choose_extras(case, equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
@@ -82,6 +78,9 @@ contains
          p%eta_0 = case%cable%eta_0
          p%eta_alpha = case%cable%eta_alpha
       end if
+      p%g_over_R = p%g/p%R
+      p%two_xi_omega = 2*p%xi_s*p%omega_s
+      p%omega_squared = p%omega_s**2
    end function paper_parameters
 
    !> A wall hinged at the middle of its base: m_w (4/3 h**2 + b**2/3) about the hinge, one smooth
@@ -136,6 +135,7 @@ contains
       type(cable_state_t) :: at_alpha
 
       equation%cable_law => no_cable
+      equation%has_plain_cable = .not. equation%has_cable
       if (.not. equation%has_cable) return
       equation%cable%eta_0 = case%cable%eta_0
       equation%cable%R = equation%p%R
@@ -152,27 +152,22 @@ contains
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
          if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
+         equation%has_plain_cable = case%model%formulation /= 'published'
       end if
    end subroutine choose_cable
 
-   subroutine choose_acceleration(formulation, law, equation)
+   subroutine choose_acceleration(formulation, equation)
       character(*), intent(in) :: formulation
-      character(*), intent(in) :: law
-      !! of the cable; '' without one
       type(equation_t), intent(inout) :: equation
 
       equation%acceleration_negative => wall_and_frame
       equation%acceleration_positive => wall_and_frame
-      if (law == 'truss' .or. equation%geometry%link > 0) return
-      if (equation%has_frame) then
-         equation%acceleration_positive => corner_linear
-         if (formulation == 'symmetric') equation%acceleration_negative => corner_linear
-      else
+      if (.not. equation%has_frame) then
          equation%acceleration_positive => wall_alone
-         ! Eq. (1) as printed is another cable for theta < 0.
-         if (law == '' .or. formulation /= 'published') then
-            equation%acceleration_negative => wall_alone
-         end if
+         equation%acceleration_negative => wall_alone
+      else if (equation%geometry%link <= 0) then
+         equation%acceleration_positive => corner
+         if (formulation == 'symmetric') equation%acceleration_negative => corner
       end if
    end subroutine choose_acceleration
 
@@ -206,9 +201,9 @@ contains
       end if
    end function second_derivative
 
-   !> Eq. (8), link at the top corner and linear cable (or none): the commonest scene written out,
-   !> because calls through pointers would cost as much as the arithmetic.
-   real(wp) function corner_linear(equation, t, y) result(theta_ddot)
+   !> Eq. (8), link at the top corner: the commonest scene written out, because a call through a
+   !> pointer would cost as much as its arithmetic.
+   real(wp) function corner(equation, t, y) result(theta_ddot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
@@ -222,13 +217,13 @@ contains
       call turn(equation, phi, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
-            + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g/p%R*(s &
-            + (p%eta_0 + equation%cable%rate*phi)*equation%sin_alpha)) &
-            + (2*p%gamma + 1)*c*ground(equation, t)/p%R)/(equation%inertia + 4*p%gamma*c**2)
+            + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g_over_R*(s &
+            + cable_now(equation, phi))) + (2*p%gamma + 1)*c*ground_now(equation, t)/p%R) &
+            /(equation%inertia + 4*p%gamma*c**2)
       end associate
-   end function corner_linear
+   end function corner
 
-   !> Wall without frame, linear cable (or none), Eqs (11) and (12).
+   !> Wall without frame, Eqs (11) and (12).
    real(wp) function wall_alone(equation, t, y) result(theta_ddot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -239,9 +234,9 @@ contains
 
       phi = equation%side*y(1)
       call turn(equation, phi, lift, c)
-      associate (p => equation%p, sin_alpha => equation%sin_alpha)
-         theta_ddot = -0.75_wp/p%R*(c*ground(equation, t) + equation%side*p%g*(sin_alpha - lift &
-            + (p%eta_0 + equation%cable%rate*phi)*sin_alpha))
+      associate (p => equation%p)
+         theta_ddot = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
+            *(equation%sin_alpha - lift + cable_now(equation, phi)))
       end associate
    end function wall_alone
 
@@ -264,6 +259,53 @@ contains
       end associate
    end subroutine turn
 
+   !> Ground acceleration of the interval in force [m/s2]: the line of a record without a call.
+   real(wp) function ground_now(equation, t)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      associate (line => equation%line)
+         if (line%is_straight) then
+            ground_now = line%a_0 + line%slope*(t - line%t_0)
+         else
+            ground_now = ground(equation, t)
+         end if
+      end associate
+   end function ground_now
+
+   !> Moment of the cable over m_w g R [-]: the linear law, or none, without a call.
+   real(wp) function cable_now(equation, phi) result(moment)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(cable_state_t) :: cable
+      real(wp) :: copy
+      !! the rotation stays in its register
+
+      if (equation%has_plain_cable) then
+         moment = (equation%cable%eta_0 + equation%cable%rate*phi)*equation%sin_alpha
+      else
+         copy = phi
+         call equation%cable_law(equation%cable, equation%sin_alpha, copy, equation%side, cable)
+         moment = cable%moment
+      end if
+   end function cable_now
+
+   !> Kinematics of the side in force.
+   subroutine see_side(equation, phi, kin)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(kinematics_t), intent(out) :: kin
+
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%geometry, phi, kin)
+      else
+         call equation%kinematics_negative(equation%geometry, phi, kin)
+      end if
+   end subroutine see_side
+
    !> Wall, with or without frame, any kinematics and cable law. With the kinematics of Eq. (10) and
    !> the cable of Eq. (1) it is Eq. (15a), with those of Eq. (4) Eq. (15b).
    real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
@@ -271,7 +313,6 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
-      type(cable_state_t) :: cable
       real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: force
@@ -279,17 +320,12 @@ contains
 
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      if (equation%side > 0) then
-         call equation%kinematics_positive(equation%geometry, phi, kin)
-      else
-         call equation%kinematics_negative(equation%geometry, phi, kin)
-      end if
-      call equation%cable_law(equation%cable, equation%sin_alpha, phi, equation%side, cable)
+      call see_side(equation, phi, kin)
       associate (p => equation%p)
-         force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
+         force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
          theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
-            + p%g/p%R*(kin%s + cable%moment)) &
-            + (p%gamma*kin%lever + kin%c)*ground(equation, t)/p%R) &
+            + p%g_over_R*(kin%s + cable_now(equation, phi))) &
+            + (p%gamma*kin%lever + kin%c)*ground_now(equation, t)/p%R) &
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
    end function wall_and_frame
@@ -300,18 +336,20 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
+      real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: inertia
       real(wp) :: moment
       integer :: i
 
-      kin = kinematics_at(equation, y(1))
+      phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
+      call see_side(equation, phi, kin)
       associate (p => equation%p)
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
-         moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot &
-            + p%omega_s**2*kin%u) - p%g/p%R*(kin%s + cable_moment(equation, y(1))) &
-            - (p%gamma*kin%lever + kin%c)*equation%side*ground(equation, t)/p%R
+         moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot &
+            + p%omega_squared*kin%u) - p%g_over_R*(kin%s + cable_now(equation, phi)) &
+            - (p%gamma*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
       end associate
       do i = 1, size(equation%extras)
          call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
@@ -326,7 +364,7 @@ contains
       real(wp), intent(in) :: y(equation%n)
 
       associate (p => equation%p)
-         u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - ground(equation, t)
+         u_ddot = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - ground_now(equation, t)
       end associate
    end function bare_frame
 
@@ -353,19 +391,19 @@ contains
       end if
       associate (p => equation%p)
          if (.not. equation%has_wall) then
-            by_theta = -p%omega_s**2
-            by_theta_dot = -2*p%xi_s*p%omega_s
+            by_theta = -p%omega_squared
+            by_theta_dot = -p%two_xi_omega
             return
          end if
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
          phi_dot = equation%side*y(2)
-         force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
-         force_1 = kin%k_1*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%k*phi_dot + p%omega_s**2*kin%j
+         force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
+         force_1 = kin%k_1*phi_dot**2 + p%two_xi_omega*kin%k*phi_dot + p%omega_squared*kin%j
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment_1 = -p%gamma*(kin%lever_1*force + kin%lever*force_1) &
-            - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
-            - p%g/p%R*(cable%moment_1 - kin%c)
+            - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground_now(equation, t)/p%R &
+            - p%g_over_R*(cable%moment_1 - kin%c)
          by_theta = (moment_1 - p%gamma*(kin%lever_1*kin%j + kin%lever*kin%k) &
             *equation%side*second_derivative(equation, t, y))/inertia
          by_theta_dot = -2*p%gamma*kin%lever*(kin%k*phi_dot + p%xi_s*p%omega_s*kin%j)/inertia

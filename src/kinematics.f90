@@ -51,7 +51,7 @@ module rwmf_kinematics
          import :: geometry_t, kinematics_t, wp
          implicit none
          type(geometry_t), intent(in) :: geometry
-         real(wp), intent(in) :: phi
+         real(wp), value :: phi
          !! [rad]
          type(kinematics_t), intent(out) :: kin
       end subroutine kinematics_i
@@ -63,7 +63,7 @@ contains
    !> formulations and both sides of `symmetric`: u = 2 (sin(alpha) - sin(alpha - phi)).
    pure subroutine top_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call common_part(geometry, phi, kin)
@@ -78,7 +78,7 @@ contains
    !> u_s = 2h sin(theta).
    pure subroutine left_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call common_part(geometry, phi, kin)
@@ -94,7 +94,7 @@ contains
    !> 2R cos(alpha) cos(theta).
    pure subroutine published_negative(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
@@ -106,7 +106,7 @@ contains
    !> Here s and c are those of the hinged wall: gravity drives it outward, s = -(h/R) sin(phi).
    pure subroutine pinned_base(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call halve(phi, kin%half_sine, kin%half_cosine)
@@ -124,11 +124,11 @@ contains
    !> Eqs (2), (3): the link tilts while the corner rises by v = 2 (cos(alpha - phi) - cos(alpha)).
    pure subroutine linked_top_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, +1, [4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
+      call add_tilt(geometry%link, 1.0_wp, [4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
          - geometry%cos_alpha*kin%half_sine), 2*kin%s, -2*kin%c, -2*kin%s], kin)
    end subroutine linked_top_corner
 
@@ -136,34 +136,31 @@ contains
    !> 2 cos(alpha) (1 - cos(phi)), and the tilt of the link acts against the displacement.
    pure subroutine linked_left_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1, [-4*geometry%cos_alpha*kin%half_sine**2, -kin%u, -kin%j, &
-         kin%u], kin)
+      call add_tilt(geometry%link, -1.0_wp, [-4*geometry%cos_alpha*kin%half_sine**2, -kin%u, &
+         -kin%j, kin%u], kin)
    end subroutine linked_left_corner
 
    !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.
    pure subroutine add_tilt(l, sign_of_tilt, v, kin)
       real(wp), intent(in) :: l
       !! length of the link over R [-]
-      integer, intent(in) :: sign_of_tilt
+      real(wp), intent(in) :: sign_of_tilt
       !! +1: the tilt pushes the frame on, -1: it holds it back
       real(wp), intent(in) :: v(0:3)
       !! rise of the corner over R and its derivatives by phi [-]
       type(kinematics_t), intent(inout) :: kin
       real(wp) :: root
-      real(wp) :: q
-      !! v v'/root**2
       real(wp) :: tilt_1, tilt_2, tilt_3
 
       root = sqrt(l**2 - v(0)**2)
-      q = v(0)*v(1)/root**2
+      ! tilt = l - root has root*tilt' = v v', which is differentiated twice
       tilt_1 = v(0)*v(1)/root
-      tilt_2 = (v(1)**2 + v(0)*v(2))/root + tilt_1*q
-      tilt_3 = (3*v(1)*v(2) + v(0)*v(3))/root + (v(1)**2 + v(0)*v(2))*q/root + tilt_2*q &
-         + tilt_1*((v(1)**2 + v(0)*v(2))/root**2 + 2*q**2)
+      tilt_2 = (v(1)**2 + v(0)*v(2) + tilt_1**2)/root
+      tilt_3 = (3*(v(1)*v(2) + tilt_1*tilt_2) + v(0)*v(3))/root
       kin%u = kin%u + sign_of_tilt*v(0)**2/(l + root)
       kin%j = kin%j + sign_of_tilt*tilt_1
       kin%k = kin%k + sign_of_tilt*tilt_2

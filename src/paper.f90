@@ -24,6 +24,12 @@ module rwmf_paper
       !! P(alpha)/(m_w g) [-]
       real(wp) :: g
       !! [m/s2]
+      real(wp) :: g_over_R = 0
+      !! [1/s2]
+      real(wp) :: two_xi_omega = 0
+      !! 2 xi_s omega_s [1/s]
+      real(wp) :: omega_squared = 0
+      !! omega_s**2 [1/s2]
    end type paper_t
 
 end module rwmf_paper

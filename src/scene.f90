@@ -11,7 +11,7 @@ module rwmf_scene
 
    public :: equation_t, second_derivative_i, extra_t
    public :: enter_interval, interval_of
-   public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
+   public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the power
    !> that it takes. One file brings both procedures; `build_equation` names them (docs/effects.md).
@@ -39,6 +39,8 @@ module rwmf_scene
       integer :: n = 2
       !! number of states
       type(cable_law_t) :: cable
+      logical :: has_plain_cable = .false.
+      !! its law, or that of no cable, is the linear one of both sides
       type(extra_t), allocatable :: extras(:)
       !! the further effects that the case calls for; not allocated without any
       real(wp) :: damper_c = 0
@@ -126,13 +128,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      associate (line => equation%line)
-         if (line%is_straight) then
-            ground = line%a_0 + line%slope*(t - line%t_0)
-         else
-            ground = acceleration(equation%motion, equation%interval, t)
-         end if
-      end associate
+      ground = acceleration(equation%motion, equation%interval, t)
    end function ground
 
    !> Kinematics of the side in force.
@@ -157,17 +153,6 @@ contains
       call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
          equation%side, cable)
    end function cable_at
-
-   !> Moment of the cable over m_w g R [-].
-   real(wp) function cable_moment(equation, theta)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-      type(cable_state_t) :: cable
-
-      cable = cable_at(equation, theta)
-      cable_moment = cable%moment
-   end function cable_moment
 
    !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
    !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
