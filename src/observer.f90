@@ -5,7 +5,7 @@ module rwmf_observer
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
    use rwmf_energy, only: impact_loss, input_power, mechanical_energy, viscous_power
-   use rwmf_equation, only: cable_at, equation_t, frame_displacement, kinematics_at, &
+   use rwmf_equation, only: cable_at, equation_t, frame_displacement, interval_of, kinematics_at, &
       second_derivative
    use rwmf_errors, only: err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
@@ -277,7 +277,7 @@ contains
          i = i + 2
       end if
       i = i + 1
-      row(i) = acceleration(equation%motion, equation%interval, t)
+      row(i) = acceleration(equation%motion, interval_of(equation), t)
       if (equation%has_cable) then
          cable = cable_at(equation, y(1))
          row(i + 1) = cable%force
