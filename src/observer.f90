@@ -12,7 +12,7 @@ module rwmf_observer
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
    use rwmf_motion, only: acceleration
-   use rwmf_result, only: append_event, energy_t, event_t, history_t
+   use rwmf_result, only: append_event, energy_t, event_t, history_t, shorten_events
    use rwmf_stepper, only: stepper_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
@@ -374,7 +374,7 @@ contains
       call observe_state(observer, equation, t, y)
       if (observer%keeps_energy) observer%energy%final = mechanical_energy(equation, y)
       if (.not. observer%keeps_history) return
-      observer%events = observer%events(:observer%n_events)
+      call shorten_events(observer%events, observer%n_events)
       if (observer%next_row > size(observer%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
       if ((observer%next_row - 1)*observer%dt <= t*(1 + 16*epsilon(t))) then
