@@ -11,7 +11,7 @@ module rwmf_equation
       truss_cable, yielding_cable
    use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: published
-   use rwmf_extras, only: choose_extras, extra_rates
+   use rwmf_extras, only: choose_extras, rates_of_all
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
@@ -24,7 +24,7 @@ module rwmf_equation
    private
 
    public :: equation_t, build_equation, enter_interval, interval_of
-   public :: rhs, rates_of_state, second_derivative, kinematics_at, cable_at, lift_off_drive
+   public :: rhs, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -106,8 +106,8 @@ contains
       equation%inertia = (4*equation%cos_alpha**2 + equation%sin_alpha**2)/3
       equation%kinematics_positive => pinned_base
       equation%kinematics_negative => pinned_base
-      equation%acceleration_positive => wall_and_frame
-      equation%acceleration_negative => wall_and_frame
+      equation%acceleration_positive => hinged
+      equation%acceleration_negative => hinged
    end subroutine hinge_base
 
    subroutine choose_kinematics(formulation, equation)
@@ -223,23 +223,13 @@ contains
       !! (states)
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
-      call rates_of_state(equation, t, y, y_dot)
-   end subroutine rhs
-
-   !> The same without counting.
-   subroutine rates_of_state(equation, t, y, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(out) :: y_dot(:)
-      !! (states)
-
+      if (equation%n > 2) then
+         call rates_of_all(equation, t, y, y_dot)
+         return
+      end if
       y_dot(1) = y(2)
       y_dot(2) = second_derivative(equation, t, y)
-      if (equation%n > 2) call extra_rates(equation, t, y, y_dot)
-   end subroutine rates_of_state
+   end subroutine rhs
 
    !> theta'' without counting an evaluation: for events and outputs [rad/s2].
    real(wp) function second_derivative(equation, t, y)
@@ -384,6 +374,27 @@ contains
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
    end function wall_and_frame
+
+   !> Wall hinged at the middle of its base, with or without frame: `pinned_base` written out.
+   real(wp) function hinged(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: half_sine
+      real(wp) :: sine
+      !! of theta times cos(alpha)
+      real(wp) :: cosine
+      !! likewise
+
+      half_sine = sin(y(1)/2)
+      sine = 2*equation%cos_alpha*half_sine*sqrt(1 - half_sine**2)
+      cosine = equation%cos_alpha*(1 - 2*half_sine**2)
+      associate (p => equation%p)
+         theta_ddot = (p%g_over_R*sine - 4*p%gamma*cosine*(p%two_xi_omega*cosine*y(2) &
+            + sine*(p%omega_squared - y(2)**2)) - (2*p%gamma + 1)*cosine*ground_now(equation, t) &
+            /p%R)/(equation%inertia + 4*p%gamma*cosine**2)
+      end associate
+   end function hinged
 
    !> Wall, with or without frame, and further effects.
    real(wp) function with_extras(equation, t, y) result(theta_ddot)
