@@ -11,7 +11,7 @@ module rwmf_equation
       truss_cable
    use rwmf_case, only: case_t
    use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
-   use rwmf_damper, only: add_damper, damper_power
+   use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
@@ -103,7 +103,7 @@ contains
 
       if (.not. allocated(case%damper)) return
       equation%damper_c = case%damper%c_over_m_w
-      equation%extras = [extra_t(add_damper, damper_power)]
+      equation%extras = [extra_t(add_damper, damper_power, damper_force)]
       equation%acceleration_positive => with_extras
       equation%acceleration_negative => with_extras
    end subroutine choose_extras

@@ -104,15 +104,20 @@ contains
       type(equation_t), intent(inout) :: equation
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
+      real(wp) :: t_begin
       real(wp) :: t_limit
+      integer :: interval
       integer :: side
 
       side = 0
       do while (side == 0 .and. hybrid%t < t_target)
          ! One interval at a time, because the history shows the ground motion as well.
+         t_begin = hybrid%t
          t_limit = min(t_target, interval_end(equation%motion, equation%interval))
-         call find_lift_off(equation, t_limit, hybrid%t, equation%interval, side)
-         call observe_rest(observer, equation, hybrid%t)
+         interval = equation%interval
+         call find_lift_off(equation, t_limit, hybrid%t, interval, side)
+         call observe_rest(observer, equation, t_begin, hybrid%t)
+         equation%interval = interval
       end do
       if (side == 0) return
       equation%side = side

@@ -12,11 +12,16 @@ module rwmf_scene
    public :: equation_t, second_derivative_i, extra_t
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
 
-   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the power
-   !> that it takes. One file brings both procedures; `build_equation` names them (docs/effects.md).
+   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, the power that
+   !> it takes, and the force that it exerts on the wall. One file brings the procedures;
+   !> `build_equation` names them (docs/effects.md).
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
+      procedure(force_i), pointer, nopass :: force => null()
+      !! asked only for reactions; null: no force on the wall
+      logical :: is_hysteretic = .false.
+      !! where the energy ledger counts its power: hysteretic, or else viscous
    end type extra_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
@@ -94,6 +99,22 @@ module rwmf_scene
          real(wp), intent(in) :: y(:)
          !! (states)
       end function power_i
+
+      !> Add the force on the wall.
+      subroutine force_i(equation, t, y, y_ddot, force)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(in) :: y_ddot
+         !! theta'' [rad/s2]
+         real(wp), intent(inout) :: force(2)
+         !! over m_w, horizontal (positive as u_g'') and upward; in the frame of the ground, so that
+         !! forces of inertia due to its motion count [m/s2]
+      end subroutine force_i
    end interface
 
 contains

@@ -133,7 +133,12 @@ contains
             'most steps of one simulation'), &
          optional_key('output', 'dt', 'real', 's', '', positive, &
             'interval of the history; absent: no history'), &
-         optional_key('output', 'energy', 'logical', '', '.false.', '', 'keep the energy ledger'), &
+         optional_key('output', 'energy', 'logical', '', '.false.', '', &
+            'energy ledger: its parts in the end, with dt in every row'), &
+         optional_key('output', 'reactions', 'logical', '', '.false.', '', &
+            'reactions of the base, friction demand, base shear, drifts: extrema, with dt rows'), &
+         optional_key('output', 'friction_limit', 'real', '-', '', positive, &
+            'coefficient of friction: whether and when the friction demand exceeds it'), &
          optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
             'periods one by one; otherwise T_s_min, T_s_max and n are required'), &
          optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &
