@@ -18,7 +18,7 @@ module rwmf_force_search
    private
 
    public :: force_observer_t, create_force_observer
-   public :: observe_instant, observe_moving, observe_resting
+   public :: observe_last, observe_moving, observe_resting
    public :: low_normal, demand, shear
 
    integer, parameter :: low_normal = 1
@@ -55,8 +55,8 @@ contains
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
    end subroutine create_force_observer
 
-   !> One instant, at rest or not.
-   subroutine observe_instant(forces, equation, t, y, y_ddot)
+   !> The state in the end, which is all that there is of a run that takes no time.
+   subroutine observe_last(forces, equation, t, y, y_ddot)
       type(force_observer_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -66,11 +66,9 @@ contains
       real(wp), intent(in) :: y_ddot
       !! theta'' or u''
 
+      if (forces%largest(shear) >= 0) return
       call keep_largest(forces, t, quantities(reactions_at(equation, t, y, y_ddot)))
-      if (allocated(forces%limit) .and. .not. allocated(forces%t_exceeded)) then
-         if (forces%largest(demand) > forces%limit) forces%t_exceeded = t
-      end if
-   end subroutine observe_instant
+   end subroutine observe_last
 
    !> Smooth motion inside the last step of the integrator.
    subroutine observe_moving(forces, equation, stepper, t_a, t_b, error)

@@ -116,7 +116,8 @@ contains
          t_limit = min(t_target, interval_end(equation%motion, equation%interval))
          interval = equation%interval
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
-         call observe_rest(observer, equation, t_begin, hybrid%t)
+         ! A motion that begins with a jump lifts the wall at once: that is no rest.
+         if (hybrid%t > t_begin) call observe_rest(observer, equation, t_begin, hybrid%t)
          equation%interval = interval
       end do
       if (side == 0) return

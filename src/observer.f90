@@ -8,7 +8,7 @@ module rwmf_observer
    use rwmf_equation, only: cable_at, equation_t, frame_displacement, kinematics_at, &
       second_derivative
    use rwmf_errors, only: err_numerical, error_t, fail
-   use rwmf_force_search, only: create_force_observer, force_observer_t, observe_instant, &
+   use rwmf_force_search, only: create_force_observer, force_observer_t, observe_last, &
       observe_moving, observe_resting
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
@@ -85,25 +85,10 @@ contains
       observer%keeps_energy = case%output%energy
       observer%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_force_observer(observer%forces, case)
-      if (allocated(observer%forces)) then
-         call observe_instant(observer%forces, equation, 0.0_wp, y, &
-            initial_acceleration(equation, y))
-      end if
       if (allocated(case%output%dt)) then
          call create_history(observer, case, equation, case%output%dt, t_end, error)
       end if
    end subroutine create_observer
-
-   !> theta'' at t = 0; a wall that stands there with no velocity rests [rad/s2].
-   real(wp) function initial_acceleration(equation, y) result(y_ddot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-
-      y_ddot = 0
-      if (equation%has_impacts .and. all(abs(y(:2)) <= 0)) return
-      y_ddot = second_derivative(equation, 0.0_wp, y)
-   end function initial_acceleration
 
    subroutine create_history(observer, case, equation, dt, t_end, error)
       type(observer_t), intent(inout) :: observer
@@ -385,6 +370,9 @@ contains
       real(wp) :: y_ddot
 
       call observe_state(observer, equation, t, y)
+      y_ddot = 0
+      if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
+      if (allocated(observer%forces)) call observe_last(observer%forces, equation, t, y, y_ddot)
       if (observer%keeps_energy) then
          observer%energy%final = mechanical_energy(equation, y)
          observer%energy%names = energy_names(equation)
@@ -395,8 +383,6 @@ contains
       if (observer%next_row > size(observer%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
       if ((observer%next_row - 1)*observer%dt <= t*(1 + 16*epsilon(t))) then
-         y_ddot = 0
-         if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
          call write_row(observer, equation, t, y, y_ddot, observer%energy)
       end if
    end subroutine finish_observer

@@ -1,4 +1,4 @@
-"""What a run returns: key of the kernel, name in a dataset, unit, meaning, and how to ask for it."""
+"""What a run returns: key of the kernel, name in a dataset, unit, meaning, how to ask for it."""
 
 from __future__ import annotations
 
