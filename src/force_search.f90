@@ -36,6 +36,8 @@ module rwmf_force_search
       !! [m/s2], [-], [m/s2]
       real(wp) :: t_largest(n_quantities) = 0
       !! [s]
+      real(wp) :: smallest(n_quantities) = huge(1.0_wp)
+      !! which tells how far they vary
       real(wp), allocatable :: limit
       !! coefficient of friction to compare the demand with [-]
       real(wp), allocatable :: t_exceeded
@@ -71,18 +73,21 @@ contains
    end subroutine observe_last
 
    !> Smooth motion inside the last step of the integrator.
-   subroutine observe_moving(forces, equation, stepper, t_a, t_b, error)
+   subroutine observe_moving(forces, equation, stepper, t_b, y_b, error)
       type(force_observer_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       class(stepper_t), intent(inout) :: stepper
-      real(wp), intent(in) :: t_a
-      !! [s]
       real(wp), intent(in) :: t_b
-      !! [s]
+      !! end of the motion on this side [s]
+      real(wp), intent(in) :: y_b(:)
+      !! (states) there
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_a
       integer :: n
       integer :: i
 
+      if (is_plain(forces, equation, stepper, t_b, y_b)) return
+      t_a = stepper%t0
       n = count_parts(equation, t_a, t_b)
       do i = 1, n
          call search_span(forces, equation, t_a + (i - 1)*((t_b - t_a)/n), &
@@ -90,6 +95,34 @@ contains
          if (allocated(error)) return
       end do
    end subroutine observe_moving
+
+   !> Is it plain from both ends of a short step that it holds no extremum? Most steps are so short,
+   !> and so far from the extrema so far, that no state inside needs to be asked for.
+   logical function is_plain(forces, equation, stepper, t_b, y_b)
+      type(force_observer_t), intent(in) :: forces
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(in) :: stepper
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      real(wp), parameter :: short = 0.4_wp
+      !! over 1/omega: the second harmonic departs from a chord by (2*0.4)**2/8 of its amplitude
+      real(wp), parameter :: margin = 0.25_wp
+      !! of the range so far
+      real(wp) :: at_ends(n_quantities)
+      real(wp) :: t_a
+
+      t_a = stepper%t0
+      is_plain = (t_b - t_a)*max(equation%p%omega_s, sqrt(equation%p%g/equation%p%R)) < short
+      if (is_plain) then
+         is_plain = turning_point(equation%motion, equation%interval, t_a) >= t_b
+      end if
+      is_plain = is_plain .and. all(forces%largest >= forces%smallest)
+      if (.not. is_plain) return
+      at_ends = max(quantities(reactions_at(equation, t_a, stepper%y0, &
+         second_derivative(equation, t_a, stepper%y0))), &
+         quantities(reactions_at(equation, t_b, y_b, second_derivative(equation, t_b, y_b))))
+      is_plain = all(at_ends + margin*(forces%largest - forces%smallest) < forces%largest)
+   end function is_plain
 
    !> The wall stays at rest while the motion goes through the interval in force.
    subroutine observe_resting(forces, equation, t_a, t_b)
@@ -101,13 +134,20 @@ contains
       !! [s]
       type(error_t), allocatable :: error
       !! stays empty: no integrator is asked
+      real(wp) :: at_begin(n_quantities)
+      real(wp) :: at_end(n_quantities)
       real(wp) :: t
       real(wp) :: t_next
 
       t = t_a
       do while (t < t_b)
          t_next = min(turning_point(equation%motion, equation%interval, t), t_b)
-         call search_span(forces, equation, t, t_next, error)
+         call sample(equation, t, at_begin, error)
+         call sample(equation, t_next, at_end, error)
+         ! Without further effects nothing but the ground varies, from end to end of the span.
+         if (allocated(equation%extras) .or. any(max(at_begin, at_end) > forces%largest)) then
+            call search_span(forces, equation, t, t_next, error)
+         end if
          t = t_next
       end do
    end subroutine observe_resting
@@ -220,6 +260,8 @@ contains
             call insert(t, all_values(q), x, f, low, high)
          end if
          t_peak = x(1)
+         ! the pivot lifts here: no demand is larger
+         if (f(1) >= huge(f)) return
          if (max(x(1) - low, high - x(1)) <= 2*smallest) return
          t = vertex_of_parabola(x, f)
          if (.not. (t > low + smallest .and. t < high - smallest &
@@ -330,6 +372,7 @@ contains
          forces%largest = found
          forces%t_largest = t
       end where
+      forces%smallest = min(forces%smallest, found)
    end subroutine keep_largest
 
    !> Where the parabola through three points is stationary, when it has a maximum; else not a

@@ -188,7 +188,7 @@ contains
          call integrate_powers(observer%energy, equation, stepper, t_a, t_b, error)
       end if
       if (allocated(error) .or. .not. allocated(observer%forces)) return
-      call observe_moving(observer%forces, equation, stepper, t_a, t_b, error)
+      call observe_moving(observer%forces, equation, stepper, t_b, y_b, error)
    end subroutine observe_piece
 
    !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far.

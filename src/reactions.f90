@@ -48,7 +48,7 @@ contains
       mean = equation%p%R*[kin%c*y_ddot + equation%side*kin%s*y(2)**2, &
          equation%side*kin%s*y_ddot - kin%c*y(2)**2]
       mean(1) = mean(1) + ground(equation, t)
-      applied = link_force(equation, t, y, y_ddot) + cable_force(equation, y(1))
+      applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1))
       if (allocated(equation%extras)) then
          do i = 1, size(equation%extras)
             if (associated(equation%extras(i)%force)) then
@@ -58,7 +58,7 @@ contains
       end if
       reactions%horizontal = mean(1) - applied(1)
       reactions%normal = mean(2) + equation%p%g - applied(2)
-      reactions%base_shear = mean(1) + frame_inertia(equation, t, y, y_ddot)
+      reactions%base_shear = mean(1) + frame_inertia(equation, kin, t, y, y_ddot)
    end function reactions_at
 
    !> |H|/N, the coefficient of friction that keeps the pivot in its place; not finite where the
@@ -74,14 +74,15 @@ contains
 
    !> Force of the link on the wall: what the mass of the frame needs beyond spring and damper. A
    !> link of finite length is tilted by the rise of its corner.
-   function link_force(equation, t, y, y_ddot) result(force)
+   function link_force(equation, kin, t, y, y_ddot) result(force)
       type(equation_t), intent(in) :: equation
+      type(kinematics_t), intent(in) :: kin
+      !! at this rotation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
       real(wp) :: force(2)
       !! [m/s2]
-      type(kinematics_t) :: kin
       real(wp) :: rise
       !! of the link's corner over R [-]
       real(wp) :: side_of_frame
@@ -90,9 +91,8 @@ contains
 
       force = 0
       if (.not. equation%has_frame) return
-      kin = kinematics_at(equation, y(1))
       associate (p => equation%p)
-         force(1) = -frame_inertia(equation, t, y, y_ddot) - p%gamma*p%omega_s*p%R &
+         force(1) = -frame_inertia(equation, kin, t, y, y_ddot) - p%gamma*p%omega_s*p%R &
             *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
       end associate
       if (equation%geometry%link <= 0) return
@@ -146,14 +146,13 @@ contains
    end function wall_drift
 
    !> Rate of momentum of the frame, gamma (u_s'' + u_g'') [m/s2].
-   real(wp) function frame_inertia(equation, t, y, y_ddot) result(inertia)
+   real(wp) function frame_inertia(equation, kin, t, y, y_ddot) result(inertia)
       type(equation_t), intent(in) :: equation
+      type(kinematics_t), intent(in) :: kin
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
-      type(kinematics_t) :: kin
 
-      kin = kinematics_at(equation, y(1))
       inertia = equation%p%gamma*(equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot) &
          + ground(equation, t))
    end function frame_inertia

@@ -3,7 +3,7 @@ program test_reactions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use check, only: checks_t
    use rwmf_case, only: case_t, damper_t, initial_t, link_t, output_t
-   use rwmf_equation, only: build_equation, equation_t, second_derivative
+   use rwmf_equation, only: build_equation, equation_t, kinematics_at, second_derivative
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
@@ -108,8 +108,8 @@ contains
                call equation%extras(1)%force(equation, t, y, y_ddot, damper)
             end if
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
-               + turn(link_corner(equation, case, y), link_force(equation, t, y, y_ddot), &
-               equation, y) &
+               + turn(link_corner(equation, case, y), link_force(equation, &
+               kinematics_at(equation, y(1)), t, y, y_ddot), equation, y) &
                + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
                + turn(lifting_corner(equation, y), damper, equation, y)
             call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
