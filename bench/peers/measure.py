@@ -1,0 +1,156 @@
+"""Times and errors of a program, and what a sample of its periods says about all of them.
+
+All times are of one thread unless said. They are the smaller one of wall-clock time and of the
+process's CPU time: both are at least what the work costs, and on a machine that is shared the
+first one contains the others' work.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import rwmf
+
+from peers.problem import Array, Peer, Record, bands, case
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was found about a program at one gamma."""
+
+    program: str
+    rtol: float
+    """[-]; nan where there is none."""
+    gamma: float
+    """[-]; nan for the bare frame."""
+    ordinates: int
+    """Solved, of all periods."""
+    seconds: float
+    """An ordinate, mean over all periods [s]."""
+    errors: Array
+    """Relative errors of the solved ones, (ordinates,) [-]."""
+
+    @property
+    def error(self) -> float:
+        """Largest error [-]; nan when one is not a number."""
+        return float(np.max(self.errors))
+
+
+class Clock:
+    """Time spent in a `with` block."""
+
+    def __enter__(self) -> Clock:
+        """Start."""
+        self.wall, self.cpu = time.perf_counter(), time.process_time()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop."""
+        spent = time.perf_counter() - self.wall, time.process_time() - self.cpu
+        self.seconds = min(spent)
+
+
+def kernel(
+    scene: rwmf.Case, T_s: Array, gamma: float | None = None, threads: int = 1, repeats: int = 1
+) -> tuple[Array, float]:
+    """Let the kernel compute a spectrum.
+
+    Parameters
+    ----------
+    scene : rwmf.Case
+        The case.
+    T_s : Array
+        Periods [s].
+    gamma : float, optional
+        Mass ratio [-]; none for the bare frame.
+    threads : int
+        Threads; 0 for all.
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    tuple of Array and float
+        Peaks [m] and time of the spectrum [s]. With several threads it is wall-clock time.
+    """
+    best = math.inf
+    for _ in range(repeats):
+        with Clock() as clock:
+            found = rwmf.spectrum(scene, T_s=T_s, gamma=gamma, threads=threads)
+        seconds = float(found.attrs["seconds"])
+        best = min(best, seconds, clock.seconds if threads == 1 else math.inf)
+    return found.u_s_max.values.reshape(-1), best
+
+
+def kernel_row(
+    record: Record, method: str, rtol: float, gamma: float, T_s: Array, truth: Array, repeats: int
+) -> Row:
+    """Measure a method of the kernel on all periods.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    method, rtol
+        `&solver` [-].
+    gamma : float
+        Mass ratio [-].
+    T_s, truth : Array
+        Periods [s] and their peaks [m].
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    Row
+        What was found.
+    """
+    peaks, seconds = kernel(case(record, method, rtol), T_s, gamma, repeats=repeats)
+    return Row(method, rtol, gamma, T_s.size, seconds / T_s.size, np.abs(peaks / truth - 1))
+
+
+def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array) -> Row:
+    """Measure a peer, a slow one on a sample.
+
+    A sample takes `per_band` periods at the middle of equal parts of each band; the mean cost of
+    each band is weighted by the number of its periods.
+
+    Parameters
+    ----------
+    peer : Peer
+        The program.
+    record : Record
+        The motion.
+    gamma : float
+        Mass ratio [-].
+    T_s, truth : Array
+        Periods [s] and their peaks [m].
+
+    Returns
+    -------
+    Row
+        What was found.
+    """
+    solve = peer.make(record, gamma, peer.rtol)
+    seconds, errors = 0.0, []
+    parts = bands(T_s) if peer.per_band else [np.arange(T_s.size)]
+    for part in parts:
+        chosen = part[_middles(part.size, peer.per_band)] if peer.per_band else part
+        with Clock() as clock:
+            peaks = solve(T_s[chosen])
+        # a program of its own measures itself
+        spent = getattr(solve, "seconds", clock.seconds)
+        seconds += spent * part.size / chosen.size
+        errors.append(np.abs(peaks / truth[chosen] - 1))
+    found = np.concatenate(errors)
+    return Row(peer.name, peer.rtol, gamma, found.size, seconds / T_s.size, found)
+
+
+def _middles(n: int, wanted: int) -> npt.NDArray[np.int64]:
+    """Return the places in the middle of `wanted` equal parts of n."""
+    parts = min(wanted, n)
+    return ((np.arange(parts) + 0.5) * n / parts).astype(int)
