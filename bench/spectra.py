@@ -228,10 +228,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     truth = _truth(record, T_s, options.quad)
     rows = _rocking(record, T_s, truth, peers, options.rounds)
     _print_rocking(rows, T_s.size)
-    for part in (T_s, np.linspace(LONG, T_s[-1], T_s.size)):
-        linear = _linear(record, part, peers)
-        _print_linear(linear, part)
-    _print_against_recursion(record, part, linear)
+    _print_linear(_linear(record, T_s, peers), T_s)
+    long = np.linspace(LONG, T_s[-1], T_s.size)
+    linear = _linear(record, long, peers)
+    _print_linear(linear, long)
+    _print_against_recursion(record, long, linear)
     draw.spectra(rows, _scaling(record, T_s, truth, options.most, options.rounds), options.plot)
     print(f"Figure: {options.plot}")
 

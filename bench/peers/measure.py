@@ -15,7 +15,11 @@ import numpy as np
 import numpy.typing as npt
 import rwmf
 
-from peers.problem import Array, Peer, Record, bands, case
+from peers.problem import Array, Peer, Record, Solver, bands, case
+
+# a peer is run again up to so many times, until so much time is spent [s]
+MOST_REPEATS = 20
+ENOUGH = 3.0
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,11 @@ class Clock:
 
 
 def kernel(
-    scene: rwmf.Case, T_s: Array, gamma: float | None = None, threads: int = 1, repeats: int = 1
+    scene: rwmf.Case,
+    T_s: Array | None,
+    gamma: float | None = None,
+    threads: int = 1,
+    repeats: int = 1,
 ) -> tuple[Array, float]:
     """Let the kernel compute a spectrum.
 
@@ -63,8 +71,8 @@ def kernel(
     ----------
     scene : rwmf.Case
         The case.
-    T_s : Array
-        Periods [s].
+    T_s : Array, optional
+        Periods [s]; none for those of the case.
     gamma : float, optional
         Mass ratio [-]; none for the bare frame.
     threads : int
@@ -140,14 +148,24 @@ def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array)
     parts = bands(T_s) if peer.per_band else [np.arange(T_s.size)]
     for part in parts:
         chosen = part[_middles(part.size, peer.per_band)] if peer.per_band else part
-        with Clock() as clock:
-            peaks = solve(T_s[chosen])
-        # a program of its own measures itself
-        spent = getattr(solve, "seconds", clock.seconds)
+        peaks, spent = _timed(solve, T_s[chosen])
         seconds += spent * part.size / chosen.size
         errors.append(np.abs(peaks / truth[chosen] - 1))
     found = np.concatenate(errors)
     return Row(peer.name, peer.rtol, gamma, found.size, seconds / T_s.size, found)
+
+
+def _timed(solve: Solver, T_s: Array) -> tuple[Array, float]:
+    """Peaks and least time [s]; what is quick is repeated."""
+    begin, best = time.monotonic(), math.inf
+    for _ in range(MOST_REPEATS):
+        with Clock() as clock:
+            peaks = solve(T_s)
+        # a program of its own measures itself
+        best = min(best, getattr(solve, "seconds", clock.seconds))
+        if time.monotonic() - begin > ENOUGH:
+            break
+    return peaks, best
 
 
 def _middles(n: int, wanted: int) -> npt.NDArray[np.int64]:

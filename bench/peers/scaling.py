@@ -43,9 +43,10 @@ def ordinates(record: Record, most: int, repeats: int) -> Points:
     """
     found, n = [], 1
     while n <= most:
-        T_s = np.linspace(0.3, 3.0, n)
-        runs = repeats if n <= 1000 else 1
-        _, seconds = kernel(case(record, "fast", RTOL), T_s, GAMMAS[0], repeats=runs)
+        # a list of periods is limited, a grid is not
+        grid = {"T_s_min": 0.3, "T_s_max": 3.0, "n": n, "spacing": "linear"}
+        scene = case(record, "fast", RTOL, spectrum=grid if n > 1 else {"T_s": [1.0]})
+        _, seconds = kernel(scene, None, GAMMAS[0], repeats=repeats if n <= 1000 else 1)
         found.append((float(n), seconds / n))
         n *= 10
     return found

@@ -3,7 +3,7 @@
 Its spectrum without `threads` refines the record to a fiftieth of the period but (0.0.12)
 integrates it with the old interval, so that it is wrong where a period has fewer than 50 of them;
 the C spectrum is right to the order of the method. A record with eight times as many samples makes
-it more accurate.
+it more accurate. Of n periods from p to q it solves p + i (q - p)/n, whatever it labels them.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def _maker(steps: int) -> Callable[[Record, float, float], Solver]:
         a = np.interp(t, record.t, record.a)
 
         def solve(T_s: Array) -> Array:
-            # the C spectrum takes equidistant periods
-            periods = (T_s[0], T_s[-1], T_s.size)
+            step = (T_s[-1] - T_s[0]) / (T_s.size - 1)
+            periods = (T_s[0], T_s[-1] + step, T_s.size)
             found = sdof.spectrum(a, record.interval / steps, XI, periods=periods, threads=1)
             return np.asarray(found[0][1])
 
