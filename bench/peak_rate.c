@@ -55,7 +55,7 @@ RATE(fused_rate, "fast")
 
 int main(void) {
    double plain = 0, fused = 0, sum = 0;
-   for (int r = 0; r < 5; r++) {
+   for (int r = 0; r < 60; r++) {
       plain = fmax(plain, plain_rate(0.999999, 1e-6, &sum));
       fused = fmax(fused, fused_rate(0.999999, 1e-6, &sum));
    }

@@ -187,9 +187,8 @@ def _choose(text: str) -> list[Peer]:
         return []
     words = None if text == "all" else text.lower().split(",")
     wanted = [p for p in PEERS if words is None or any(word in p.name.lower() for word in words)]
-    missing = {p.distribution or p.package: p.name for p in wanted if not p.is_installed}
-    for package, name in missing.items():
-        print(f"Not installed: {name}; python -m pip install {package}")
+    for package in dict.fromkeys(p.distribution or p.package for p in wanted if not p.is_installed):
+        print(f"Not installed: {package}; python -m pip install {package}")
     return [peer for peer in wanted if peer.is_installed]
 
 
