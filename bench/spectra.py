@@ -27,7 +27,14 @@ TRUTH = ("dop853", 1e-13)
 # loose and tight tolerance of the reference in quadruple precision
 QUAD = (1e-18, 1e-20)
 FAST = (("fast", 1e-7), ("fast", 1e-8), ("fast", 1e-9))
-SLOW = (("dop853", 1e-9), ("erk54", 1e-8), ("adams", 1e-8), ("bdf", 1e-8))
+SLOW = (
+    ("dop853", 1e-7),
+    ("dop853", 1e-9),
+    ("erk54", 1e-7),
+    ("erk54", 1e-8),
+    ("adams", 1e-8),
+    ("bdf", 1e-8),
+)
 BASE = "fast"
 TARGET = 1e-7
 LONG = 0.3

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rwmf.cost import METHODS
 
 from peers.measure import Row
@@ -43,12 +44,14 @@ def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None
             _work_precision(axes, rows, dependence["tolerances"], gamma)
         for i, what in enumerate(("ordinates", "seconds of motion", "threads")):
             axes = figure.add_subplot(grid[2, i])
-            points = dependence[what]
-            axes.loglog(
-                *zip(*((x, 1e6 * y) for x, y in points), strict=True), "o-", color="#0072B2"
-            )
+            x, y = np.array(dependence[what]).T
+            axes.loglog(x, 1e6 * y, "o-", color=COLOURS[0])
             axes.set_xlabel(what)
             axes.set_ylabel("fast: µs an ordinate")
+            axes.set_ylim(bottom=0.5e6 * y.min(), top=2e6 * y.max())
+            if what == "threads":
+                axes.set_xticks(x, [f"{count:g}" for count in x])
+                axes.minorticks_off()
         figures.save(figure, path)
 
 
