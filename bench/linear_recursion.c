@@ -21,44 +21,77 @@ typedef struct {
    double c[8];
    double h; /* [s] */
    double w; /* [rad/s] */
+   double wd; /* of the damped oscillation [rad/s] */
    double xi;
 } law_t;
 
-/* State [m], [m/s] after s seconds in an interval that begins with acceleration a, slope b. */
-static void propagate(const law_t *law, double s, const double *start, double a, double b,
+/* What s seconds do to a free oscillation. */
+typedef struct {
+   double s; /* [s] */
+   double decay;
+   double c;
+   double d;
+} turn_t;
+
+static turn_t turn_of(const law_t *law, double s) {
+   const turn_t turn = {s, exp(-law->xi * law->w * s), cos(law->wd * s), sin(law->wd * s)};
+   return turn;
+}
+
+/* State [m], [m/s] after a turn in an interval that begins with acceleration a, slope b. */
+static void propagate(const law_t *law, const turn_t *t, const double *start, double a, double b,
                       double *u, double *v) {
-   const double w = law->w, xi = law->xi, wd = w * sqrt(1 - xi * xi);
+   const double w = law->w, xi = law->xi, wd = law->wd;
    const double line = -b / (w * w);
    const double u_p = -a / (w * w) + 2 * xi * b / (w * w * w);
    const double p = start[0] - u_p;
    const double q = (start[1] - line + xi * w * p) / wd;
-   const double decay = exp(-xi * w * s), c = cos(wd * s), d = sin(wd * s);
-   *u = decay * (p * c + q * d) + u_p + line * s;
-   *v = decay * ((wd * q - xi * w * p) * c - (wd * p + xi * w * q) * d) + line;
+   *u = t->decay * (p * t->c + q * t->d) + u_p + line * t->s;
+   *v = t->decay * ((wd * q - xi * w * p) * t->c - (wd * p + xi * w * q) * t->d) + line;
 }
 
 /* Coefficients of the recursion from the four unit states. */
 static law_t make_law(double period, double xi, double h) {
-   law_t law = {.h = h, .w = 2 * acos(-1.0) / period, .xi = xi};
+   const double w = 2 * acos(-1.0) / period;
+   law_t law = {.h = h, .w = w, .wd = w * sqrt(1 - xi * xi), .xi = xi};
+   const turn_t turn = turn_of(&law, h);
    for (int j = 0; j < 4; j++) {
       const double start[2] = {j == 0, j == 1};
       const double a_0 = j == 2, a_1 = j == 3;
-      propagate(&law, h, start, a_0, (a_1 - a_0) / h, &law.c[j], &law.c[4 + j]);
+      propagate(&law, &turn, start, a_0, (a_1 - a_0) / h, &law.c[j], &law.c[4 + j]);
    }
    return law;
 }
 
-/* Largest |u| inside an interval whose velocity changes its sign to v_1. */
-static double peak_inside(const law_t *law, const double *start, double v_1, double a_0,
+/* u'' [m/s2]. */
+static double rate(const law_t *law, double u, double v, double a) {
+   return -a - law->w * (2 * law->xi * v + law->w * u);
+}
+
+/* Fraction of the interval at which the cubic through v and v' at its ends vanishes. */
+static double guess(const law_t *law, const double *from, const double *to, double a_0,
+                    double a_1) {
+   const double d_0 = law->h * rate(law, from[0], from[1], a_0);
+   const double d_1 = law->h * rate(law, to[0], to[1], a_1);
+   const double change = to[1] - from[1];
+   const double c = 3 * change - 2 * d_0 - d_1, d = d_0 + d_1 - 2 * change;
+   double x = -from[1] / change;
+   for (int i = 0; i < 2; i++)
+      x -= (from[1] + x * (d_0 + x * (c + x * d))) / (d_0 + x * (2 * c + x * 3 * d));
+   return x;
+}
+
+/* Largest |u| inside an interval whose velocity changes its sign. */
+static double peak_inside(const law_t *law, const double *from, const double *to, double a_0,
                           double a_1) {
-   const double w = law->w, b = (a_1 - a_0) / law->h;
-   double low = 0, high = law->h, s = law->h * start[1] / (start[1] - v_1), u, v;
-   const double sign = start[1] > 0 ? 1 : -1;
+   const double b = (a_1 - a_0) / law->h, sign = from[1] > 0 ? 1 : -1;
+   double low = 0, high = law->h, s = law->h * guess(law, from, to, a_0, a_1), u, v;
+   if (!(s > low && s < high)) s = 0.5 * law->h;
    for (int i = 0; i < 60; i++) {
-      propagate(law, s, start, a_0, b, &u, &v);
+      const turn_t turn = turn_of(law, s);
+      propagate(law, &turn, from, a_0, b, &u, &v);
       if (sign * v > 0) low = s; else high = s;
-      const double rate = -(a_0 + b * s) - 2 * law->xi * w * v - w * w * u;
-      double next = s - v / rate;
+      double next = s - v / rate(law, u, v, a_0 + b * s);
       if (!(next > low && next < high)) next = 0.5 * (low + high);
       /* what is left is a parabola, to the third power of its length */
       if (fabs(next - s) < 1e-4 * law->h) return fabs(u + 0.5 * v * (next - s));
@@ -115,9 +148,9 @@ static double scalar(const record_t *r, double period, double xi) {
       const double a_0 = r->a[i], a_1 = r->a[i + 1];
       const double u_1 = (c[2] * a_0 + c[3] * a_1) + (c[0] * u + c[1] * v);
       const double v_1 = (c[6] * a_0 + c[7] * a_1) + (c[4] * u + c[5] * v);
-      const double from[2] = {u, v};
+      const double from[2] = {u, v}, to[2] = {u_1, v_1};
       if (v * v_1 < 0 && bound(r->h, u, v, u_1, v_1) > most)
-         most = larger(most, peak_inside(&law, from, v_1, a_0, a_1));
+         most = larger(most, peak_inside(&law, from, to, a_0, a_1));
       most = larger(most, fabs(u_1));
       u = u_1;
       v = v_1;
@@ -139,10 +172,10 @@ static double peak_of_run(const law_t *law, const double *a, int n, const v8 *u,
                           int stride, int lane, double most) {
    for (int i = 0; i < n; i++) {
       const double from[2] = {u[i * stride][lane], v[i * stride][lane]};
-      const double u_1 = u[(i + 1) * stride][lane], v_1 = v[(i + 1) * stride][lane];
-      if (from[1] * v_1 < 0 && bound(law->h, from[0], from[1], u_1, v_1) > most)
-         most = larger(most, peak_inside(law, from, v_1, a[i], a[i + 1]));
-      most = larger(most, fabs(u_1));
+      const double to[2] = {u[(i + 1) * stride][lane], v[(i + 1) * stride][lane]};
+      if (from[1] * to[1] < 0 && bound(law->h, from[0], from[1], to[0], to[1]) > most)
+         most = larger(most, peak_inside(law, from, to, a[i], a[i + 1]));
+      most = larger(most, fabs(to[0]));
    }
    return most;
 }
