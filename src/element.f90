@@ -77,6 +77,14 @@ contains
          call fail(error, err_input, 'an element needs the group &wall')
       else if (allocated(case%damper)) then
          call fail(error, err_input, 'an element has no &damper: the host can add one of its own')
+      else if (allocated(case%inerter)) then
+         call fail(error, err_input, 'an element has no &inerter: it has no inertia at its corners')
+      else if (allocated(case%vertical)) then
+         call fail(error, err_input, 'an element has no &vertical: the host hands over the ' &
+            //'horizontal motion only')
+      else if (allocated(case%impact)) then
+         if (case%impact%rule == 'table') call fail(error, err_input, 'an element has no &impact ' &
+            //"rule = 'table': the host applies the velocity factor, and can look it up")
       end if
       if (allocated(error)) return
       wall_alone = case

@@ -3,8 +3,10 @@
 module rwmf_extras
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_power
+   use rwmf_inerter, only: add_inerter, inerter_energy
    use rwmf_kinds, only: wp
    use rwmf_scene, only: equation_t, extra_t
+   use rwmf_vertical, only: add_vertical
    implicit none
    private
 
@@ -20,6 +22,15 @@ contains
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
          call add_extra(equation, extra_t(add_damper, damper_power))
+      end if
+      if (allocated(case%inerter)) then
+         equation%inertance = case%inerter%inertance_over_m_w
+         call add_extra(equation, extra_t(add=add_inerter, energy=inerter_energy))
+      end if
+      if (allocated(case%vertical)) then
+         equation%has_vertical = .true.
+         equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma)
+         call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
       end if
    end subroutine choose_extras
 

@@ -92,8 +92,10 @@ contains
       is_supported = allocated(case%wall) .and. allocated(case%frame) &
          .and. .not. allocated(case%initial) .and. .not. allocated(case%solver%accuracy) &
          .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
+         .and. .not. allocated(case%inerter) .and. .not. allocated(case%vertical) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
       if (is_supported) is_supported = case%wall%base == 'rocking'
+      if (is_supported .and. allocated(case%impact)) is_supported = case%impact%rule /= 'table'
    end function is_supported
 
    !> Longest step [s]: a fraction of the wall's own time, and of the period of a pulse, whose

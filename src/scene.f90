@@ -5,11 +5,12 @@ module rwmf_scene
    use rwmf_coefficients, only: paper_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
-   use rwmf_motion, only: acceleration, motion_t
+   use rwmf_motion, only: acceleration, motion_t, vertical_acceleration
    implicit none
    private
 
    public :: equation_t, second_derivative_i, extra_t
+   public :: vertical_ground
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the states,
@@ -29,6 +30,8 @@ module rwmf_scene
       !! that its states are expected to have
       integer :: first = 0
       !! place of its first state among all
+      logical :: is_motion = .false.
+      !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type extra_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
@@ -58,6 +61,12 @@ module rwmf_scene
       type(cable_law_t) :: cable
       type(extra_t), allocatable :: extras(:)
       !! the further effects that the case calls for; not allocated without any
+      logical :: has_vertical = .false.
+      !! the ground moves vertically as well
+      real(wp) :: weight_share = 0
+      !! threshold of lift-off per vertical ground acceleration [-]
+      real(wp) :: inertance = 0
+      !! of the corner inerters over m_w [-]
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
@@ -158,6 +167,15 @@ contains
       ground = acceleration(equation%motion, equation%interval, t)
    end function ground
 
+   !> Vertical ground acceleration of the interval in force, positive upward [m/s2].
+   real(wp) function vertical_ground(equation, t)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      vertical_ground = vertical_acceleration(equation%motion, equation%interval, t)
+   end function vertical_ground
+
    !> Kinematics of the side in force.
    type(kinematics_t) function kinematics_at(equation, theta) result(kin)
       class(equation_t), intent(in) :: equation
@@ -205,6 +223,9 @@ contains
       !! [s]
 
       drive = -side*acceleration(equation%motion, interval, t) - equation%bearing(side)
+      if (equation%has_vertical) then
+         drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
+      end if
    end function lift_off_drive
 
    !> Displacement of the frame u_s [m].

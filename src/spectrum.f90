@@ -217,6 +217,8 @@ contains
       if (allocated(case%frame)) scene%frame = case%frame
       if (allocated(case%link)) scene%link = case%link
       if (allocated(case%damper)) scene%damper = case%damper
+      if (allocated(case%inerter)) scene%inerter = case%inerter
+      if (allocated(case%vertical)) scene%vertical = case%vertical
       if (allocated(case%cable)) scene%cable = case%cable
       if (allocated(case%impact)) scene%impact = case%impact
       if (allocated(case%initial)) scene%initial = case%initial

@@ -66,14 +66,19 @@ contains
       character(8), allocatable :: names(:)
       !! (effects)
       character(8), parameter :: all_names(*) = [character(8) :: 'wall', 'frame', 'link', &
-         'damper', 'cable', 'impact', 'motion', 'initial']
+         'damper', 'inerter', 'cable', 'impact', 'motion', 'vertical', 'initial']
       logical :: present_effects(size(all_names))
 
       present_effects = [allocated(case%wall), allocated(case%frame), allocated(case%link), &
-         allocated(case%damper), allocated(case%cable), allocated(case%impact), &
-         allocated(case%motion), allocated(case%initial)]
+         allocated(case%damper), allocated(case%inerter), allocated(case%cable), &
+         allocated(case%impact), allocated(case%motion), allocated(case%vertical), &
+         allocated(case%initial)]
       ! free vibration is stated as kind 'none': nothing shakes the scene
-      if (allocated(case%motion)) present_effects(7) = case%motion%kind /= 'none'
+      if (allocated(case%motion)) then
+         if (case%motion%kind == 'none') then
+            present_effects = present_effects .and. all_names /= 'motion'
+         end if
+      end if
       names = pack(all_names, present_effects)
    end function list_effects
 

@@ -22,6 +22,7 @@ _QUANTITIES: dict[str, tuple[str, str, str]] = {
     "u_s_m": ("u_s", "m", "displacement of the frame"),
     "u_s_dot_m_s": ("u_s_dot", "m/s", "velocity of the frame"),
     "u_g_ddot_m_s2": ("u_g_ddot", "m/s2", "ground acceleration"),
+    "v_g_ddot_m_s2": ("v_g_ddot", "m/s2", "vertical ground acceleration"),
     "cable_force_over_m_w_g": ("cable_force_over_m_w_g", "1", "cable force over weight of wall"),
     "cable_force_N": ("cable_force", "N", "cable force"),
     "u_s_max_m": ("u_s_max", "m", "largest displacement of the frame"),

@@ -1,7 +1,7 @@
 !> Effects beyond the paper's scene: each against its limit, its derivative and its energy.
 program test_effects
    use check, only: checks_t
-   use rwmf_case, only: case_t, damper_t, link_t
+   use rwmf_case, only: case_t, damper_t, inerter_t, link_t
    use rwmf_equation, only: build_equation, equation_t, kinematics_at, second_derivative
    use rwmf_errors, only: error_t
    use rwmf_jacobian, only: jacobian
@@ -25,6 +25,11 @@ program test_effects
    call check_energy(pinned(), 'pinned wall')
    call check_jacobian(damped(2.0_wp), 'corner dampers')
    call check_energy(damped(2.0_wp), 'corner dampers')
+   call check_jacobian(with_inerter(0.5_wp), 'corner inerters')
+   call check_energy(with_inerter(0.5_wp), 'corner inerters')
+   call check_jacobian(shaken_vertically(0.65_wp), 'vertical motion')
+   call check_energy(shaken_vertically(0.65_wp), 'vertical motion')
+   call check_no_inerter()
    call check_no_damping()
    call check_damping()
    call check_pinned_is_linear()
@@ -59,6 +64,42 @@ contains
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
       case%damper = damper_t(c_over_m_w)
    end function damped
+
+   !> Wall and frame with corner inerters.
+   function with_inerter(inertance_over_m_w) result(case)
+      real(wp), intent(in) :: inertance_over_m_w
+      !! [-]
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      case%inerter = inerter_t(inertance_over_m_w)
+   end function with_inerter
+
+   !> Wall and frame under a vertical motion that is a multiple of the horizontal one.
+   function shaken_vertically(ratio) result(case)
+      real(wp), intent(in) :: ratio
+      !! [-]
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      allocate (case%vertical)
+      case%vertical%ratio = ratio
+   end function shaken_vertically
+
+   !> No inertance is the scene without the group.
+   subroutine check_no_inerter()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: limit
+      type(error_t), allocatable :: error
+
+      case = with_inerter(0.0_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'no inertance')
+      deallocate (case%inerter)
+      call simulate(case, limit, error)
+      call checks%close_to(result%u_s_max, limit%u_s_max, 'no inertance', rtol=1.0e-10_wp)
+   end subroutine check_no_inerter
 
    !> c = 0 is the scene without the group.
    subroutine check_no_damping()
