@@ -3,13 +3,15 @@ program test_effects
    use check, only: checks_t
    use rwmf_case, only: case_t, damper_t, inerter_t, link_t
    use rwmf_equation, only: build_equation, equation_t, kinematics_at, second_derivative
-   use rwmf_errors, only: error_t
+   use rwmf_errors, only: err_input, error_t
    use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_result, only: result_t
    use rwmf_simulation, only: simulate
+   use rwmf_stepping, only: advance_stepping, create_stepping, destroy_stepping, stepping_t
+   use rwmf_stepping_query, only: query_state, wall_state_t
    use scenes, only: rwmf_scene
    implicit none
 
@@ -30,6 +32,7 @@ program test_effects
    call check_jacobian(shaken_vertically(0.65_wp), 'vertical motion')
    call check_energy(shaken_vertically(0.65_wp), 'vertical motion')
    call check_no_inerter()
+   call check_host()
    call check_no_damping()
    call check_damping()
    call check_pinned_is_linear()
@@ -85,6 +88,37 @@ contains
       allocate (case%vertical)
       case%vertical%ratio = ratio
    end function shaken_vertically
+
+   !> A host that advances a wall under the case's own motion gets the bits of one run, also with
+   !> losses by a table; it cannot hand over the motion, which would be the horizontal one only.
+   subroutine check_host()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(result_t) :: whole
+      type(error_t), allocatable :: error
+
+      case = shaken_vertically(0.65_wp)
+      case%solver%atol = 1.0e-11_wp
+      case%impact%rule = 'table'
+      case%impact%table_theta_dot = [0.05_wp, 0.5_wp]
+      case%impact%table_e = [0.95_wp, 0.8_wp]
+      call simulate(case, whole, error)
+      call checks%no_error(error, 'one run')
+      call create_stepping(wall, case, error)
+      ! the end of the pulse, where a run stops as well
+      call advance_stepping(wall, 1.0_wp, error)
+      call advance_stepping(wall, case%solver%t_end, error)
+      call query_state(wall, state, error)
+      call checks%no_error(error, 'a host')
+      call checks%that(all(abs([state%theta, state%theta_dot] - whole%final_state) <= 0), &
+         'a host gets the bits of one run')
+      call destroy_stepping(wall)
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, [0.0_wp, 1.0_wp], [0.0_wp, 1.0_wp], error)
+      call checks%has_error(error, err_input, '&vertical', 'samples of a host')
+      call destroy_stepping(wall)
+   end subroutine check_host
 
    !> No inertance is the scene without the group.
    subroutine check_no_inerter()
