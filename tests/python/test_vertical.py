@@ -287,6 +287,34 @@ def test_a_wall_that_jumps_is_refused(eta_0: float, tmp_path: Path) -> None:
     assert stays.attrs["warnings"] == []
 
 
+def test_a_wall_that_lands_without_weight_is_refused(tmp_path: Path) -> None:
+    """The weight goes shortly before the wall is back on its base."""
+    free = {"motion": None, "initial": {"theta_over_alpha": 0.5}, "output": {"dt": 5.0}}
+    run = rwmf.simulate(block(**free, solver={"t_end": 5.0}))
+    landing = float(run["event_time"].values[run["event"].values == "impact"][0])
+    t = np.array([0.0, landing - 0.02, landing - 0.019, landing + 1])
+    vertical = _vertical(tmp_path, t, np.array([0.0, 0.0, -2 * G, -2 * G]))
+    with pytest.raises(rwmf.RwmfError, match="the wall jumps at t = ") as failure:
+        rwmf.simulate(block(**free, vertical=vertical, solver={"t_end": 5.0}))
+    instant = float(str(failure.value).split("t = ")[1].split(" s")[0])
+    assert landing < instant < landing + 0.01
+
+
+def test_times_that_differ_by_round_off_are_one_knot(tmp_path: Path) -> None:
+    """3*0.1 is not 0.3 in binary."""
+    t = np.arange(60) / 10
+    a = 3 * np.sin(3 * t)
+    (tmp_path / "column.txt").write_text("".join(f"{x:.17g}\n" for x in a), encoding="utf-8")
+    (tmp_path / "times.txt").write_text(
+        "".join(f"{x:.1f} {y:.17g}\n" for x, y in zip(t, a, strict=True)), encoding="utf-8"
+    )
+    motion = {"kind": "record", "file": str(tmp_path / "times.txt"), "unit": "m/s2"} | NO_PULSE
+    column = {"file": str(tmp_path / "column.txt"), "unit": "m/s2", "dt": 0.1}
+    times = {"file": str(tmp_path / "times.txt"), "unit": "m/s2"}
+    runs = [rwmf.simulate(coupled(motion=motion, vertical=v)) for v in (column, times)]
+    assert float(runs[0]["u_s_max"]) == pytest.approx(float(runs[1]["u_s_max"]), rel=1e-12)
+
+
 def test_a_weight_that_vanishes_is_reported() -> None:
     run = rwmf.simulate(coupled(vertical={"ratio": 5.1}))
     assert any("takes all of weight" in warning for warning in run.attrs["warnings"])

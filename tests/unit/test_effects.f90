@@ -7,6 +7,7 @@ program test_effects
    use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
+   use rwmf_knots, only: merged_times
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_result, only: result_t
    use rwmf_simulation, only: simulate
@@ -33,6 +34,7 @@ program test_effects
    call check_energy(shaken_vertically(0.65_wp), 'vertical motion')
    call check_no_inerter()
    call check_host()
+   call check_merged_times()
    call check_no_damping()
    call check_damping()
    call check_pinned_is_linear()
@@ -119,6 +121,21 @@ contains
       call checks%has_error(error, err_input, '&vertical', 'samples of a host')
       call destroy_stepping(wall)
    end subroutine check_host
+
+   !> Samples that mean the same instant are one knot, whatever the last digit of their times.
+   subroutine check_merged_times()
+      real(wp) :: product(100)
+      real(wp) :: quotient(50)
+      integer :: i
+
+      product = [(i*0.1_wp, i=1, 100)]
+      quotient = [(i/5.0_wp, i=1, 50)]
+      call checks%that(any(abs(product(2::2) - quotient) > 0), 'times that differ by round-off')
+      call checks%that(all(abs(merged_times(product, quotient) - product) <= 0), &
+         'the same knots')
+      call checks%that(size(merged_times(product, quotient + 0.05_wp)) == 150, 'knots in between')
+      call checks%that(size(merged_times(quotient(:0), quotient)) == 50, 'one sequence alone')
+   end subroutine check_merged_times
 
    !> No inertance is the scene without the group.
    subroutine check_no_inerter()
