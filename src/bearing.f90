@@ -39,6 +39,7 @@ contains
          equation%added_inertia = 0
          if (allocated(equation%extras)) then
             do i = 1, size(equation%extras)
+               if (equation%extras(i)%is_motion) cycle
                call equation%extras(i)%add(equation, 0.0_wp, at_rest, kin, &
                   equation%added_inertia, moment)
             end do

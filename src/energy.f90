@@ -10,6 +10,7 @@ module rwmf_energy
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: tendon_power
    use rwmf_motion, only: acceleration
+   use rwmf_vertical, only: vertical_power
    implicit none
    private
 
@@ -92,6 +93,7 @@ contains
       if (.not. equation%has_wall) return
       kin = kinematics_at(equation, y(1))
       power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
+      if (equation%has_vertical) power = power + vertical_power(equation, t, y)
    end function input_power
 
    !> Power that the frame's damper and further viscous effects take [W/kg].

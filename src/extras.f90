@@ -3,10 +3,12 @@
 module rwmf_extras
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_force, damper_power
+   use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
    use rwmf_kinds, only: wp
    use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_force, &
       springs_power
    use rwmf_scene, only: equation_t, extra_t
+   use rwmf_vertical, only: add_vertical
    implicit none
    private
 
@@ -30,6 +32,16 @@ contains
       if (allocated(case%fuse) .or. allocated(case%yielding)) then
          call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
             energy=springs_energy, force=springs_force, is_hysteretic=.true.))
+      end if
+      if (allocated(case%inerter)) then
+         equation%inertance = case%inerter%inertance_over_m_w
+         call add_extra(equation, extra_t(add=add_inerter, energy=inerter_energy, &
+            force=inerter_force))
+      end if
+      if (allocated(case%vertical)) then
+         equation%has_vertical = .true.
+         equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma)
+         call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
       end if
    end subroutine choose_extras
 
