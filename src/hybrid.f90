@@ -10,8 +10,8 @@ module rwmf_hybrid
    use rwmf_equation, only: equation_t, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
-   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
-      turn_back
+   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
+   use rwmf_memory_query, only: tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
@@ -177,6 +177,7 @@ contains
       case (event_branch)
          call change_branch(hybrid, equation, observer)
       case (event_peak)
+         hybrid%y(2) = 0
          call turn_back(equation, hybrid%y(1))
          hybrid%must_restart = .true.
       case (event_overturned)

@@ -11,6 +11,7 @@ module rwmf_observer
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
+   use rwmf_memory_query, only: force_columns, spring_forces
    use rwmf_motion, only: acceleration
    use rwmf_result, only: append_event, energy_t, event_t, history_t
    use rwmf_stepper, only: stepper_t
@@ -135,6 +136,7 @@ contains
          names = [character(32) :: names, 'cable_force_over_m_w_g']
          if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
       end if
+      if (equation%has_memory) names = [character(32) :: names, force_columns(equation)]
       call move_alloc(names, observer%history%names)
    end subroutine name_columns
 
@@ -282,6 +284,9 @@ contains
          cable = cable_at(equation, y(1))
          row(i + 1) = cable%force
          if (observer%m_w_g > 0) row(i + 2) = cable%force*observer%m_w_g
+      end if
+      if (equation%has_memory) then
+         row(size(row) - size(equation%springs) + 1:) = spring_forces(equation, y(1))
       end if
       ! A wall at rest on its left side is at 0, not at -0.
       observer%history%values(observer%next_row, :) = row + 0.0_wp

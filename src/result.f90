@@ -49,11 +49,11 @@ module rwmf_result
       real(wp) :: input_max
       !! largest magnitude of that work at any time
       real(wp) :: viscous
-      !! dissipated by the frame's damper
+      !! dissipated by the frame's damper, corner dampers and yielding
       real(wp) :: impact
       !! dissipated by impacts
       real(wp) :: hysteretic = 0
-      !! dissipated by yielding and rupture
+      !! released by rupture
    end type energy_t
 
    !> Result of one simulation. A component that is not allocated does not apply to the scene.
