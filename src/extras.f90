@@ -2,14 +2,15 @@
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
    use rwmf_case, only: case_t
-   use rwmf_damper, only: add_damper, damper_power
+   use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_power
+   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_force, &
+      springs_power
    use rwmf_scene, only: equation_t, extra_t
    implicit none
    private
 
-   public :: choose_extras, extra_rates, extra_sizes, extra_energy, extra_power
+   public :: choose_extras, rates_of_all, extra_sizes, extra_energy, extra_power
 
 contains
 
@@ -20,13 +21,15 @@ contains
 
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
-         call add_extra(equation, extra_t(add_damper, damper_power))
+         call add_extra(equation, extra_t(add=add_damper, power=damper_power, &
+            force=damper_force))
       end if
       if (allocated(case%fuse) .or. allocated(case%yielding) .or. equation%cable%is_tendon) then
          call choose_springs(case, equation)
       end if
       if (allocated(case%fuse) .or. allocated(case%yielding)) then
-         call add_extra(equation, extra_t(add_springs, springs_power, springs_energy))
+         call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
+            energy=springs_energy, force=springs_force, is_hysteretic=.true.))
       end if
    end subroutine choose_extras
 
@@ -41,24 +44,31 @@ contains
       equation%n = equation%n + extra%states
    end subroutine add_extra
 
-   !> Rates of the further states.
-   subroutine extra_rates(equation, t, y, y_dot)
+   !> Right-hand side of scenes with further states, without counting. Not a part of `rhs`, which
+   !> would then pay for this call in all other scenes.
+   subroutine rates_of_all(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
-      real(wp), intent(inout) :: y_dot(:)
-      !! (states); on return all from the third are set
+      real(wp), intent(out) :: y_dot(equation%n)
+      !! (states)
       integer :: i
 
+      y_dot(1) = y(2)
+      if (equation%side > 0) then
+         y_dot(2) = equation%acceleration_positive(equation, t, y)
+      else
+         y_dot(2) = equation%acceleration_negative(equation, t, y)
+      end if
       do i = 1, size(equation%extras)
          associate (extra => equation%extras(i))
             if (extra%states == 0) cycle
             call extra%rates(equation, t, y, y_dot(extra%first:extra%first + extra%states - 1))
          end associate
       end do
-   end subroutine extra_rates
+   end subroutine rates_of_all
 
    !> Expected sizes of all states from those of the first two, for absolute tolerances.
    function extra_sizes(equation, size_guess) result(sizes)
@@ -96,17 +106,20 @@ contains
    end function extra_energy
 
    !> Power that further effects dissipate [W/kg].
-   real(wp) function extra_power(equation, t, y) result(power)
+   real(wp) function extra_power(equation, t, y, is_hysteretic) result(power)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
+      logical, intent(in) :: is_hysteretic
+      !! by yielding, or else by the others
       integer :: i
 
       power = 0
       if (.not. allocated(equation%extras)) return
       do i = 1, size(equation%extras)
+         if (equation%extras(i)%is_hysteretic .neqv. is_hysteretic) cycle
          if (associated(equation%extras(i)%power)) then
             power = power + equation%extras(i)%power(equation, t, y)
          end if

@@ -7,7 +7,7 @@
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
    use rwmf_control, only: control_t, is_cancelled
-   use rwmf_equation, only: equation_t, second_derivative
+   use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
@@ -49,7 +49,7 @@ contains
       hybrid%y = y
       hybrid%must_restart = .true.
       hybrid%steps_at_knot = 0_i8
-      equation%interval = interval_at(equation%motion, t)
+      call enter_interval(equation, interval_at(equation%motion, t))
       equation%side = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
@@ -123,15 +123,21 @@ contains
       type(equation_t), intent(inout) :: equation
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
+      real(wp) :: t_begin
       real(wp) :: t_limit
+      integer :: interval
       integer :: side
 
       side = 0
+      interval = interval_of(equation)
       do while (side == 0 .and. hybrid%t < t_target)
          ! One interval at a time, because the history shows the ground motion as well.
-         t_limit = min(t_target, interval_end(equation%motion, equation%interval))
-         call find_lift_off(equation, t_limit, hybrid%t, equation%interval, side)
-         call observe_rest(observer, equation, hybrid%t)
+         t_begin = hybrid%t
+         t_limit = min(t_target, interval_end(equation%motion, interval))
+         call find_lift_off(equation, t_limit, hybrid%t, interval, side)
+         ! A motion that begins with a jump lifts the wall at once: that is no rest.
+         if (hybrid%t > t_begin) call observe_rest(observer, equation, t_begin, hybrid%t)
+         call enter_interval(equation, interval)
       end do
       if (side == 0) return
       equation%side = side
@@ -152,7 +158,7 @@ contains
       real(wp) :: t_limit
       integer :: event
 
-      t_limit = min(t_target, interval_end(equation%motion, equation%interval))
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%t = t_limit
@@ -286,7 +292,7 @@ contains
       integer :: side
 
       t = hybrid%t
-      interval = equation%interval
+      interval = interval_of(equation)
       call find_lift_off(equation, t, t, interval, side)
       if (side /= 0) then
          equation%side = side

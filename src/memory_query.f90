@@ -7,12 +7,12 @@ module rwmf_memory_query
    implicit none
    private
 
-   public :: spring_forces, force_columns, tendon_is_broken, prestress_loss, frame_residual
+   public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
 
 contains
 
    !> Forces of frame and fuses, over the weight of m_s and of m_w, in the order of
-   !> `force_columns` [-].
+   !> `spring_columns` [-].
    function spring_forces(equation, theta) result(forces)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -31,7 +31,7 @@ contains
    end function spring_forces
 
    !> Names of the columns of these forces in a history.
-   pure function force_columns(equation) result(names)
+   pure function spring_columns(equation) result(names)
       type(equation_t), intent(in) :: equation
       character(32) :: names(size(equation%springs))
       integer :: i
@@ -46,7 +46,7 @@ contains
             names(i) = 'fuse_right_force_over_m_w_g'
          end select
       end do
-   end function force_columns
+   end function spring_columns
 
    !> Has the tendon broken?
    pure logical function tendon_is_broken(equation)

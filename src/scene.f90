@@ -2,27 +2,32 @@
 !> for it, and what follows from both at a given rotation.
 module rwmf_scene
    use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
-   use rwmf_coefficients, only: paper_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
-   use rwmf_motion, only: acceleration, motion_t
+   use rwmf_motion, only: acceleration, line_of, line_t, motion_t
+   use rwmf_paper, only: paper_t
    use rwmf_spring, only: spring_t
    implicit none
    private
 
    public :: equation_t, second_derivative_i, extra_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
+   public :: enter_interval, interval_of
+   public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
-   !> states, energy and power that belong to it. One file brings its procedures; `choose_extras`
-   !> names them (docs/effects.md).
+   !> states, energy, power and force on the wall that belong to it. One file brings its
+   !> procedures; `choose_extras` names them (docs/effects.md).
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
       !! not associated: dissipates nothing
       procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
+      procedure(force_i), pointer, nopass :: force => null()
+      !! asked only for reactions; not associated: no force on the wall
+      logical :: is_hysteretic = .false.
+      !! where the energy ledger counts its power: hysteretic, or else viscous
       integer :: states = 0
       !! number of states of its own
       procedure(rates_i), pointer, nopass :: rates => null()
@@ -73,6 +78,8 @@ module rwmf_scene
       integer :: n = 2
       !! number of states
       type(cable_law_t) :: cable
+      logical :: has_plain_cable = .false.
+      !! its law, or that of no cable, is the linear one of both sides
       type(extra_t), allocatable :: extras(:)
       !! the further effects that the case calls for; not allocated without any
       logical :: has_memory = .false.
@@ -90,8 +97,10 @@ module rwmf_scene
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
-      integer :: interval = 0
-      !! of the motion, set by the hybrid loop
+      integer, private :: interval = 0
+      !! of the motion: `interval_of`, set by `enter_interval`
+      type(line_t) :: line
+      !! of the motion in that interval
       integer :: side = 1
       !! sign of theta in this flight, set by the hybrid loop
       integer(i8) :: rhs_evaluations = 0
@@ -107,10 +116,10 @@ module rwmf_scene
       real(wp) function second_derivative_i(equation, t, y)
          import :: equation_t, wp
          implicit none
-         class(equation_t), intent(in) :: equation
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
-         real(wp), intent(in) :: y(:)
+         real(wp), intent(in) :: y(equation%n)
          !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
       end function second_derivative_i
 
@@ -174,13 +183,48 @@ module rwmf_scene
          real(wp), intent(in) :: y(:)
          !! (states)
       end function power_i
+
+      !> Add the force on the wall.
+      subroutine force_i(equation, t, y, y_ddot, force)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(in) :: y_ddot
+         !! theta'' [rad/s2]
+         real(wp), intent(inout) :: force(2)
+         !! over m_w, horizontal (positive as u_g'') and upward; in the frame of the ground, so that
+         !! forces of inertia due to its motion count [m/s2]
+      end subroutine force_i
    end interface
 
 contains
 
+   !> An interval of the motion comes into force, or the motion has changed within it.
+   !>
+   !> The only way to set it, so that nobody can forget what depends on it.
+   pure subroutine enter_interval(equation, interval)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+
+      equation%interval = interval
+      equation%line = line_of(equation%motion, interval)
+   end subroutine enter_interval
+
+   !> Interval of the motion that is in force.
+   pure integer function interval_of(equation) result(interval)
+      type(equation_t), intent(in) :: equation
+
+      interval = equation%interval
+   end function interval_of
+
    !> Ground acceleration of the interval in force [m/s2].
    real(wp) function ground(equation, t)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
 
@@ -209,17 +253,6 @@ contains
       call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
          equation%side, cable)
    end function cable_at
-
-   !> Moment of the cable over m_w g R [-].
-   real(wp) function cable_moment(equation, theta)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-      type(cable_state_t) :: cable
-
-      cable = cable_at(equation, theta)
-      cable_moment = cable%moment
-   end function cable_moment
 
    !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
    !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
