@@ -129,7 +129,7 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, 1.0_wp, [rise_of_top_corner(geometry, phi), 2*kin%s, -2*kin%c, &
+      call add_tilt(geometry%link, 1.0_wp, [rise_of_top_corner(geometry, kin), 2*kin%s, -2*kin%c, &
          -2*kin%s], kin)
    end subroutine linked_top_corner
 
@@ -141,26 +141,27 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1.0_wp, [rise_of_left_corner(geometry, phi), -kin%u, -kin%j, &
+      call add_tilt(geometry%link, -1.0_wp, [rise_of_left_corner(geometry, kin), -kin%u, -kin%j, &
          kin%u], kin)
    end subroutine linked_left_corner
 
    !> How far the top corner above the lifting base corner has risen, over R [-].
-   pure real(wp) function rise_of_top_corner(geometry, phi) result(rise)
+   pure real(wp) function rise_of_top_corner(geometry, kin) result(rise)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
-      !! [rad]
+      type(kinematics_t), intent(in) :: kin
+      !! at the rotation
 
-      rise = 4*sin(phi/2)*(geometry%sin_alpha*cos(phi/2) - geometry%cos_alpha*sin(phi/2))
+      rise = 4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
+         - geometry%cos_alpha*kin%half_sine)
    end function rise_of_top_corner
 
    !> The same for the top corner above the pivot, which sinks [-].
-   pure real(wp) function rise_of_left_corner(geometry, phi) result(rise)
+   pure real(wp) function rise_of_left_corner(geometry, kin) result(rise)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
-      !! [rad]
+      type(kinematics_t), intent(in) :: kin
+      !! at the rotation
 
-      rise = -4*geometry%cos_alpha*sin(phi/2)**2
+      rise = -4*geometry%cos_alpha*kin%half_sine**2
    end function rise_of_left_corner
 
    !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.

@@ -88,7 +88,6 @@ contains
       !! of the link's corner over R [-]
       real(wp) :: side_of_frame
       !! -1: the frame stands to the right of the wall
-      real(wp) :: phi
 
       force = 0
       if (.not. equation%has_frame) return
@@ -99,13 +98,12 @@ contains
             *frame_residual(equation, y(1))
       end associate
       if (equation%geometry%link <= 0) return
-      phi = equation%side*y(1)
       side_of_frame = 1
       if (equation%side < 0 .and. associated(equation%kinematics_negative, linked_left_corner)) then
-         rise = rise_of_left_corner(equation%geometry, phi)
+         rise = rise_of_left_corner(equation%geometry, kin)
       else
          ! `symmetric` is a wall whose frame changes its place with the side
-         rise = rise_of_top_corner(equation%geometry, phi)
+         rise = rise_of_top_corner(equation%geometry, kin)
          side_of_frame = equation%side
       end if
       force(2) = side_of_frame*force(1)*rise/sqrt(equation%geometry%link**2 - rise**2)
