@@ -4,7 +4,7 @@ program test_memory
    use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, query_state, &
       restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
    use rwmf_case, only: case_t, fuse_t
-   use rwmf_equation, only: build_equation, equation_t, second_derivative
+   use rwmf_equation, only: build_equation, enter_interval, equation_t, second_derivative
    use rwmf_errors, only: err_input, error_t
    use rwmf_hybrid, only: begin_hybrid, hybrid_t
    use rwmf_jacobian, only: jacobian
@@ -272,8 +272,8 @@ contains
       do side = -1, 1, 2
          with%side = side
          without%side = side
-         with%interval = 1
-         without%interval = 1
+         call enter_interval(with, 1)
+         call enter_interval(without, 1)
          call checks%close_to(second_derivative(with, 20.0_wp, [side*phi, 0.1_wp]) &
             - second_derivative(without, 20.0_wp, [side*phi, 0.1_wp]), &
             -side*force*2*case%wall%b*cos(phi/2)/mass, 'moment of a fuse', rtol=1.0e-10_wp)
