@@ -59,9 +59,11 @@ module rwmf_case
 
    !> Inelastic frame, `&yielding`.
    type :: yielding_t
-      real(wp) :: u_y
-      !! displacement at first yield [m]
-      real(wp) :: hardening
+      real(wp), allocatable :: u_y
+      !! displacement at first yield [m]; exactly one of this and the next
+      real(wp), allocatable :: f_y_over_m_s_g
+      !! yield force over the weight of the frame's mass [-]
+      real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law
       !! 'elastic_plastic'

@@ -1,8 +1,7 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
    use rwmf_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, inerter_t, &
-      initial_t, &
-      link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t, yielding_t
+      initial_t, link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t
    use rwmf_case_rules, only: check_rules
    use rwmf_errors, only: add_context, err_input, error_t, fail
    use rwmf_files, only: read_file
@@ -98,8 +97,10 @@ contains
             real_of(groups, 'fuse', 'hardening'))
       end if
       if (has_group(groups, 'yielding')) then
-         case%yielding = yielding_t(real_of(groups, 'yielding', 'u_y'), &
-            real_of(groups, 'yielding', 'hardening'))
+         allocate (case%yielding)
+         call get_real(groups, 'yielding', 'u_y', case%yielding%u_y)
+         call get_real(groups, 'yielding', 'f_y_over_m_s_g', case%yielding%f_y_over_m_s_g)
+         case%yielding%hardening = real_of(groups, 'yielding', 'hardening')
          case%yielding%law = text_of(groups, 'yielding', 'law')
       end if
       if (has_group(groups, 'inerter')) then

@@ -11,8 +11,8 @@ module rwmf_hybrid
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_impact, only: factor_at, largest_factor
    use rwmf_kinds, only: i8, wp
-   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
-      turn_back
+   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
+   use rwmf_memory_query, only: tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
@@ -202,6 +202,7 @@ contains
       case (event_branch)
          call change_branch(hybrid, equation, observer)
       case (event_peak)
+         hybrid%y(2) = 0
          call turn_back(equation, hybrid%y(1))
          hybrid%must_restart = .true.
       case (event_overturned)

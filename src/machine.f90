@@ -49,7 +49,7 @@ module rwmf_machine
    !> State of a wall between two calls: plain numbers, may be copied and forgotten at will.
    type :: snapshot_t
       logical :: is_filled = .false.
-      real(wp) :: identity(4) = 0
+      real(wp) :: identity(6) = 0
       !! alpha, R, omega_s, gamma: a snapshot of another wall is refused
       logical :: is_one_step = .false.
       logical :: follows_host = .false.
@@ -252,9 +252,13 @@ contains
 
    function identity_of(equation) result(identity)
       type(equation_t), intent(in) :: equation
-      real(wp) :: identity(4)
+      real(wp) :: identity(6)
 
-      identity = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
+      identity(:4) = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
+      ! What yields has to find its memory in the snapshot.
+      identity(5:) = 0
+      if (equation%cable%is_tendon) identity(5) = 1
+      if (equation%has_memory) identity(6) = 1 + size(equation%springs)
    end function identity_of
 
 end module rwmf_machine

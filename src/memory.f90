@@ -9,16 +9,15 @@ module rwmf_memory
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: equation_t, kinematics_at, place_frame, place_left, place_right, sprung_t
-   use rwmf_spring, only: is_broken, is_yielding, new_spring, pass_limit, reset_spring, &
-      spring_energy, spring_force, spring_limits, spring_plastic, spring_power, spring_t, &
-      turn_spring
+   use rwmf_spring, only: is_yielding, new_spring, pass_limit, reset_spring, spring_energy, &
+      spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
    implicit none
    private
 
    public :: choose_springs, add_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
-   public :: tendon_is_broken, prestress_loss, frame_residual
+   public :: yield_displacement, elongation_of, moves
 
 contains
 
@@ -31,7 +30,7 @@ contains
       allocate (equation%springs(0))
       if (allocated(case%yielding)) then
          equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
-            equation%p%omega_s**2*case%yielding%u_y, case%yielding%hardening), place_frame)]
+            equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
       end if
       if (allocated(case%fuse)) then
          fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
@@ -40,7 +39,20 @@ contains
             sprung_t(fuse, place_right)]
       end if
       equation%has_memory = .true.
+      equation%farthest = case%model%overturning_angle
    end subroutine choose_springs
+
+   !> Displacement at which the frame of a case yields first [m].
+   pure real(wp) function yield_displacement(case) result(u_y)
+      type(case_t), intent(in) :: case
+      !! with `&yielding` and the frame's T_s
+
+      if (allocated(case%yielding%u_y)) then
+         u_y = case%yielding%u_y
+      else
+         u_y = case%yielding%f_y_over_m_s_g*case%model%g*(case%frame%T_s/(2*pi))**2
+      end if
+   end function yield_displacement
 
    !> Elongation of a spring at the rotation phi on the side in force [m].
    real(wp) function elongation(equation, place, phi) result(x)
@@ -224,9 +236,12 @@ contains
          else if (theta < equation%low) then
             call pass_window(equation, is_rising=.false.)
          else
-            return
+            exit
          end if
       end do
+      ! What has yielded on the way may unload from here on.
+      call turn_back(equation, theta)
+      call renew_window(equation)
    end subroutine load_to
 
    !> Find the rotations between which the branches in force hold.
@@ -288,8 +303,8 @@ contains
       end if
    end function elongation_of
 
-   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection in
-   !> the range in which all elongations are monotone; beyond it +-huge.
+   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection
+   !> inside the range up to overturning, where all elongations are monotone; else +-huge.
    real(wp) function rotation_at(equation, number, x) result(theta)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: number
@@ -305,12 +320,14 @@ contains
 
       theta = x
       if (.not. equation%has_wall .and. number > 0) return
-      ends = [0.0_wp, pi/2]
-      if (.not. equation%has_impacts) ends(1) = -pi/2
+      ends = [0.0_wp, equation%farthest]
+      if (.not. equation%has_impacts) ends(1) = -equation%farthest
       at_ends = [elongation_of(equation, number, ends(1)), elongation_of(equation, number, ends(2))]
       direction = merge(1, -1, at_ends(2) > at_ends(1))
-      theta = direction*equation%side*sign(huge(x), x - minval(at_ends))
-      if (x < minval(at_ends) .or. x > maxval(at_ends)) return
+      theta = direction*equation%side*huge(x)
+      if (x >= maxval(at_ends)) return
+      theta = -theta
+      if (x <= minval(at_ends)) return
       do
          middle = ends(1) + (ends(2) - ends(1))/2
          if (middle <= ends(1) .or. middle >= ends(2)) exit
@@ -398,39 +415,5 @@ contains
          call turn_spring(equation%springs(i)%spring, elongation_of(equation, i, phi))
       end do
    end subroutine turn_back
-
-   !> Has the tendon broken?
-   pure logical function tendon_is_broken(equation)
-      type(equation_t), intent(in) :: equation
-
-      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%cable%tendon)
-   end function tendon_is_broken
-
-   !> What the tendon has lost of its force at theta = 0, over m_w g [-].
-   real(wp) function prestress_loss(equation, theta) result(loss)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! present rotation [rad]
-      type(spring_t) :: tendon
-
-      tendon = equation%cable%tendon
-      call turn_spring(tendon, elongation_of(equation, 0, equation%side*theta))
-      loss = equation%cable%eta_0 - max(0.0_wp, spring_force(tendon, 0.0_wp))
-   end function prestress_loss
-
-   !> Plastic displacement of the frame at a state [m].
-   real(wp) function frame_residual(equation, theta) result(residual)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad] or [m]
-      integer :: i
-
-      residual = 0
-      do i = 1, size(equation%springs)
-         if (equation%springs(i)%place /= place_frame) cycle
-         residual = spring_plastic(equation%springs(i)%spring, &
-            elongation_of(equation, i, equation%side*theta))
-      end do
-   end function frame_residual
 
 end module rwmf_memory

@@ -5,7 +5,7 @@ module rwmf_reactions
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
       rise_of_top_corner
-   use rwmf_memory, only: frame_residual
+   use rwmf_memory_query, only: frame_residual
    use rwmf_scene, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    implicit none
    private

@@ -9,7 +9,8 @@ module rwmf_run
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_kinds, only: i8, wp
-   use rwmf_memory, only: frame_residual, prestress_loss, tendon_is_broken
+   use rwmf_memory, only: yield_displacement
+   use rwmf_memory_query, only: frame_residual, prestress_loss, tendon_is_broken
    use rwmf_methods, only: new_stepper
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
@@ -278,7 +279,7 @@ contains
          result%has_ruptured = tendon_is_broken(equation)
       end if
       if (allocated(case%yielding)) then
-         result%ductility = result%u_s_max/case%yielding%u_y
+         result%ductility = result%u_s_max/yield_displacement(case)
          result%residual_displacement = frame_residual(equation, hybrid%y(1))
       end if
    end subroutine fill_memory

@@ -93,6 +93,8 @@ module rwmf_scene
       !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
       real(wp) :: high = huge(1.0_wp)
       !! and up to which they do [rad]
+      real(wp) :: farthest = 0
+      !! largest |theta| at which the springs are asked for their elongation [rad]
       logical :: ends_at_peak = .false.
       !! a spring yields, and unloads when the motion turns back
       logical :: has_vertical = .false.

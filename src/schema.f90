@@ -76,8 +76,11 @@ contains
          required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
          optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding fuse over its elastic one'), &
-         required('yielding', 'u_y', 'real', 'm', positive, &
-            'displacement at which the frame yields first'), &
+         optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
+            'displacement at which the frame yields first, the same for all periods of a ' &
+            //'spectrum'), &
+         optional_key('yielding', 'f_y_over_m_s_g', 'real', '-', '', positive, &
+            'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2'), &
          optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding frame over its elastic one'), &
          optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', 'elastic_plastic', &

@@ -7,6 +7,7 @@ module rwmf_stepping_query
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_machine, only: machine_t
+   use rwmf_memory_query, only: frame_residual
    use rwmf_result, only: event_t
    use rwmf_stepping, only: require, stepping_t
    implicit none
@@ -136,6 +137,8 @@ contains
          if (machine%equation%has_frame) then
             forces%frame_shear = frame_mass*p%omega_s*(p%omega_s*state%u_s &
                + 2*p%xi_s*state%u_s_dot)
+            if (machine%equation%has_memory) forces%frame_shear = forces%frame_shear &
+               - frame_mass*p%omega_s**2*frame_residual(machine%equation, machine%hybrid%y(1))
          end if
          if (machine%equation%has_frame .and. machine%equation%has_wall) then
             forces%link = frame_mass*(state%u_s_ddot + machine%ground) + forces%frame_shear
