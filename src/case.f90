@@ -5,10 +5,12 @@
 module rwmf_case
    use rwmf_kinds, only: wp
    use rwmf_record, only: record_t
+   use rwmf_shear_frame, only: shear_frame_t
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, damper_t, cable_t, impact_t, motion_spec_t
+   public :: case_t, wall_t, frame_t, link_t, storeys_t, damper_t, cable_t, impact_t
+   public :: motion_spec_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -38,6 +40,14 @@ module rwmf_case
       real(wp) :: xi_s
       !! viscous damping ratio [-]
    end type frame_t
+
+   !> The frame's storeys, `&storeys`; they give `frame_t` its period and its mass ratio.
+   type :: storeys_t
+      type(shear_frame_t) :: frame
+      !! with its modes
+      character(:), allocatable :: coupling
+      !! 'reduced': its first mode moves; 'full': all modes, with the roof linked to the wall
+   end type storeys_t
 
    !> Viscous dampers at the corners of the base, `&damper`.
    type :: damper_t
@@ -161,6 +171,7 @@ module rwmf_case
       !! the namelist text that the case was read from
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
+      type(storeys_t), allocatable :: storeys
       type(link_t), allocatable :: link
       type(damper_t), allocatable :: damper
       type(cable_t), allocatable :: cable

@@ -6,7 +6,7 @@ module rwmf_case_rules
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
    use rwmf_schema, only: belongs_to, key_t, keys_of, pulse_kinds
-   use rwmf_text, only: real_to_text
+   use rwmf_text, only: integer_to_text, real_to_text
    use rwmf_validation, only: fail_at_entry, fail_at_group
    implicit none
    private
@@ -26,6 +26,7 @@ contains
 
       call check_presence(groups, error)
       if (.not. allocated(error)) call check_frame(groups, error)
+      if (.not. allocated(error)) call check_storeys(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
       if (.not. allocated(error)) call check_base(groups, error)
       if (.not. allocated(error)) call check_link(groups, error)
@@ -60,6 +61,9 @@ contains
          call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
+         call check_needs(groups, 'storeys', 'frame', 'its xi_s damps their modes', error)
+      end if
+      if (.not. allocated(error)) then
          call check_needs(groups, 'initial', 'wall', 'theta is the rotation of the wall', error)
       end if
       if (.not. allocated(error)) then
@@ -85,7 +89,7 @@ contains
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. has_group(groups, 'frame')) return
+      if (.not. has_group(groups, 'frame') .or. has_group(groups, 'storeys')) return
       if (has_group(groups, 'wall') .and. .not. has_key(groups, 'frame', 'gamma')) then
          call fail_group(groups, 'frame', 'the key gamma is missing (mass ratio m_s/m_w): must ' &
             //'be given with &wall, a number >= 0 [-]', error)
@@ -97,6 +101,52 @@ contains
             //'given without &spectrum, a number > 0 [s]', error)
       end if
    end subroutine check_frame
+
+   !> Storeys say what period and mass ratio would say; their lists belong together.
+   subroutine check_storeys(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: m(:)
+      real(wp), allocatable :: k(:)
+      real(wp), allocatable :: height(:)
+      real(wp) :: top
+      character(5), parameter :: keys(2) = ['T_s  ', 'gamma']
+      integer :: i
+
+      if (.not. has_group(groups, 'storeys')) return
+      do i = 1, size(keys)
+         if (.not. has_key(groups, 'frame', trim(keys(i)))) cycle
+         call fail_key(groups, 'frame', trim(keys(i)), 'must not be given with &storeys, which ' &
+            //'set it', error)
+         return
+      end do
+      if (has_key(groups, 'spectrum', 'gamma')) then
+         call fail_key(groups, 'spectrum', 'gamma', 'must not be given with &storeys, which ' &
+            //'set it', error)
+         return
+      end if
+      call get_list(groups, 'storeys', 'm_over_m_w', m)
+      call get_list(groups, 'storeys', 'k_over_m_w', k)
+      call get_list(groups, 'storeys', 'height', height)
+      if (size(k) /= size(m)) call fail_length('k_over_m_w', size(k))
+      if (size(height) /= size(m)) call fail_length('height', size(height))
+      if (allocated(error) .or. .not. has_group(groups, 'wall')) return
+      top = 2*real_of(groups, 'wall', 'h')
+      if (abs(sum(height) - top) <= 1.0e-6_wp*top) return
+      call fail_key(groups, 'storeys', 'height', 'their sum is '//real_to_text(sum(height)) &
+         //' m, must be the height of the wall that the roof is linked to, 2h = ' &
+         //real_to_text(top)//' m', error)
+
+   contains
+
+      subroutine fail_length(key, n)
+         character(*), intent(in) :: key
+         integer, intent(in) :: n
+
+         call fail_key(groups, 'storeys', key, 'has '//integer_to_text(n)//' values, must have ' &
+            //'one for each of the '//integer_to_text(size(m))//' storeys of m_over_m_w', error)
+      end subroutine fail_length
+   end subroutine check_storeys
 
    !> Exactly one of e and r for rule 'constant', none for the others.
    subroutine check_impact(groups, error)

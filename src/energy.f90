@@ -5,7 +5,7 @@
 module rwmf_energy
    use rwmf_cable, only: cable_state_t
    use rwmf_equation, only: cable_at, equation_t, kinematics_at
-   use rwmf_extras, only: extra_energy, extra_power
+   use rwmf_extras, only: extra_energy, extra_input, extra_power
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: acceleration
@@ -63,9 +63,13 @@ contains
       type(kinematics_t) :: kin
 
       power = -acceleration(equation%motion, equation%interval, t)*y(2)
-      if (.not. equation%has_wall) return
-      kin = kinematics_at(equation, y(1))
-      power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
+      if (equation%has_wall) then
+         kin = kinematics_at(equation, y(1))
+         power = power*equation%p%R*(equation%p%gamma*equation%push*kin%j + kin%c)
+      else
+         power = power*equation%push
+      end if
+      power = power + extra_input(equation, t, y)
    end function input_power
 
    !> Power that the frame's damper and further effects take [W/kg].

@@ -57,12 +57,15 @@ contains
          if (.not. equation%has_impacts) call hinge_base(equation)
          call choose_extras(case, equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
-            /(1 + 2*equation%p%gamma)
+            /(1 + 2*equation%p%gamma*equation%push)
          equation%bearing = equation%threshold
          equation%bears_extras = equation%has_impacts .and. allocated(equation%extras)
          if (allocated(equation%extras)) then
             equation%acceleration_positive => with_extras
             equation%acceleration_negative => with_extras
+         else if (abs(equation%push - 1) > 0) then
+            equation%acceleration_positive => wall_and_frame
+            equation%acceleration_negative => wall_and_frame
          end if
       else
          call choose_extras(case, equation)
@@ -279,7 +282,7 @@ contains
          force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
          theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
             + p%g/p%R*(kin%s + cable_moment(equation, y(1)))) &
-            + (p%gamma*kin%lever + kin%c)*ground(equation, t)/p%R) &
+            + (p%gamma*equation%push*kin%lever + kin%c)*ground(equation, t)/p%R) &
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
    end function wall_and_frame
@@ -295,13 +298,15 @@ contains
       real(wp) :: moment
       integer :: i
 
+      theta_ddot = 0
+      if (equation%is_held) return
       kin = kinematics_at(equation, y(1))
       phi_dot = equation%side*y(2)
       associate (p => equation%p)
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot &
             + p%omega_s**2*kin%u) - p%g/p%R*(kin%s + cable_moment(equation, y(1))) &
-            - (p%gamma*kin%lever + kin%c)*equation%side*ground(equation, t)/p%R
+            - (p%gamma*equation%push*kin%lever + kin%c)*equation%side*ground(equation, t)/p%R
       end associate
       do i = 1, size(equation%extras)
          call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
@@ -341,14 +346,15 @@ contains
          + equation%side*equation%p%g*(sin(angle) + cable_moment(equation, y(1))))
    end function wall_alone
 
-   !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
+   !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''; a reduced frame's roof: times
+   !> its factor.
    real(wp) function bare_frame(equation, t, y) result(u_ddot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
       associate (p => equation%p)
-         u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - ground(equation, t)
+         u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - equation%push*ground(equation, t)
       end associate
    end function bare_frame
 

@@ -5,10 +5,12 @@ module rwmf_extras
    use rwmf_damper, only: add_damper, damper_power
    use rwmf_kinds, only: wp
    use rwmf_scene, only: equation_t, extra_t
+   use rwmf_storeys, only: add_storeys, prepare_storeys, storey_energy, storey_input, &
+      storey_power, storey_rates, storey_sizes
    implicit none
    private
 
-   public :: choose_extras, extra_rates, extra_sizes, extra_energy, extra_power
+   public :: choose_extras, extra_rates, extra_sizes, extra_energy, extra_power, extra_input
 
 contains
 
@@ -21,7 +23,20 @@ contains
          equation%damper_c = case%damper%c_over_m_w
          call add_extra(equation, extra_t(add_damper, damper_power))
       end if
+      if (allocated(case%storeys)) call add_frame(case, equation)
    end subroutine choose_extras
+
+   !> The storeys of the frame: with all modes an effect, reduced only another push of the ground.
+   subroutine add_frame(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+
+      call prepare_storeys(case, equation)
+      if (.not. allocated(equation%floors%m)) return
+      equation%floors%first = equation%n + 1
+      call add_extra(equation, extra_t(add_storeys, storey_power, storey_energy, storey_input, &
+         2*size(equation%floors%m) - 2, storey_rates, storey_sizes))
+   end subroutine add_frame
 
    !> Append an effect; its states come after those that are there.
    subroutine add_extra(equation, extra)
@@ -105,5 +120,23 @@ contains
          end if
       end do
    end function extra_power
+
+   !> Power of the ground motion on masses of further effects [W/kg].
+   real(wp) function extra_input(equation, t, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      integer :: i
+
+      power = 0
+      if (.not. allocated(equation%extras)) return
+      do i = 1, size(equation%extras)
+         if (associated(equation%extras(i)%input)) then
+            power = power + equation%extras(i)%input(equation, t, y)
+         end if
+      end do
+   end function extra_input
 
 end module rwmf_extras

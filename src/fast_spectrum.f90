@@ -92,6 +92,7 @@ contains
       is_supported = allocated(case%wall) .and. allocated(case%frame) &
          .and. .not. allocated(case%initial) .and. .not. allocated(case%solver%accuracy) &
          .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
+         .and. .not. allocated(case%storeys) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
       if (is_supported) is_supported = case%wall%base == 'rocking'
    end function is_supported

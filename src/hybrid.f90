@@ -12,6 +12,7 @@ module rwmf_hybrid
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: interval_at, interval_end
    use rwmf_observer, only: observe_event, observe_impact, observe_piece, observe_rest, observer_t
+   use rwmf_moving_rest, only: may_rest_moving, move_at_rest
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
       pass_knot
    use rwmf_rest, only: find_lift_off, may_rest, pull_duration
@@ -46,6 +47,7 @@ contains
       hybrid%steps_at_knot = 0_i8
       equation%interval = interval_at(equation%motion, t)
       equation%side = 1
+      equation%is_held = .false.
       call find_bearing(equation, y)
       if (.not. equation%has_impacts) then
          hybrid%mode = mode_no_impacts
@@ -70,7 +72,8 @@ contains
 
       do while (hybrid%t < t_target .and. hybrid%mode /= mode_overturned)
          if (hybrid%mode == mode_rest) then
-            call stay_at_rest(hybrid, equation, observer, t_target)
+            call stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
+            if (allocated(error)) return
          else
             call fly(hybrid, equation, stepper, observer, t_target, error)
             if (allocated(error)) return
@@ -101,22 +104,29 @@ contains
    end subroutine check_work
 
    !> Rest until the ground motion lifts the wall.
-   subroutine stay_at_rest(hybrid, equation, observer, t_target)
+   subroutine stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
+      type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_limit
       integer :: side
 
       side = 0
-      do while (side == 0 .and. hybrid%t < t_target)
+      if (equation%moves_at_rest) then
+         call move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
+         if (allocated(error)) return
+      end if
+      do while (side == 0 .and. hybrid%t < t_target .and. .not. equation%moves_at_rest)
          ! One interval at a time, because the history shows the ground motion as well.
          t_limit = min(t_target, interval_end(equation%motion, equation%interval))
          call find_lift_off(equation, t_limit, hybrid%t, equation%interval, side)
          call observe_rest(observer, equation, hybrid%t)
       end do
       if (side == 0) return
+      equation%is_held = .false.
       equation%side = side
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
@@ -213,6 +223,7 @@ contains
       type(equation_t), intent(inout) :: equation
       type(observer_t), intent(inout) :: observer
       real(wp) :: after
+      logical :: rests
 
       after = hybrid%e*hybrid%y(2)
       call observe_event(observer, event_impact, hybrid%t, hybrid%y)
@@ -220,9 +231,15 @@ contains
       hybrid%y(:2) = [0.0_wp, after]
       equation%side = -equation%side
       call find_bearing(equation, hybrid%y)
-      if (may_rest(equation, hybrid%t, abs(after), hybrid%e, &
-         negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
-         negligible*hybrid%rtol*observer%theta_dot_max)) then
+      if (equation%moves_at_rest) then
+         rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), hybrid%e, &
+            negligible*hybrid%rtol*observer%theta_dot_max)
+      else
+         rests = may_rest(equation, hybrid%t, abs(after), hybrid%e, &
+            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
+            negligible*hybrid%rtol*observer%theta_dot_max)
+      end if
+      if (rests) then
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
          call observe_event(observer, event_rest, hybrid%t, hybrid%y)

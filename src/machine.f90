@@ -210,6 +210,7 @@ contains
       if (.not. snapshot%follows_host) machine%equation%motion => machine%own_motion
       machine%equation%interval = snapshot%interval
       machine%equation%side = snapshot%side
+      machine%equation%is_held = .false.
       machine%equation%rhs_evaluations = snapshot%counts(4)
       machine%steps = snapshot%counts(3)
       associate (hybrid => machine%hybrid, observer => machine%observer)

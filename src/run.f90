@@ -8,7 +8,7 @@ module rwmf_run
    use rwmf_extras, only: extra_sizes
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum
-   use rwmf_kinds, only: i8, wp
+   use rwmf_kinds, only: i8, pi, wp
    use rwmf_methods, only: new_stepper
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
@@ -83,7 +83,7 @@ contains
 
       length = 1
       rate = sqrt(equation%p%g/equation%p%R)
-      if (equation%has_frame) rate = max(2.0_wp, equation%p%omega_s)
+      if (equation%has_frame) rate = max(2.0_wp, 2*pi/case%frame%T_s)
       if (equation%has_wall) length = 2*equation%p%R*equation%cos_alpha
       guess(1) = 0.02_wp*peak_acceleration(equation%motion)/rate**2/length
       if (equation%has_wall) guess(1) = min(guess(1), 0.01_wp*equation%p%alpha)

@@ -9,7 +9,7 @@ module rwmf_scene
    implicit none
    private
 
-   public :: equation_t, second_derivative_i, extra_t
+   public :: equation_t, second_derivative_i, extra_t, floors_t
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the states,
@@ -21,6 +21,8 @@ module rwmf_scene
       !! not associated: dissipates nothing
       procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
+      procedure(power_i), pointer, nopass :: input => null()
+      !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
       !! number of states of its own
       procedure(rates_i), pointer, nopass :: rates => null()
@@ -30,6 +32,18 @@ module rwmf_scene
       integer :: first = 0
       !! place of its first state among all
    end type extra_t
+
+   !> The floors of a frame with all its modes, from the ground to the roof.
+   type :: floors_t
+      real(wp), allocatable :: m(:)
+      !! (n) mass of each over m_w; without wall over that of the roof [-]
+      real(wp), allocatable :: k(:)
+      !! (n) stiffness of the storey below over the same mass [1/s2]
+      real(wp), allocatable :: c(:, :)
+      !! (n, n) damping over the same mass [1/s]
+      integer :: first = 3
+      !! place of their first state among all
+   end type floors_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
    type :: equation_t
@@ -48,6 +62,16 @@ module rwmf_scene
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
+      real(wp) :: push = 1
+      !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: quickest = 0
+      !! largest frequency of the frame's floors [rad/s]
+      type(floors_t) :: floors
+      !! of `&storeys` with all modes
+      logical :: moves_at_rest = .false.
+      !! further states move while the wall rests
+      logical :: is_held = .false.
+      !! theta is held: the wall rests while further states move
       logical :: has_wall
       logical :: has_impacts
       !! the wall rocks on its corners

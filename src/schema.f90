@@ -63,6 +63,14 @@ contains
          optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
             'mass ratio m_s/m_w; required with &wall, refused without'), &
          required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio'), &
+         required('storeys', 'm_over_m_w', 'real list', '-', positive, &
+            'mass of each floor over m_w (no wall: over any mass), from the ground up'), &
+         required('storeys', 'k_over_m_w', 'real list', '1/s2', positive, &
+            'stiffness of the storey below each floor over the same mass'), &
+         required('storeys', 'height', 'real list', 'm', positive, &
+            'height of each storey; with &wall their sum is 2h'), &
+         optional_key('storeys', 'coupling', 'choice', '', 'reduced', 'reduced full', &
+            'first mode as one mass, or all modes with the roof linked to the wall'), &
          required('link', 'L', 'real', 'm', positive, &
             'length of the link, Eqs (2), (3); absent: infinitely long'), &
          required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &

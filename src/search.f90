@@ -77,7 +77,7 @@ contains
          end if
       end if
       if (is_quiet .and. equation%has_frame) then
-         is_quiet = 2*(stepper%t1 - stepper%t0)*equation%p%omega_s < 1
+         is_quiet = 2*(stepper%t1 - stepper%t0)*max(equation%p%omega_s, equation%quickest) < 1
       end if
       if (is_quiet) then
          is_quiet = turning_point(equation%motion, equation%interval, stepper%t0) >= stepper%t1

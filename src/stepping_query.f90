@@ -9,6 +9,7 @@ module rwmf_stepping_query
    use rwmf_machine, only: machine_t
    use rwmf_result, only: event_t
    use rwmf_stepping, only: require, stepping_t
+   use rwmf_storeys, only: resistance
    implicit none
    private
 
@@ -126,6 +127,10 @@ contains
       type(cable_state_t) :: cable
       real(wp) :: frame_mass
       !! [kg]
+      real(wp) :: restoring
+      !! force of spring and damper on the mass at the link [N]
+      real(wp), allocatable :: floor_forces(:)
+      !! (floors) of `&storeys` with all modes [N]
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
@@ -134,11 +139,17 @@ contains
          frame_mass = machine%mass
          if (machine%equation%has_wall) frame_mass = p%gamma*machine%mass
          if (machine%equation%has_frame) then
-            forces%frame_shear = frame_mass*p%omega_s*(p%omega_s*state%u_s &
-               + 2*p%xi_s*state%u_s_dot)
+            restoring = frame_mass*p%omega_s*(p%omega_s*state%u_s + 2*p%xi_s*state%u_s_dot)
+            forces%frame_shear = machine%equation%push*restoring
+         end if
+         if (allocated(machine%equation%floors%m)) then
+            floor_forces = machine%mass*resistance(machine%equation, machine%hybrid%y)
+            forces%frame_shear = sum(floor_forces)
+            restoring = floor_forces(size(floor_forces))
          end if
          if (machine%equation%has_frame .and. machine%equation%has_wall) then
-            forces%link = frame_mass*(state%u_s_ddot + machine%ground) + forces%frame_shear
+            forces%link = frame_mass*(state%u_s_ddot + machine%equation%push*machine%ground) &
+               + restoring
          end if
          if (machine%equation%has_cable) then
             cable = cable_at(machine%equation, machine%hybrid%y(1))

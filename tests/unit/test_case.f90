@@ -289,7 +289,7 @@ contains
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do
-      call checks%that(size(group_names()) == 12, 'twelve groups')
+      call checks%that(size(group_names()) == 13, 'thirteen groups')
    end subroutine test_schema
 
    subroutine says(text, line)
