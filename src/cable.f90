@@ -1,11 +1,12 @@
 !> Force of the unbonded cable, over the weight of the wall, and its arm.
 module rwmf_cable
    use rwmf_kinds, only: wp
+   use rwmf_spring, only: spring_energy, spring_force, spring_t, spring_tangent
    implicit none
    private
 
    public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable, truss_cable
-   public :: cable_law_i
+   public :: cable_law_i, yielding_cable, cable_elongation
 
    !> Parameters of the cable.
    type :: cable_law_t
@@ -20,6 +21,12 @@ module rwmf_cable
       !! half height [m]
       real(wp) :: b = 0
       !! half width [m]
+      logical :: is_straight = .false.
+      !! 'truss', else 'linear'
+      logical :: is_tendon = .false.
+      !! it can yield or break
+      type(spring_t) :: tendon
+      !! then: its force over m_w g, its elongation in m
    end type cable_law_t
 
    !> Force, moment and stored energy at one rotation, over m_w g R.
@@ -99,23 +106,71 @@ contains
       real(wp), intent(in) :: phi
       integer, intent(in) :: side
       type(cable_state_t), intent(out) :: cable
+      real(wp) :: elongation
+      real(wp) :: arm
+      real(wp) :: arm_1
+
+      call straight_length(law, phi, elongation, arm, arm_1)
+      cable%force = law%eta_0 + law%rate*elongation
+      cable%moment = cable%force*arm/law%R
+      cable%moment_1 = (law%rate*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = elongation*(law%eta_0 + law%rate*elongation/2)/law%R
+   end subroutine truss_cable
+
+   !> Elongation of a straight cable and its derivatives by phi [m].
+   pure subroutine straight_length(law, phi, elongation, arm, arm_1)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: elongation
+      real(wp), intent(out) :: arm
+      real(wp), intent(out) :: arm_1
       real(wp) :: length
       real(wp) :: rise
       !! l**2 - (2h)**2 [m2]
-      real(wp) :: elongation
-      real(wp) :: arm
-      !! dl/dphi [m]
-      real(wp) :: arm_1
 
       rise = 4*law%b**2*sin(phi/2)**2 + 4*law%h*law%b*sin(phi)
       length = sqrt(4*law%h**2 + rise)
       elongation = rise/(length + 2*law%h)
       arm = (law%b**2*sin(phi) + 2*law%h*law%b*cos(phi))/length
       arm_1 = (law%b**2*cos(phi) - 2*law%h*law%b*sin(phi) - arm**2)/length
-      cable%force = law%eta_0 + law%rate*elongation
+   end subroutine straight_length
+
+   !> Elongation of a tendon and its arm, the derivative by phi [m]. For the linear law the arm of
+   !> Eq. (1) is R sin(alpha) = b.
+   pure subroutine cable_elongation(law, phi, elongation, arm, arm_1)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: elongation
+      real(wp), intent(out) :: arm
+      real(wp), intent(out), optional :: arm_1
+      !! derivative of the arm [m]
+      real(wp) :: slope
+
+      elongation = law%b*phi
+      arm = law%b
+      slope = 0
+      if (law%is_straight) call straight_length(law, phi, elongation, arm, slope)
+      if (present(arm_1)) arm_1 = slope
+   end subroutine cable_elongation
+
+   !> Tendon that yields, goes slack or breaks, on either law's elongation.
+   pure subroutine yielding_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+      real(wp) :: elongation
+      real(wp) :: arm
+      real(wp) :: arm_1
+
+      call cable_elongation(law, phi, elongation, arm, arm_1)
+      cable%force = spring_force(law%tendon, elongation)
       cable%moment = cable%force*arm/law%R
-      cable%moment_1 = (law%rate*arm**2 + cable%force*arm_1)/law%R
-      cable%energy = elongation*(law%eta_0 + law%rate*elongation/2)/law%R
-   end subroutine truss_cable
+      cable%moment_1 = (spring_tangent(law%tendon)*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = spring_energy(law%tendon, elongation)/law%R
+   end subroutine yielding_cable
 
 end module rwmf_cable

@@ -9,8 +9,8 @@ module rwmf_case
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, storeys_t, damper_t, cable_t, impact_t
-   public :: motion_spec_t
+   public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: impact_t, motion_spec_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -55,6 +55,26 @@ module rwmf_case
       !! damper constant over the mass of the wall [1/s]
    end type damper_t
 
+   !> Hysteretic fuses at the corners of the base, `&fuse`.
+   type :: fuse_t
+      real(wp) :: eta_y
+      !! yield force over m_w g [-]
+      real(wp) :: stroke_y
+      !! stroke at first yield [m]
+      real(wp) :: hardening
+      !! stiffness after yielding over elastic stiffness [-]
+   end type fuse_t
+
+   !> Inelastic frame, `&yielding`.
+   type :: yielding_t
+      real(wp) :: u_y
+      !! displacement at first yield [m]
+      real(wp) :: hardening
+      !! stiffness after yielding over elastic stiffness [-]
+      character(:), allocatable :: law
+      !! 'elastic_plastic'
+   end type yielding_t
+
    !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
    type :: cable_t
       real(wp) :: eta_0
@@ -63,6 +83,12 @@ module rwmf_case
       !! P(alpha)/(m_w g) [-]
       character(:), allocatable :: law
       !! 'linear' or 'truss'
+      real(wp), allocatable :: eta_y
+      !! P/(m_w g) at which the tendon yields [-]; absent: elastic
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp), allocatable :: rupture_strain
+      !! strain at which the tendon breaks, that of the prestress included [-]; absent: never
    end type cable_t
 
    !> Energy loss at impact, `&impact`.
@@ -78,17 +104,24 @@ module rwmf_case
    !> Ground motion, `&motion`.
    type :: motion_spec_t
       character(:), allocatable :: kind
-      !! 'none', 'one_sine', 'one_cosine', 'sine' or 'record'
+      !! 'none', a pulse ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker',
+      !! 'ricker_antisymmetric', 'mavroeidis_papageorgiou') or 'record'
       real(wp), allocatable :: a_max_g
-      !! amplitude of the pulse's acceleration in units of `&model g` [-]
+      !! largest acceleration of the pulse in units of `&model g` [-]
       real(wp), allocatable :: v_p
-      !! velocity amplitude of the pulse [m/s], Eqs (16), (17)
+      !! velocity amplitude of the pulse [m/s], Eqs (16), (17); no Ricker pulse has it
       real(wp), allocatable :: omega_p
       !! angular frequency of the pulse [rad/s]
       real(wp), allocatable :: T_p
       !! period of the pulse [s]
       real(wp) :: cycles
       !! number of cycles of kind 'sine' [-], 1 for the other pulses
+      integer :: n_pulses
+      !! n of kind 'type_c', C_n
+      real(wp), allocatable :: gamma_p
+      !! gamma of kind 'mavroeidis_papageorgiou': its number of cycles [-]
+      real(wp) :: nu
+      !! phase of the same [rad]
       real(wp) :: t_0
       !! start of the pulse [s]
       character(:), allocatable :: file
@@ -174,6 +207,8 @@ module rwmf_case
       type(storeys_t), allocatable :: storeys
       type(link_t), allocatable :: link
       type(damper_t), allocatable :: damper
+      type(fuse_t), allocatable :: fuse
+      type(yielding_t), allocatable :: yielding
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
       type(motion_spec_t), allocatable :: motion

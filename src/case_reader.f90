@@ -1,7 +1,7 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
-   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, impact_t, initial_t, link_t, &
-      motion_spec_t, output_t, spectrum_spec_t, wall_t
+   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, initial_t, link_t, &
+      motion_spec_t, output_t, spectrum_spec_t, wall_t, yielding_t
    use rwmf_case_rules, only: check_rules
    use rwmf_equivalent_frame, only: set_equivalent_frame
    use rwmf_errors, only: add_context, err_input, error_t, fail
@@ -84,11 +84,23 @@ contains
       if (has_group(groups, 'damper')) then
          case%damper = damper_t(real_of(groups, 'damper', 'c_over_m_w'))
       end if
+      if (has_group(groups, 'fuse')) then
+         case%fuse = fuse_t(real_of(groups, 'fuse', 'eta_y'), real_of(groups, 'fuse', 'stroke_y'), &
+            real_of(groups, 'fuse', 'hardening'))
+      end if
+      if (has_group(groups, 'yielding')) then
+         case%yielding = yielding_t(real_of(groups, 'yielding', 'u_y'), &
+            real_of(groups, 'yielding', 'hardening'))
+         case%yielding%law = text_of(groups, 'yielding', 'law')
+      end if
       if (has_group(groups, 'cable')) then
          case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &
             real_of(groups, 'cable', 'eta_alpha'))
          ! not in the constructor, where gfortran 12 loses the memory of the function's result
          case%cable%law = text_of(groups, 'cable', 'law')
+         case%cable%hardening = real_of(groups, 'cable', 'hardening')
+         call get_real(groups, 'cable', 'eta_y', case%cable%eta_y)
+         call get_real(groups, 'cable', 'rupture_strain', case%cable%rupture_strain)
       end if
       if (has_group(groups, 'impact')) then
          allocate (case%impact)
@@ -179,12 +191,15 @@ contains
 
       motion%kind = text_of(groups, 'motion', 'kind')
       motion%cycles = real_of(groups, 'motion', 'cycles')
+      motion%n_pulses = integer_of(groups, 'motion', 'n_pulses')
+      motion%nu = real_of(groups, 'motion', 'nu')
       motion%t_0 = real_of(groups, 'motion', 't_0')
       motion%scale = real_of(groups, 'motion', 'scale')
       call get_real(groups, 'motion', 'a_max_g', motion%a_max_g)
       call get_real(groups, 'motion', 'v_p', motion%v_p)
       call get_real(groups, 'motion', 'omega_p', motion%omega_p)
       call get_real(groups, 'motion', 'T_p', motion%T_p)
+      call get_real(groups, 'motion', 'gamma_p', motion%gamma_p)
       call get_real(groups, 'motion', 'dt', motion%dt)
       call get_text(groups, 'motion', 'file', motion%file)
       call get_text(groups, 'motion', 'unit', motion%unit)

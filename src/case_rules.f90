@@ -1,13 +1,13 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
    use rwmf_errors, only: err_input, error_t, fail
-   use rwmf_given, only: entry_of, get_list, group_of, has_group, has_key, real_of, integer_of, &
-      text_of
+   use rwmf_frame_rules, only: check_frame, check_storeys
+   use rwmf_given, only: get_list, has_group, has_key, real_of, integer_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
-   use rwmf_schema, only: belongs_to, key_t, keys_of, pulse_kinds
-   use rwmf_text, only: integer_to_text, real_to_text
-   use rwmf_validation, only: fail_at_entry, fail_at_group
+   use rwmf_rule_failures, only: check_needs, check_one_of, fail_group, fail_key
+   use rwmf_schema, only: belongs_to, find_key, key_t, keys_of, pulse_kinds
+   use rwmf_text, only: real_to_text
    implicit none
    private
 
@@ -58,6 +58,12 @@ contains
          call check_needs(groups, 'damper', 'wall', 'dampers work at corners that lift', error)
       end if
       if (.not. allocated(error)) then
+         call check_needs(groups, 'fuse', 'wall', 'fuses work at corners that lift', error)
+      end if
+      if (.not. allocated(error)) then
+         call check_needs(groups, 'yielding', 'frame', 'the frame is what yields', error)
+      end if
+      if (.not. allocated(error)) then
          call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
@@ -71,82 +77,6 @@ contains
             error)
       end if
    end subroutine check_presence
-
-   !> A group that is given needs another one.
-   subroutine check_needs(groups, group, other, reason, error)
-      type(group_t), intent(in) :: groups(:)
-      character(*), intent(in) :: group
-      character(*), intent(in) :: other
-      character(*), intent(in) :: reason
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. has_group(groups, group) .or. has_group(groups, other)) return
-      call fail_group(groups, group, 'must not be given without &'//other//' ('//reason//')', error)
-   end subroutine check_needs
-
-   !> Mass ratio and period of the frame.
-   subroutine check_frame(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. has_group(groups, 'frame') .or. has_group(groups, 'storeys')) return
-      if (has_group(groups, 'wall') .and. .not. has_key(groups, 'frame', 'gamma')) then
-         call fail_group(groups, 'frame', 'the key gamma is missing (mass ratio m_s/m_w): must ' &
-            //'be given with &wall, a number >= 0 [-]', error)
-      else if (has_key(groups, 'frame', 'gamma') .and. .not. has_group(groups, 'wall')) then
-         call fail_key(groups, 'frame', 'gamma', 'must not be given without &wall (the bare ' &
-            //'frame has no mass ratio)', error)
-      else if (.not. has_key(groups, 'frame', 'T_s') .and. .not. has_group(groups, 'spectrum')) then
-         call fail_group(groups, 'frame', 'the key T_s is missing (undamped period): must be ' &
-            //'given without &spectrum, a number > 0 [s]', error)
-      end if
-   end subroutine check_frame
-
-   !> Storeys say what period and mass ratio would say; their lists belong together.
-   subroutine check_storeys(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: m(:)
-      real(wp), allocatable :: k(:)
-      real(wp), allocatable :: height(:)
-      real(wp) :: top
-      character(5), parameter :: keys(2) = ['T_s  ', 'gamma']
-      integer :: i
-
-      if (.not. has_group(groups, 'storeys')) return
-      do i = 1, size(keys)
-         if (.not. has_key(groups, 'frame', trim(keys(i)))) cycle
-         call fail_key(groups, 'frame', trim(keys(i)), 'must not be given with &storeys, which ' &
-            //'set it', error)
-         return
-      end do
-      if (has_key(groups, 'spectrum', 'gamma')) then
-         call fail_key(groups, 'spectrum', 'gamma', 'must not be given with &storeys, which ' &
-            //'set it', error)
-         return
-      end if
-      call get_list(groups, 'storeys', 'm_over_m_w', m)
-      call get_list(groups, 'storeys', 'k_over_m_w', k)
-      call get_list(groups, 'storeys', 'height', height)
-      if (size(k) /= size(m)) call fail_length('k_over_m_w', size(k))
-      if (size(height) /= size(m)) call fail_length('height', size(height))
-      if (allocated(error) .or. .not. has_group(groups, 'wall')) return
-      top = 2*real_of(groups, 'wall', 'h')
-      if (abs(sum(height) - top) <= 1.0e-6_wp*top) return
-      call fail_key(groups, 'storeys', 'height', 'their sum is '//real_to_text(sum(height)) &
-         //' m, must be the height of the wall that the roof is linked to, 2h = ' &
-         //real_to_text(top)//' m', error)
-
-   contains
-
-      subroutine fail_length(key, n)
-         character(*), intent(in) :: key
-         integer, intent(in) :: n
-
-         call fail_key(groups, 'storeys', key, 'has '//integer_to_text(n)//' values, must have ' &
-            //'one for each of the '//integer_to_text(size(m))//' storeys of m_over_m_w', error)
-      end subroutine fail_length
-   end subroutine check_storeys
 
    !> Exactly one of e and r for rule 'constant', none for the others.
    subroutine check_impact(groups, error)
@@ -171,13 +101,14 @@ contains
    subroutine check_base(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
-      character(6), parameter :: excluded(4) = [character(6) :: 'impact', 'cable', 'link', &
-         'damper']
-      character(60), parameter :: reasons(4) = [character(60) :: &
+      character(6), parameter :: excluded(*) = [character(6) :: 'impact', 'cable', 'link', &
+         'damper', 'fuse']
+      character(60), parameter :: reasons(size(excluded)) = [character(60) :: &
          'a hinged wall has no impacts', &
          'a straight cable through the hinge is not stretched', &
          'the link of a hinged wall is infinitely long', &
-         'the dampers work at corners that lift']
+         'the dampers work at corners that lift', &
+         'the fuses work at corners that lift']
       integer :: i
 
       if (.not. has_group(groups, 'wall')) return
@@ -223,8 +154,83 @@ contains
           .and. text_of(groups, 'model', 'formulation') == 'published') then
          call fail_key(groups, 'cable', 'law', "must be 'linear' with &model formulation = " &
             //"'published' (its default); 'truss' needs 'symmetric' or 'exact'", error)
+      else if (has_key(groups, 'cable', 'eta_y') .or. has_key(groups, 'cable', &
+         'rupture_strain')) then
+         call check_tendon(groups, error)
+      else if (has_key(groups, 'cable', 'hardening')) then
+         call fail_key(groups, 'cable', 'hardening', 'must not be given without eta_y', error)
       end if
    end subroutine check_cable
+
+   !> A cable that yields or breaks: elongations need a stiffness, and it must not begin beyond its
+   !> limits.
+   subroutine check_tendon(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(14) :: key
+      real(wp) :: eta_0
+
+      key = 'eta_y'
+      if (.not. has_key(groups, 'cable', 'eta_y')) key = 'rupture_strain'
+      eta_0 = real_of(groups, 'cable', 'eta_0')
+      if (text_of(groups, 'model', 'formulation') == 'published') then
+         call fail_key(groups, 'cable', trim(key), "must not be given with &model formulation = " &
+            //"'published' (its default), where the force falls with rocking to one side; " &
+            //"'symmetric' and 'exact' allow it", error)
+      else if (real_of(groups, 'cable', 'eta_alpha') <= eta_0) then
+         call fail_key(groups, 'cable', trim(key), 'needs eta_alpha > eta_0 = ' &
+            //real_to_text(eta_0)//', which says how stiff the cable is', error)
+      else if (has_key(groups, 'cable', 'hardening') .and. key /= 'eta_y') then
+         call fail_key(groups, 'cable', 'hardening', 'must not be given without eta_y', error)
+      else if (has_key(groups, 'cable', 'eta_y')) then
+         if (real_of(groups, 'cable', 'eta_y') <= eta_0) then
+            call fail_key(groups, 'cable', 'eta_y', 'must be > eta_0 = '//real_to_text(eta_0), &
+               error)
+         end if
+      end if
+      if (allocated(error) .or. .not. has_key(groups, 'cable', 'rupture_strain')) return
+      call check_strain(groups, eta_0, error)
+   end subroutine check_tendon
+
+   !> The prestress alone must not break the cable, for any width of the spectrum.
+   subroutine check_strain(groups, eta_0, error)
+      type(group_t), intent(in) :: groups(:)
+      real(wp), intent(in) :: eta_0
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: b(:)
+      real(wp) :: h
+      real(wp) :: strain
+      integer :: i
+
+      h = real_of(groups, 'wall', 'h')
+      call get_list(groups, 'spectrum', 'b', b)
+      if (.not. allocated(b)) b = [real_of(groups, 'wall', 'b')]
+      strain = 0
+      do i = 1, size(b)
+         strain = max(strain, eta_0/(2*h)*elongation_at_alpha(text_of(groups, 'cable', 'law'), h, &
+            b(i))/(real_of(groups, 'cable', 'eta_alpha') - eta_0))
+      end do
+      if (real_of(groups, 'cable', 'rupture_strain') > strain) return
+      call fail_key(groups, 'cable', 'rupture_strain', 'must be > '//real_to_text(strain) &
+         //', the strain of the prestress', error)
+   end subroutine check_strain
+
+   !> Elongation of the cable at theta = alpha: b alpha for Eq. (1), else that of a straight cable
+   !> [m].
+   pure real(wp) function elongation_at_alpha(law, h, b) result(elongation)
+      character(*), intent(in) :: law
+      real(wp), intent(in) :: h
+      !! half height [m]
+      real(wp), intent(in) :: b
+      !! half width [m]
+      real(wp) :: alpha
+
+      alpha = atan2(b, h)
+      elongation = b*alpha
+      if (law == 'truss') then
+         elongation = sqrt(4*h**2 + 2*b**2*(1 - cos(alpha)) + 4*h*b*sin(alpha)) - 2*h
+      end if
+   end function elongation_at_alpha
 
    !> Keys of the kind of motion, and no others.
    subroutine check_motion(groups, error)
@@ -245,14 +251,36 @@ contains
          return
       end do
       if (index(' '//pulse_kinds//' ', ' '//kind//' ') > 0) then
-         call check_one_of(groups, 'motion', 'a_max_g', 'v_p', "with kind = '"//kind//"'", error)
-         if (allocated(error)) return
-         call check_one_of(groups, 'motion', 'omega_p', 'T_p', "with kind = '"//kind//"'", error)
+         call check_pulse(groups, keys, kind, error)
       else if (kind == 'record' .and. .not. has_key(groups, 'motion', 'file')) then
          call fail_group(groups, 'motion', 'the key file is missing: must be the path of the ' &
             //'record in quotes', error)
       end if
    end subroutine check_motion
+
+   !> Amplitude and period of a pulse, and what its kind requires.
+   subroutine check_pulse(groups, keys, kind, error)
+      type(group_t), intent(in) :: groups(:)
+      type(key_t), intent(in) :: keys(:)
+      !! of `&motion`
+      character(*), intent(in) :: kind
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: condition
+
+      condition = "with kind = '"//kind//"'"
+      if (belongs_to(keys(find_key(keys, 'v_p')), kind)) then
+         call check_one_of(groups, 'motion', 'a_max_g', 'v_p', condition, error)
+      else if (.not. has_key(groups, 'motion', 'a_max_g')) then
+         call fail_group(groups, 'motion', 'the key a_max_g is missing (largest acceleration ' &
+            //'over g): must be given '//condition//', any finite number [-]', error)
+      end if
+      if (allocated(error)) return
+      call check_one_of(groups, 'motion', 'omega_p', 'T_p', condition, error)
+      if (allocated(error) .or. has_key(groups, 'motion', 'gamma_p')) return
+      if (.not. belongs_to(keys(find_key(keys, 'gamma_p')), kind)) return
+      call fail_group(groups, 'motion', 'the key gamma_p is missing (number of cycles in the ' &
+         //'envelope): must be given '//condition//', a number in (1, 1000] [-]', error)
+   end subroutine check_pulse
 
    !> The start must not be overturned already, for any width of the spectrum.
    subroutine check_initial(groups, error)
@@ -362,47 +390,5 @@ contains
          call fail(error, err_input, '&solver: '//problem)
       end if
    end subroutine check_end
-
-   !> Exactly one of two keys must be given.
-   subroutine check_one_of(groups, group, a, b, condition, error)
-      type(group_t), intent(in) :: groups(:)
-      character(*), intent(in) :: group
-      character(*), intent(in) :: a
-      character(*), intent(in) :: b
-      character(*), intent(in) :: condition
-      !! 'with ...'
-      type(error_t), allocatable, intent(out) :: error
-
-      if (has_key(groups, group, a) .and. has_key(groups, group, b)) then
-         call fail_key(groups, group, b, 'must not be given beside '//a//': exactly one of both ' &
-            //condition, error)
-      else if (.not. has_key(groups, group, a) .and. .not. has_key(groups, group, b)) then
-         call fail_group(groups, group, 'exactly one of the keys '//a//' and '//b &
-            //' must be given '//condition, error)
-      end if
-   end subroutine check_one_of
-
-   !> Report a group by its name.
-   subroutine fail_group(groups, group, problem, error)
-      type(group_t), intent(in) :: groups(:)
-      character(*), intent(in) :: group
-      character(*), intent(in) :: problem
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail_at_group(groups(group_of(groups, group)), problem, error)
-   end subroutine fail_group
-
-   !> Report a key by its name.
-   subroutine fail_key(groups, group, key, problem, error)
-      type(group_t), intent(in) :: groups(:)
-      character(*), intent(in) :: group
-      character(*), intent(in) :: key
-      character(*), intent(in) :: problem
-      type(error_t), allocatable, intent(out) :: error
-      integer :: at
-
-      at = group_of(groups, group)
-      call fail_at_entry(groups(at), groups(at)%entries(entry_of(groups(at), key)), problem, error)
-   end subroutine fail_key
 
 end module rwmf_case_rules

@@ -79,6 +79,15 @@ contains
          call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
       else if (allocated(case%damper)) then
          call fail(error, err_input, 'an element has no &damper: the host can add one of its own')
+      else if (allocated(case%fuse)) then
+         call fail(error, err_input, 'an element has no &fuse: the host can add one of its own')
+      else if (allocated(case%yielding)) then
+         call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
+      else if (allocated(case%cable)) then
+         if (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain)) then
+            call fail(error, err_input, 'the cable of an element is elastic: &cable eta_y and ' &
+               //'rupture_strain are not simulated')
+         end if
       end if
       if (allocated(error)) return
       wall_alone = case

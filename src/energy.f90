@@ -8,6 +8,7 @@ module rwmf_energy
    use rwmf_extras, only: extra_energy, extra_input, extra_power
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
+   use rwmf_memory, only: tendon_power
    use rwmf_motion, only: acceleration
    implicit none
    private
@@ -89,6 +90,7 @@ contains
          end if
       end associate
       power = power + extra_power(equation, t, y)
+      if (equation%cable%is_tendon) power = power + tendon_power(equation, y)
    end function viscous_power
 
    !> Kinetic energy that an impact takes [J/kg].

@@ -8,8 +8,8 @@
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
-      truss_cable
-   use rwmf_case, only: case_t
+      truss_cable, yielding_cable
+   use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
    use rwmf_extras, only: choose_extras, extra_rates
    use rwmf_kinds, only: i8, pi, wp
@@ -18,6 +18,7 @@ module rwmf_equation
    use rwmf_motion, only: motion_t
    use rwmf_scene, only: cable_at, cable_moment, equation_t, frame_displacement, &
       ground, kinematics_at, lift_off_drive, second_derivative_i
+   use rwmf_spring, only: new_spring
    implicit none
    private
 
@@ -59,7 +60,8 @@ contains
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma*equation%push)
          equation%bearing = equation%threshold
-         equation%bears_extras = equation%has_impacts .and. allocated(equation%extras)
+         equation%bears_extras = equation%has_impacts &
+            .and. (allocated(equation%extras) .or. equation%has_memory)
          if (allocated(equation%extras)) then
             equation%acceleration_positive => with_extras
             equation%acceleration_negative => with_extras
@@ -142,6 +144,7 @@ contains
       equation%cable%b = case%wall%b
       if (case%cable%law == 'truss') then
          equation%cable_law => truss_cable
+         equation%cable%is_straight = .true.
          unit_law = equation%cable
          unit_law%eta_0 = 0
          unit_law%rate = 1
@@ -152,7 +155,39 @@ contains
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
          if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
       end if
+      if (can_yield(case%cable)) call choose_tendon(case, equation)
    end subroutine choose_cable
+
+   !> Can the cable yield or break?
+   pure logical function can_yield(cable)
+      type(cable_t), intent(in) :: cable
+
+      can_yield = allocated(cable%eta_y) .or. allocated(cable%rupture_strain)
+   end function can_yield
+
+   !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.
+   subroutine choose_tendon(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      real(wp) :: stiffness
+      !! over m_w g [1/m]
+      real(wp) :: yield
+      real(wp) :: rupture
+      !! elongation since theta = 0 [m]
+
+      stiffness = equation%cable%rate
+      if (.not. equation%cable%is_straight) stiffness = stiffness/case%wall%b
+      yield = huge(yield)
+      if (allocated(case%cable%eta_y)) yield = case%cable%eta_y
+      rupture = huge(rupture)
+      if (allocated(case%cable%rupture_strain)) then
+         rupture = 2*case%wall%h*case%cable%rupture_strain - case%cable%eta_0/stiffness
+      end if
+      equation%cable%is_tendon = .true.
+      equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
+         case%cable%eta_0, is_tendon=.true., rupture=rupture)
+      equation%cable_law => yielding_cable
+   end subroutine choose_tendon
 
    subroutine choose_acceleration(formulation, law, equation)
       character(*), intent(in) :: formulation
@@ -162,7 +197,8 @@ contains
 
       equation%acceleration_negative => wall_and_frame
       equation%acceleration_positive => wall_and_frame
-      if (law /= 'truss' .and. equation%geometry%link <= 0) then
+      if (law /= 'truss' .and. equation%geometry%link <= 0 &
+          .and. .not. equation%cable%is_tendon) then
          equation%acceleration_positive => corner_linear
          if (formulation == 'symmetric') equation%acceleration_negative => corner_linear
       end if

@@ -4,6 +4,7 @@ module rwmf_extras
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_power
    use rwmf_kinds, only: wp
+   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_power
    use rwmf_scene, only: equation_t, extra_t
    use rwmf_storeys, only: add_storeys, prepare_storeys, storey_energy, storey_input, &
       storey_power, storey_rates, storey_sizes
@@ -22,6 +23,12 @@ contains
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
          call add_extra(equation, extra_t(add_damper, damper_power))
+      end if
+      if (allocated(case%fuse) .or. allocated(case%yielding) .or. equation%cable%is_tendon) then
+         call choose_springs(case, equation)
+      end if
+      if (allocated(case%fuse) .or. allocated(case%yielding)) then
+         call add_extra(equation, extra_t(add_springs, springs_power, springs_energy))
       end if
       if (allocated(case%storeys)) call add_frame(case, equation)
    end subroutine choose_extras

@@ -11,7 +11,7 @@ module rwmf_fast_spectrum
    use rwmf_fast_lanes, only: lanes
    use rwmf_fast_machine, only: best_level
    use rwmf_kinds, only: pi, wp
-   use rwmf_motion, only: motion_t
+   use rwmf_motion, only: fastest_rate, motion_t
    implicit none
    private
 
@@ -65,10 +65,10 @@ contains
       is_done = .false.
       if (.not. is_supported(case)) return
       do i = 0, halvings
-         if (any(levels(case, T_s) == i)) call build_grid(motion, case%solver%t_end, &
-            longest_step(case)/2.0_wp**i, grid(i))
+         if (any(levels(case, motion, T_s) == i)) call build_grid(motion, case%solver%t_end, &
+            longest_step(case, motion)/2.0_wp**i, grid(i))
       end do
-      task = list_tasks(case, T_s, gamma, b)
+      task = list_tasks(levels(case, motion, T_s), T_s, gamma, b)
       level = best_level()
       do i = 1, size(law)
          associate (j => mod(i - 1, size(gamma)) + 1, k => (i - 1)/size(gamma) + 1)
@@ -93,20 +93,22 @@ contains
          .and. .not. allocated(case%initial) .and. .not. allocated(case%solver%accuracy) &
          .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
          .and. .not. allocated(case%storeys) &
+         .and. .not. allocated(case%fuse) .and. .not. allocated(case%yielding) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
       if (is_supported) is_supported = case%wall%base == 'rocking'
+      if (is_supported .and. allocated(case%cable)) is_supported = &
+         .not. (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain))
    end function is_supported
 
-   !> Longest step [s]: a fraction of the wall's own time, and of the period of a pulse, whose
-   !> acceleration is a cubic in a step.
-   pure real(wp) function longest_step(case) result(h)
+   !> Longest step [s]: a fraction of the wall's own time, and of the time in which the acceleration
+   !> of a pulse varies, which is a cubic in a step.
+   pure real(wp) function longest_step(case, motion) result(h)
       type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
 
       h = 0.024_wp*sqrt(case%wall%h/case%model%g)
       h = h*fineness(case)
-      if (.not. allocated(case%motion)) return
-      if (allocated(case%motion%omega_p)) h = min(h, 0.06_wp/case%motion%omega_p)
-      if (allocated(case%motion%T_p)) h = min(h, 0.01_wp*case%motion%T_p)
+      if (fastest_rate(motion) > 0) h = min(h, 0.06_wp/fastest_rate(motion))
    end function longest_step
 
    !> What the tolerance makes of the step: the scheme converges with its third power.
@@ -117,18 +119,17 @@ contains
    end function fineness
 
    !> Group the ordinates by mass ratio, width and step, in the order of their periods.
-   pure function list_tasks(case, T_s, gamma, b) result(task)
-      type(case_t), intent(in) :: case
+   pure function list_tasks(level, T_s, gamma, b) result(task)
+      integer, intent(in) :: level(:)
+      !! (n_T) halvings of the step
       real(wp), intent(in) :: T_s(:)
       real(wp), intent(in) :: gamma(:)
       real(wp), intent(in) :: b(:)
       type(task_t), allocatable :: task(:)
       integer :: order(size(T_s))
-      integer :: level(size(T_s))
       integer :: j, k, l, n
 
       order = sorted(T_s)
-      level = levels(case, T_s)
       allocate (task(0))
       do k = 1, size(b)
          do j = 1, size(gamma)
@@ -162,15 +163,17 @@ contains
    end function task_of
 
    !> Halvings that a period calls for; one more than there are: no step is short enough.
-   pure elemental integer function levels(case, T_s)
+   pure function levels(case, motion, T_s)
       type(case_t), intent(in) :: case
-      real(wp), intent(in) :: T_s
-      !! [s]
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: T_s(:)
+      !! (n_T) [s]
+      integer :: levels(size(T_s))
       real(wp) :: angle
       !! omega_s h allowed [rad]
 
       angle = 0.35_wp*fineness(case)
-      levels = max(0, ceiling(log(2*pi*longest_step(case)/(T_s*angle))/log(2.0_wp)))
+      levels = max(0, ceiling(log(2*pi*longest_step(case, motion)/(T_s*angle))/log(2.0_wp)))
       levels = min(levels, halvings + 1)
    end function levels
 

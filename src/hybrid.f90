@@ -10,13 +10,18 @@ module rwmf_hybrid
    use rwmf_equation, only: equation_t, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
+   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
+      turn_back
    use rwmf_motion, only: interval_at, interval_end
-   use rwmf_observer, only: observe_event, observe_impact, observe_piece, observe_rest, observer_t
    use rwmf_moving_rest, only: may_rest_moving, move_at_rest
+   use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
+      observe_rest, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
       pass_knot
    use rwmf_rest, only: find_lift_off, may_rest, pull_duration
-   use rwmf_result, only: event_impact, event_lift_off, event_overturned, event_rest
+   use rwmf_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
+      event_peak, &
+      event_rest, event_rupture
    use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
    use rwmf_text, only: real_to_text
@@ -48,16 +53,28 @@ contains
       equation%interval = interval_at(equation%motion, t)
       equation%side = 1
       equation%is_held = .false.
-      call find_bearing(equation, y)
       if (.not. equation%has_impacts) then
+         if (equation%has_memory) call begin_memory(equation, y(1))
          hybrid%mode = mode_no_impacts
          return
       end if
       if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
+      if (equation%has_memory) call begin_memory(equation, y(1))
+      call find_bearing(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine begin_hybrid
+
+   !> Springs that have not moved before, at the initial rotation.
+   subroutine begin_memory(equation, theta)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+
+      call reset_memory(equation)
+      call load_to(equation, theta)
+   end subroutine begin_memory
 
    !> Follow the system to the time t_target, or to overturning.
    subroutine advance_hybrid(hybrid, equation, stepper, observer, t_target, control, error)
@@ -153,6 +170,7 @@ contains
          return
       end if
       if (hybrid%must_restart) then
+         if (equation%has_memory) call renew_window(equation)
          call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
@@ -166,6 +184,11 @@ contains
       select case (event)
       case (event_impact)
          call bounce(hybrid, equation, observer)
+      case (event_branch)
+         call change_branch(hybrid, equation, observer)
+      case (event_peak)
+         call turn_back(equation, hybrid%y(1))
+         hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
          call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
@@ -174,6 +197,26 @@ contains
       end select
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
+
+   !> A spring enters another branch.
+   subroutine change_branch(hybrid, equation, observer)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(inout) :: observer
+      logical :: was_broken
+
+      was_broken = tendon_is_broken(equation)
+      call observe_state(observer, equation, hybrid%t, hybrid%y)
+      call observe_branch(observer, equation, hybrid%y, +1)
+      call pass_window(equation, is_rising=hybrid%y(1) >= equation%high)
+      call observe_branch(observer, equation, hybrid%y, -1)
+      hybrid%must_restart = .true.
+      if (tendon_is_broken(equation) .and. .not. was_broken) then
+         call observe_event(observer, event_rupture, hybrid%t, hybrid%y)
+      else
+         call observe_event(observer, event_branch, hybrid%t, hybrid%y)
+      end if
+   end subroutine change_branch
 
    !> Estimated duration of a flight that begins at theta = 0: a little more than 2 v/a against an
    !> acceleration that pulls it back, or twice the time for which the motion pulls it off; else no
@@ -229,6 +272,7 @@ contains
       call observe_event(observer, event_impact, hybrid%t, hybrid%y)
       call observe_impact(observer, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
+      call turn_back(equation, 0.0_wp)
       equation%side = -equation%side
       call find_bearing(equation, hybrid%y)
       if (equation%moves_at_rest) then

@@ -8,11 +8,14 @@ module rwmf_machine
    use rwmf_errors, only: error_t
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
+   use rwmf_memory, only: renew_window
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_observer, only: create_observer, observer_t
    use rwmf_one_step, only: one_step_t
    use rwmf_run, only: guess_size, initial_state, restitution, tolerances
+   use rwmf_scene, only: sprung_t
+   use rwmf_spring, only: spring_t
    use rwmf_stepper, only: stepper_t
    implicit none
    private
@@ -57,6 +60,9 @@ module rwmf_machine
       real(wp), allocatable :: y(:)
       !! (states)
       logical :: must_restart = .true.
+      type(spring_t) :: tendon
+      type(sprung_t), allocatable :: springs(:)
+      !! memory of what yields
       integer :: interval = 0
       integer :: side = 1
       real(wp) :: extremes(5) = 0
@@ -180,6 +186,8 @@ contains
       snapshot%ground = machine%ground
       snapshot%interval = machine%equation%interval
       snapshot%side = machine%equation%side
+      snapshot%tendon = machine%equation%cable%tendon
+      if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
       associate (hybrid => machine%hybrid, observer => machine%observer)
          snapshot%mode = hybrid%mode
          snapshot%t_hybrid = hybrid%t
@@ -211,6 +219,11 @@ contains
       machine%equation%interval = snapshot%interval
       machine%equation%side = snapshot%side
       machine%equation%is_held = .false.
+      machine%equation%cable%tendon = snapshot%tendon
+      if (machine%equation%has_memory) then
+         machine%equation%springs = snapshot%springs
+         call renew_window(machine%equation)
+      end if
       machine%equation%rhs_evaluations = snapshot%counts(4)
       machine%steps = snapshot%counts(3)
       associate (hybrid => machine%hybrid, observer => machine%observer)

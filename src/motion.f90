@@ -6,13 +6,15 @@
 module rwmf_motion
    use rwmf_case, only: case_t, motion_spec_t
    use rwmf_kinds, only: pi, wp
+   use rwmf_pulse, only: amplitude_of, angular_frequency, build_pulse, cut_times, pulse_shape, &
+      pulse_t, type_c_phase
    implicit none
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
    public :: ground_t, follow_samples, follow_ground, is_known_until
    public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
-   public :: peak_acceleration
+   public :: fastest_rate, motion_end, peak_acceleration
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -20,6 +22,8 @@ module rwmf_motion
    !! amplitude*sin(omega*(t - t_0) + phase) in interval 1
    integer, parameter :: shape_given = 3
    !! what a host computes in interval 1, then constant
+   integer, parameter :: shape_pulse = 4
+   !! amplitude*pulse_shape(pulse, t) in all intervals between the knots
 
    !> Ground acceleration that a host program computes. Extend it by what the host needs to know.
    type, abstract :: ground_t
@@ -50,11 +54,13 @@ module rwmf_motion
       real(wp), allocatable :: slope(:)
       !! (knots) its rate in the interval after the knot [m/s3]
       real(wp) :: amplitude = 0
-      !! largest magnitude; of the harmonic pulse the (signed) amplitude [m/s2]
+      !! largest magnitude; of a pulse with its sign [m/s2]
       real(wp) :: omega = 0
       !! [rad/s]
       real(wp) :: phase = 0
       !! [rad]
+      type(pulse_t) :: pulse
+      !! of `shape_pulse`
       class(ground_t), pointer :: ground => null()
       !! of a host, for the time of one advance
       logical :: is_open = .false.
@@ -73,8 +79,10 @@ contains
          return
       end if
       select case (case%motion%kind)
-      case ('one_sine', 'one_cosine', 'sine')
+      case ('one_sine', 'one_cosine', 'sine', 'type_c')
          motion = harmonic_pulse(case%motion, case%model%g)
+      case ('ricker', 'ricker_antisymmetric', 'mavroeidis_papageorgiou')
+         motion = smooth_pulse(case%motion, case%model%g)
       case ('record')
          motion = piecewise_linear_motion(case%record%t, case%record%a)
       case default
@@ -185,35 +193,52 @@ contains
       scaled%slope = factor*motion%slope
    end function scaled_motion
 
-   !> One-sine pulse (16), one-cosine pulse (17) or several cycles of a sine.
+   !> One-sine pulse (16), one-cosine pulse (17), several cycles of a sine, or the pulse C_n: a
+   !> cosine of the phase phi that lasts until the ground is back where it began.
    !>
-   !> Eq. (16) has the amplitude omega_p v_p/2, Eq. (17) omega_p v_p.
+   !> Eq. (16) has the amplitude omega_p v_p/2, the cosines omega_p v_p.
    pure function harmonic_pulse(spec, g) result(motion)
       type(motion_spec_t), intent(in) :: spec
       real(wp), intent(in) :: g
       !! unit of `a_max_g` [m/s2]
       type(motion_t) :: motion
-      real(wp) :: T_p
+      real(wp) :: cycles
+      real(wp) :: velocity_factor
 
-      if (allocated(spec%omega_p)) then
-         motion%omega = spec%omega_p
-         T_p = 2*pi/spec%omega_p
-      else
-         motion%omega = 2*pi/spec%T_p
-         T_p = spec%T_p
-      end if
-      if (allocated(spec%a_max_g)) then
-         motion%amplitude = spec%a_max_g*g
-      else if (spec%kind == 'one_cosine') then
-         motion%amplitude = motion%omega*spec%v_p
-      else
-         motion%amplitude = motion%omega*spec%v_p/2
-      end if
       motion%shape = shape_harmonic
-      motion%phase = merge(pi/2, 0.0_wp, spec%kind == 'one_cosine')
+      motion%omega = angular_frequency(spec)
+      cycles = spec%cycles
+      velocity_factor = motion%omega
+      select case (spec%kind)
+      case ('one_cosine')
+         motion%phase = pi/2
+      case ('type_c')
+         motion%phase = pi/2 + type_c_phase(spec%n_pulses)
+         cycles = spec%n_pulses + 0.5_wp - type_c_phase(spec%n_pulses)/pi
+      case default
+         motion%phase = 0
+         velocity_factor = motion%omega/2
+      end select
+      motion%amplitude = amplitude_of(spec, g, velocity_factor)
       allocate (motion%knot(2), motion%a(0), motion%slope(0))
-      motion%knot(:) = [spec%t_0, spec%t_0 + spec%cycles*T_p]
+      motion%knot(:) = [spec%t_0, spec%t_0 + cycles*(2*pi/motion%omega)]
    end function harmonic_pulse
+
+   !> Ricker pulses, and that of Mavroeidis and Papageorgiou, whose v_p is A, the amplitude of the
+   !> velocity's envelope.
+   pure function smooth_pulse(spec, g) result(motion)
+      type(motion_spec_t), intent(in) :: spec
+      real(wp), intent(in) :: g
+      !! unit of `a_max_g` [m/s2]
+      type(motion_t) :: motion
+
+      motion%shape = shape_pulse
+      motion%omega = angular_frequency(spec)
+      motion%pulse = build_pulse(spec, motion%omega)
+      motion%amplitude = amplitude_of(spec, g, motion%omega*motion%pulse%peak/2)
+      allocate (motion%a(0), motion%slope(0))
+      motion%knot = cut_times(motion%pulse)
+   end function smooth_pulse
 
    !> Ground acceleration in an interval [m/s2].
    pure real(wp) function acceleration(motion, interval, t)
@@ -229,6 +254,8 @@ contains
          acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
       else if (motion%shape == shape_harmonic) then
          acceleration = motion%amplitude*harmonic(motion, t)
+      else if (motion%shape == shape_pulse) then
+         acceleration = motion%amplitude*pulse_shape(motion%pulse, t)
       else if (interval == 1) then
          acceleration = motion%ground%acceleration_at(t)
       else
@@ -308,7 +335,7 @@ contains
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
 
-      if (motion%shape == shape_harmonic) then
+      if (motion%shape == shape_harmonic .or. motion%shape == shape_pulse) then
          peak_near = abs(motion%amplitude)
       else
          peak_near = maxval(abs(motion%a(max(1, interval - 1):interval)))
@@ -318,7 +345,8 @@ contains
    !> First time after t at which the acceleration is extremal inside the interval, else its end
    !> [s].
    !>
-   !> Between t and that time the acceleration is monotone.
+   !> Between t and that time the acceleration is monotone. (`shape_pulse` has knots at its
+   !> extrema.)
    pure real(wp) function turning_point(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
@@ -371,5 +399,28 @@ contains
 
       peak_acceleration = abs(motion%amplitude)
    end function peak_acceleration
+
+   !> How fast the acceleration of a pulse varies inside its intervals: the fourth root of its
+   !> largest fourth derivative over its peak; 0 for straight lines [1/s].
+   pure real(wp) function fastest_rate(motion)
+      type(motion_t), intent(in) :: motion
+
+      select case (motion%shape)
+      case (shape_harmonic)
+         fastest_rate = motion%omega
+      case (shape_pulse)
+         fastest_rate = motion%pulse%fastest
+      case default
+         fastest_rate = 0
+      end select
+   end function fastest_rate
+
+   !> The last knot, after which the ground is still; 0 without any [s].
+   pure real(wp) function motion_end(motion)
+      type(motion_t), intent(in) :: motion
+
+      motion_end = 0
+      if (size(motion%knot) > 0) motion_end = motion%knot(size(motion%knot))
+   end function motion_end
 
 end module rwmf_motion

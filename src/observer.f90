@@ -19,7 +19,7 @@ module rwmf_observer
    private
 
    public :: observer_t, create_observer, observe_state, observe_piece, observe_rest
-   public :: observe_impact, observe_event, finish_observer
+   public :: observe_impact, observe_branch, observe_event, finish_observer
 
    !> Running maxima, counts and records.
    type :: observer_t
@@ -32,6 +32,8 @@ module rwmf_observer
       real(wp) :: theta_min
       real(wp) :: theta_dot_max
       !! largest |theta'| [rad/s]
+      real(wp) :: cable_max
+      !! largest P/(m_w g) of a tendon that can yield or break [-]
       integer(i8) :: impacts
       integer(i8) :: lift_offs
       logical :: keeps_energy
@@ -67,6 +69,7 @@ contains
       observer%theta_max = -huge(1.0_wp)
       observer%theta_min = huge(1.0_wp)
       observer%theta_dot_max = 0
+      observer%cable_max = 0
       observer%impacts = 0
       observer%lift_offs = 0
       observer%keeps_energy = .false.
@@ -143,11 +146,16 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
+      type(cable_state_t) :: cable
       real(wp) :: u
 
       observer%theta_max = max(observer%theta_max, y(1))
       observer%theta_min = min(observer%theta_min, y(1))
       observer%theta_dot_max = max(observer%theta_dot_max, abs(y(2)))
+      if (equation%cable%is_tendon) then
+         cable = cable_at(equation, y(1))
+         observer%cable_max = max(observer%cable_max, cable%force)
+      end if
       if (.not. equation%has_frame) return
       u = abs(frame_displacement(equation, y(1)))
       if (u > observer%u_max) then
@@ -323,6 +331,19 @@ contains
          observer%energy%impact = observer%energy%impact + impact_loss(equation, before, after)
       end if
    end subroutine observe_impact
+
+   !> A spring changes its branch: what it stores before and not after is dissipated (rupture).
+   subroutine observe_branch(observer, equation, y, part)
+      type(observer_t), intent(inout) :: observer
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      integer, intent(in) :: part
+      !! +1 before the change, -1 after it
+
+      if (.not. observer%keeps_energy) return
+      observer%energy%hysteretic = observer%energy%hysteretic + part*mechanical_energy(equation, y)
+   end subroutine observe_branch
 
    !> Keep an event for the list when there is one.
    subroutine observe_event(observer, kind, t, y)

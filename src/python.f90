@@ -17,8 +17,9 @@ module rwmf_python
    use rwmf_errors, only: error_t
    use rwmf_handles, only: find_run, find_sweep, join_status, keep_run, keep_sweep, &
       make_control, put_error, put_text, read_source, run_t, sweep_t
+   use rwmf_motion, only: motion_end, motion_from_case
    use rwmf_output, only: case_name, write_result, write_spectrum
-   use rwmf_result, only: event_impact, event_name, event_overturned
+   use rwmf_result, only: event_impact, event_name, event_rupture
    use rwmf_schema, only: schema_text
    use rwmf_simulation, only: run_simulation => simulate
    use rwmf_spectrum, only: compute_spectrum
@@ -58,7 +59,7 @@ contains
       integer :: kind_number
 
       names = ''
-      do kind_number = event_impact, event_overturned
+      do kind_number = event_impact, event_rupture
          names = names//event_name(kind_number)//new_line('a')
       end do
       call put_text(names, buffer, length)
@@ -86,6 +87,24 @@ contains
       !$omp end critical (rwmf_text)
       call put_error(error, status, message, message_length)
    end subroutine describe
+
+   !> End of the motion of a case, after which the ground is still [s].
+   subroutine end_of_motion(text, source, t, status, n_message, message, message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      real(c_double), intent(out) :: t
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(in) :: n_message
+      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int), intent(out) :: message_length
+      type(case_t) :: the_case
+      type(error_t), allocatable :: error
+
+      t = 0.0_c_double
+      call read_source(text, source, the_case, error)
+      if (.not. allocated(error)) t = real(motion_end(motion_from_case(the_case)), c_double)
+      call put_error(error, status, message, message_length)
+   end subroutine end_of_motion
 
    !> Run one simulation. `control` is (finished, cancel), read and set while this runs.
    subroutine simulate(text, source, control, handle, status, n_message, message, message_length)

@@ -6,12 +6,17 @@ module rwmf_result
 
    public :: result_t, history_t, event_t, energy_t, append_event, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
+   public :: event_branch, event_rupture
 
    integer, parameter :: event_impact = 1
    integer, parameter :: event_peak = 2
    integer, parameter :: event_lift_off = 3
    integer, parameter :: event_rest = 4
    integer, parameter :: event_overturned = 5
+   integer, parameter :: event_branch = 6
+   !! a spring begins to yield, goes slack or is taut again
+   integer, parameter :: event_rupture = 7
+   !! the tendon breaks
 
    !> An instant at which the regime of motion changes, or a peak of the rotation.
    type :: event_t
@@ -47,6 +52,8 @@ module rwmf_result
       !! dissipated by the frame's damper
       real(wp) :: impact
       !! dissipated by impacts
+      real(wp) :: hysteretic = 0
+      !! dissipated by yielding and rupture
    end type energy_t
 
    !> Result of one simulation. A component that is not allocated does not apply to the scene.
@@ -65,6 +72,15 @@ module rwmf_result
       !! maximum of |theta_dot|, velocities before impacts included [rad/s]
       real(wp), allocatable :: cable_increment_max
       !! maximum of P/(m_w g) - eta_0 [-]; absent without a cable
+      real(wp), allocatable :: prestress_loss
+      !! eta_0 less P/(m_w g) at theta = 0 in the end [-]; absent unless the tendon can yield or
+      !! break
+      logical, allocatable :: has_ruptured
+      !! the tendon has broken; absent unless it can
+      real(wp), allocatable :: ductility
+      !! u_s_max over u_y [-]; absent unless the frame yields
+      real(wp), allocatable :: residual_displacement
+      !! of the frame without force in the end [m]; absent unless the frame yields
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max
@@ -117,6 +133,10 @@ contains
          name = 'lift_off'
       case (event_rest)
          name = 'rest'
+      case (event_branch)
+         name = 'branch'
+      case (event_rupture)
+         name = 'rupture'
       case default
          name = 'overturned'
       end select

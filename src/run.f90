@@ -9,6 +9,7 @@ module rwmf_run
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum
    use rwmf_kinds, only: i8, pi, wp
+   use rwmf_memory, only: frame_residual, prestress_loss, tendon_is_broken
    use rwmf_methods, only: new_stepper
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
@@ -227,6 +228,7 @@ contains
          result%u_s_max = observer%u_max
          result%t_u_s_max = observer%t_u_max
       end if
+      if (equation%has_memory) call fill_memory(case, equation, hybrid, result)
       if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
       if (observer%keeps_energy) result%energy = observer%energy
       if (observer%keeps_history) then
@@ -234,6 +236,23 @@ contains
          result%history = observer%history
       end if
    end subroutine fill_result
+
+   !> What yielding and rupture leave behind.
+   subroutine fill_memory(case, equation, hybrid, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(result_t), intent(inout) :: result
+
+      if (equation%cable%is_tendon) then
+         result%prestress_loss = prestress_loss(equation, hybrid%y(1))
+         result%has_ruptured = tendon_is_broken(equation)
+      end if
+      if (allocated(case%yielding)) then
+         result%ductility = result%u_s_max/case%yielding%u_y
+         result%residual_displacement = frame_residual(equation, hybrid%y(1))
+      end if
+   end subroutine fill_memory
 
    !> What the user should know about the scene itself.
    subroutine collect_warnings(case, alpha, result)
@@ -297,6 +316,10 @@ contains
       type(observer_t), intent(in) :: observer
       type(cable_state_t) :: cable
 
+      if (equation%cable%is_tendon) then
+         increment = observer%cable_max - equation%cable%eta_0
+         return
+      end if
       increment = -huge(increment)
       if (observer%theta_max >= 0) then
          equation%side = 1

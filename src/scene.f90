@@ -6,15 +6,17 @@ module rwmf_scene
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
    use rwmf_motion, only: acceleration, motion_t
+   use rwmf_spring, only: spring_t
    implicit none
    private
 
-   public :: equation_t, second_derivative_i, extra_t, floors_t
+   public :: equation_t, second_derivative_i, extra_t, floors_t, sprung_t
+   public :: place_frame, place_left, place_right
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
 
-   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the states,
-   !> energy and power that belong to it. One file brings its procedures; `choose_extras` names
-   !> them (docs/effects.md).
+   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
+   !> states, energy and power that belong to it. One file brings its procedures; `choose_extras`
+   !> names them (docs/effects.md).
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
@@ -44,6 +46,21 @@ module rwmf_scene
       integer :: first = 3
       !! place of their first state among all
    end type floors_t
+
+   integer, parameter :: place_frame = 0
+   !! between ground and frame
+   integer, parameter :: place_left = 1
+   !! under the corner that lifts for theta > 0
+   integer, parameter :: place_right = -1
+   !! under the other one
+
+   !> A spring with memory and its place.
+   type :: sprung_t
+      type(spring_t) :: spring
+      !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
+      integer :: place
+      !! one of the `place_` numbers
+   end type sprung_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
    type :: equation_t
@@ -82,6 +99,16 @@ module rwmf_scene
       type(cable_law_t) :: cable
       type(extra_t), allocatable :: extras(:)
       !! the further effects that the case calls for; not allocated without any
+      logical :: has_memory = .false.
+      !! there are springs that yield or break
+      type(sprung_t), allocatable :: springs(:)
+      !! fuses and yielding frame; the tendon's is in `cable`
+      real(wp) :: low = -huge(1.0_wp)
+      !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
+      real(wp) :: high = huge(1.0_wp)
+      !! and up to which they do [rad]
+      logical :: ends_at_peak = .false.
+      !! a spring yields, and unloads when the motion turns back
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()

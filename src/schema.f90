@@ -9,13 +9,17 @@ module rwmf_schema
 
    public :: key_t, all_keys, keys_of, group_names, find_key, schema_text, belongs_to, pulse_kinds
 
-   character(*), parameter :: pulse_kinds = 'one_sine one_cosine sine'
+   character(*), parameter :: velocity_kinds = &
+      'one_sine one_cosine sine type_c mavroeidis_papageorgiou'
+   !! pulses with a velocity amplitude
+   character(*), parameter :: pulse_kinds = velocity_kinds//' ricker ricker_antisymmetric'
    !! kinds of motion that are pulses
    character(*), parameter :: all_methods = 'adams bdf erk54 dop853 extrapolation fast'
    !! integrators
 
    character(*), parameter :: any_real = 'any finite number'
    character(*), parameter :: positive = '> 0'
+   character(*), parameter :: below_one = '[0, 1)'
    character(*), parameter :: not_negative = '>= 0'
 
    !> One key. Texts are padded with blanks.
@@ -31,10 +35,10 @@ module rwmf_schema
       !! value when it is not given, or the name of the key of the group that has it; '' for none
       logical :: is_required
       !! must be given whenever the group is (conditions on other groups: rwmf_case_rules)
-      character(48) :: allowed
+      character(104) :: allowed
       !! of a number: `> 0`, `>= 0` or an interval; of a choice: its names
       character(90) :: help
-      character(24) :: kinds
+      character(88) :: kinds
       !! of `&motion`: the kinds that the key belongs to; '' for all
    end type key_t
 
@@ -75,11 +79,28 @@ contains
             'length of the link, Eqs (2), (3); absent: infinitely long'), &
          required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
             'viscous damper under each corner of the base: its constant over m_w'), &
+         required('fuse', 'eta_y', 'real', '-', positive, &
+            'yield force of the fuse under each corner of the base over m_w g'), &
+         required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
+         optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding fuse over its elastic one'), &
+         required('yielding', 'u_y', 'real', 'm', positive, &
+            'displacement at which the frame yields first'), &
+         optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding frame over its elastic one'), &
+         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', 'elastic_plastic', &
+            'bilinear with kinematic hardening'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &
          optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
             'Eq. (1), or the exact length of the straight cable'), &
+         optional_key('cable', 'eta_y', 'real', '-', '', positive, &
+            'P/(m_w g) at which the tendon yields; absent: it stays elastic'), &
+         optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding tendon over its elastic one'), &
+         optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
+            'strain at which it breaks, that of the prestress included; absent: never'), &
          optional_key('impact', 'rule', 'choice', '', 'constant', 'constant housner coupled', &
             'constant: exactly one of e and r; the other rules set e themselves'), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
@@ -94,15 +115,20 @@ contains
 
       keys = [ &
          required('motion', 'kind', 'choice', '', kinds, &
-            'one_sine: Eq. (16), one_cosine: Eq. (17), sine: several cycles'), &
+            'one_sine: Eq. (16), one_cosine: Eq. (17), sine: cycles; all: docs/pulses.md'), &
          of_kind(pulse_kinds, 'a_max_g', 'real', '-', '', any_real, &
             'largest acceleration over g; exactly one of a_max_g and v_p'), &
-         of_kind(pulse_kinds, 'v_p', 'real', 'm/s', '', any_real, &
-            'velocity amplitude of Eqs (16) and (17)'), &
+         of_kind(velocity_kinds, 'v_p', 'real', 'm/s', '', any_real, &
+            'velocity amplitude of Eqs (16), (17) and docs/pulses.md; no Ricker pulse has it'), &
          of_kind(pulse_kinds, 'omega_p', 'real', 'rad/s', '', positive, &
             'angular frequency; exactly one of omega_p and T_p'), &
          of_kind(pulse_kinds, 'T_p', 'real', 's', '', positive, 'period of the pulse'), &
          of_kind('sine', 'cycles', 'real', '-', '1.0', positive, 'number of cycles'), &
+         of_kind('type_c', 'n_pulses', 'integer', '', '1', '>= 1', 'n of the pulse C_n'), &
+         of_kind('mavroeidis_papageorgiou', 'gamma_p', 'real', '-', '', '(1, 1000]', &
+            'gamma, the number of cycles in the envelope; required for this kind'), &
+         of_kind('mavroeidis_papageorgiou', 'nu', 'real', 'rad', '0.0', any_real, &
+            'phase of the carrier: 0 symmetric, pi/2 antisymmetric velocity'), &
          of_kind(pulse_kinds, 't_0', 'real', 's', '0.0', any_real, 'start of the pulse'), &
          of_kind('record', 'file', 'text', '', '', '', &
             'path, relative to the case file; required for a record'), &

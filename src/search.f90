@@ -10,7 +10,7 @@ module rwmf_search
    use rwmf_motion, only: turning_point
    use rwmf_observer, only: observe_event, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_rocking
-   use rwmf_result, only: event_impact, event_overturned, event_peak
+   use rwmf_result, only: event_branch, event_impact, event_overturned, event_peak
    use rwmf_stepper, only: stepper_t
    implicit none
    private
@@ -26,7 +26,8 @@ contains
       class(stepper_t), intent(inout) :: stepper
       type(observer_t), intent(inout) :: observer
       integer, intent(out) :: event
-      !! `event_impact`, `event_overturned`, or 0
+      !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
+      !! unloads there), or 0
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_a
       real(wp) :: t_b
@@ -75,6 +76,9 @@ contains
             is_quiet = is_quiet .and. equation%side*stepper%y0(1) > 0 &
                .and. equation%side*stepper%y1(1) > 0
          end if
+      end if
+      if (is_quiet .and. equation%has_memory) then
+         is_quiet = stepper%y1(1) < equation%high .and. stepper%y1(1) > equation%low
       end if
       if (is_quiet .and. equation%has_frame) then
          is_quiet = 2*(stepper%t1 - stepper%t0)*max(equation%p%omega_s, equation%quickest) < 1
@@ -143,6 +147,10 @@ contains
          if (allocated(error) .or. event /= 0) return
          call observe_state(observer, equation, t_peak, y_peak)
          call observe_event(observer, event_peak, t_peak, y_peak)
+         if (equation%ends_at_peak) then
+            event = event_peak
+            return
+         end if
       end if
       hybrid%t = t_b
       hybrid%y(:) = y_b
@@ -165,7 +173,8 @@ contains
       has_peak = (v_a > 0 .and. y_b(2) <= 0) .or. (v_a < 0 .and. y_b(2) >= 0)
    end function has_peak
 
-   !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it?
+   !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it,
+   !> or does a spring enter another branch?
    subroutine end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -180,12 +189,22 @@ contains
 
       event = 0
       level = 0
-      if (hybrid%mode == mode_rocking .and. equation%side*hybrid%y(1) < 0) then
-         event = event_impact
-      else if (equation%has_wall .and. abs(hybrid%y(1)) >= hybrid%overturning_angle) then
-         event = event_overturned
-         level = sign(hybrid%overturning_angle, hybrid%y(1))
-      else
+      if (equation%has_memory) then
+         if (leaves_window(hybrid, equation, y_a, level)) event = event_branch
+      end if
+      if (event == 0) then
+         if (hybrid%mode == mode_rocking .and. equation%side*hybrid%y(1) < 0) then
+            event = event_impact
+         else if (equation%has_wall .and. abs(hybrid%y(1)) >= hybrid%overturning_angle) then
+            event = event_overturned
+            level = sign(hybrid%overturning_angle, hybrid%y(1))
+         else
+            return
+         end if
+      end if
+      if (event == event_branch .and. abs(level - y_a(1)) <= 0) then
+         hybrid%t = t_a
+         hybrid%y(:) = y_a
          return
       end if
       t_b = hybrid%t
@@ -193,5 +212,28 @@ contains
       call locate(equation, stepper, 1, level, t_a, y_a, t_b, y_b, hybrid%t, hybrid%y, error)
       hybrid%y(1) = level
    end subroutine end_piece
+
+   !> Does a monotone piece leave the rotations for which the branches of the springs hold, before
+   !> it comes to an impact or overturns?
+   logical function leaves_window(hybrid, equation, y_a, level) result(leaves)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(out) :: level
+      !! where it leaves them, not outside of the piece [rad] or [m]
+
+      level = 0
+      if (hybrid%y(1) > y_a(1)) then
+         leaves = hybrid%y(1) > equation%high
+         if (leaves) level = max(equation%high, y_a(1))
+      else
+         leaves = hybrid%y(1) < equation%low
+         if (leaves) level = min(equation%low, y_a(1))
+      end if
+      if (.not. leaves) return
+      if (hybrid%mode == mode_rocking) leaves = equation%side*level >= 0
+      if (equation%has_wall) leaves = leaves .and. abs(level) < hybrid%overturning_angle
+      if (.not. leaves) level = 0
+   end function leaves_window
 
 end module rwmf_search

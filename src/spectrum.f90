@@ -218,6 +218,8 @@ contains
       if (allocated(case%storeys)) scene%storeys = case%storeys
       if (allocated(case%link)) scene%link = case%link
       if (allocated(case%damper)) scene%damper = case%damper
+      if (allocated(case%fuse)) scene%fuse = case%fuse
+      if (allocated(case%yielding)) scene%yielding = case%yielding
       if (allocated(case%cable)) scene%cable = case%cable
       if (allocated(case%impact)) scene%impact = case%impact
       if (allocated(case%initial)) scene%initial = case%initial

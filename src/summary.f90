@@ -68,15 +68,15 @@ contains
       character(8), allocatable :: names(:)
       !! (effects)
       character(8), parameter :: all_names(*) = [character(8) :: 'wall', 'frame', 'storeys', &
-         'link', 'damper', 'cable', 'impact', 'motion', 'initial']
+         'link', 'damper', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'initial']
       logical :: present_effects(size(all_names))
 
       present_effects = [allocated(case%wall), allocated(case%frame), &
          allocated(case%storeys), allocated(case%link), allocated(case%damper), &
-         allocated(case%cable), allocated(case%impact), allocated(case%motion), &
-         allocated(case%initial)]
+         allocated(case%fuse), allocated(case%yielding), allocated(case%cable), &
+         allocated(case%impact), allocated(case%motion), allocated(case%initial)]
       ! free vibration is stated as kind 'none': nothing shakes the scene
-      if (allocated(case%motion)) present_effects(8) = case%motion%kind /= 'none'
+      if (allocated(case%motion)) present_effects(size(all_names) - 1) = case%motion%kind /= 'none'
       names = pack(all_names, present_effects)
    end function list_effects
 
@@ -91,6 +91,12 @@ contains
       call add_real(items, 'theta_max_over_alpha', result%theta_max_over_alpha)
       call add_real(items, 'theta_dot_max_rad_s', result%theta_dot_max)
       call add_real(items, 'cable_force_increment_max_over_m_w_g', result%cable_increment_max)
+      call add_real(items, 'cable_prestress_loss_over_m_w_g', result%prestress_loss)
+      if (allocated(result%has_ruptured)) then
+         call add_logical(items, 'cable_ruptured', result%has_ruptured)
+      end if
+      call add_real(items, 'ductility', result%ductility)
+      call add_real(items, 'residual_displacement_m', result%residual_displacement)
    end subroutine add_maxima
 
    !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
@@ -142,7 +148,8 @@ contains
       real(wp) :: residual
       real(wp) :: scale
 
-      residual = energy%final + energy%viscous + energy%impact - energy%initial - energy%input
+      residual = energy%final + energy%viscous + energy%impact + energy%hysteretic &
+         - energy%initial - energy%input
       scale = abs(energy%initial) + energy%input_max
       energy_balance = 0.0_wp
       if (scale > 0.0_wp) energy_balance = abs(residual)/scale

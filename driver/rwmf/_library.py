@@ -86,6 +86,30 @@ def describe(text: str, source: str) -> list[list[str]]:
         size = int(length)
 
 
+def end_of_motion(text: str, source: str) -> float:
+    """Return when the ground of a case has come to rest [s].
+
+    Parameters
+    ----------
+    text, source : str
+        As for `describe`.
+
+    Returns
+    -------
+    float
+        End of the pulse or of the record, 0 without motion.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    """
+    message = _message_buffer()
+    t, status, n = _kernel.end_of_motion(_bytes(text), _bytes(source), message)
+    _raise_for(status, message, n)
+    return float(t)
+
+
 class _Handle:
     """A result in the kernel's memory; leave the ``with`` block and it is released."""
 

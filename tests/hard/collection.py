@@ -13,6 +13,7 @@ import cases_chatter
 import cases_extremes
 import cases_grazing
 import cases_overturning
+import cases_pulses
 import cases_rest
 import rwmf
 import trusted
@@ -24,6 +25,7 @@ FAMILIES: dict[str, list[Hard]] = {
     "grazing": cases_grazing.CASES,
     "overturning": cases_overturning.CASES,
     "extremes": cases_extremes.CASES,
+    "pulses": cases_pulses.CASES,
 }
 REFERENCE = Path(__file__).parent / "reference.csv"
 

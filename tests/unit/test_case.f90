@@ -74,6 +74,12 @@ contains
       call checks%close_to(case%initial%theta_over_alpha, 0.0_wp, 'theta_over_alpha')
       call accept(scene//'&impact rule = ''coupled'' /', case)
       call checks%that(.not. allocated(case%impact%e), 'coupled has no e of its own')
+      call accept(scene//'&motion kind = ''type_c'', v_p = 1, T_p = 1 /', case)
+      call checks%that(case%motion%n_pulses == 1, 'C_1 unless n is given')
+      call accept(scene//'&motion kind = ''mavroeidis_papageorgiou'', v_p = 1, T_p = 1, ' &
+         //'gamma_p = 2.5 /', case)
+      call checks%close_to(case%motion%gamma_p, 2.5_wp, 'gamma_p')
+      call checks%close_to(case%motion%nu, 0.0_wp, 'nu')
       call accept(bare//ends, case)
       call checks%that(.not. (allocated(case%wall) .or. allocated(case%frame%gamma)), 'bare frame')
    end subroutine test_values
@@ -211,6 +217,20 @@ contains
       call refuse(pulse//'v_p = 1, T_p = 1, cycles = 2 /', "cycles = 2 (line 4): must not be " &
          //"given with kind = 'one_sine'")
       call refuse(pulse//'v_p = 1, T_p = 1, file = ''a'' /', "must not be given with kind")
+      call refuse(pulse//'v_p = 1, T_p = 1, n_pulses = 2 /', "must not be given with kind")
+      call refuse(scene//'&motion kind = ''type_c'', v_p = 1, T_p = 1, n_pulses = 0 /', &
+         'n_pulses = 0 (line 4): must be an integer >= 1')
+      call refuse(scene//'&motion kind = ''ricker'', v_p = 1, T_p = 1 /', &
+         "v_p = 1 (line 4): must not be given with kind = 'ricker'")
+      call refuse(scene//'&motion kind = ''ricker_antisymmetric'', T_p = 1 /', &
+         "the key a_max_g is missing (largest acceleration over g): must be given with kind = " &
+         //"'ricker_antisymmetric'")
+      call refuse(scene//'&motion kind = ''ricker'', a_max_g = 1 /', &
+         'exactly one of the keys omega_p and T_p')
+      call refuse(scene//'&motion kind = ''mavroeidis_papageorgiou'', v_p = 1, T_p = 1 /', &
+         'the key gamma_p is missing (number of cycles in the envelope)')
+      call refuse(scene//'&motion kind = ''mavroeidis_papageorgiou'', v_p = 1, T_p = 1, ' &
+         //'gamma_p = 1 /', 'gamma_p = 1 (line 4): must be a number in (1, 1000] [-]')
       call refuse(scene//'&motion kind = ''none'', t_0 = 1 /', "with kind = 'none'")
       call refuse(scene//'&motion kind = ''record'', a_max_g = 1, file = ''a'' /', &
          "a_max_g = 1 (line 4): must not be given with kind = 'record'")
@@ -289,7 +309,7 @@ contains
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do
-      call checks%that(size(group_names()) == 13, 'thirteen groups')
+      call checks%that(size(group_names()) == 15, 'fifteen groups')
    end subroutine test_schema
 
    subroutine says(text, line)

@@ -31,6 +31,7 @@ program test_fast
    call check_against_general('exact', 'truss')
    call check_jumps('published')
    call check_jumps('exact')
+   call check_near_fault_pulses()
    call check_tiny_response()
    call check_perfect_restitution()
    call check_fallback()
@@ -126,6 +127,23 @@ contains
       case%solver%t_end = 3
       call compare(case, formulation//', one-cosine')
    end subroutine check_jumps
+
+   !> The steps are as short as the shape of each pulse asks for.
+   subroutine check_near_fault_pulses()
+      character(23), parameter :: kinds(4) = [character(23) :: 'type_c', 'ricker', &
+         'ricker_antisymmetric', 'mavroeidis_papageorgiou']
+      type(case_t) :: case
+      integer :: i
+
+      do i = 1, size(kinds)
+         case = shaken_scene('symmetric')
+         case%motion = pulse_of(trim(kinds(i)))
+         case%motion%n_pulses = 2
+         case%motion%nu = 0.7_wp
+         case%motion%gamma_p = 1.3_wp
+         call compare(case, 'pulse '//trim(kinds(i)))
+      end do
+   end subroutine check_near_fault_pulses
 
    !> Pulse of the scenes of the other tests.
    function pulse_of(kind) result(motion)

@@ -384,6 +384,8 @@ contains
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 2 /', 'their sum is 5')
       call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 /'//two &
          //', height = 3 3 /', 'gamma = 2 (line 1): must not be given with &storeys')
+      call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
+         //', height = 3 3, coupling = ''full'' /', '&yielding (line 1): must not be given')
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
    end subroutine check_refusals
 

@@ -11,6 +11,7 @@ import xarray as xr
 from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
+from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
 
 __all__ = ["equal_response"]
@@ -60,13 +61,12 @@ def equal_response(
     """
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("equal response: the case needs &frame T_s")
-    if case.motion is None or case.motion.kind in ("record", "none"):
-        raise InputError("equal response: the case needs a pulse in &motion")
+    pulse = Pulse.of(case, "equal response")
     periods = [float(value) for value in T_p]
     amplitudes: list[float] = []
     with ThreadPoolExecutor(count_threads(threads)) as executor:
         try:
-            for found in executor.map(lambda T: _search(case, T, target, tolerance), periods):
+            for found in executor.map(lambda T: _search(pulse, T, target, tolerance), periods):
                 amplitudes.append(found)
                 if progress is not None:
                     progress(len(amplitudes), len(periods))
@@ -81,11 +81,11 @@ def equal_response(
     )
 
 
-def _search(case: Case, T_p: float, target: float, tolerance: float) -> float:
+def _search(pulse: Pulse, T_p: float, target: float, tolerance: float) -> float:
     """Climb to the first amplitude that reaches the target, then bisect below it."""
 
     def reaches(amplitude: float) -> bool:
-        return _response(case, T_p, amplitude) >= target
+        return _response(pulse, T_p, amplitude) >= target
 
     low, high = _LOWEST, _LOWEST
     while not reaches(high):
@@ -101,12 +101,8 @@ def _search(case: Case, T_p: float, target: float, tolerance: float) -> float:
     return high
 
 
-def _response(case: Case, T_p: float, amplitude: float) -> float:
-    cycles = float(case.motion.cycles) if "cycles" in case.motion else 1.0
-    t_0 = float(case.motion.t_0) if "t_0" in case.motion else 0.0
-    t_end = t_0 + cycles * T_p + _PERIODS_AFTER * float(case.frame.T_s)
-    pulse = {"a_max_g": amplitude, "v_p": None, "omega_p": None, "T_p": T_p}
-    changed = case.replace(motion=pulse, solver={"t_end": t_end})
+def _response(pulse: Pulse, T_p: float, amplitude: float) -> float:
+    changed = pulse.resized(amplitude, T_p, _PERIODS_AFTER * float(pulse.case.frame.T_s))
     with _library.start_simulation(changed.text, changed.kernel_source()) as run:
         summary = run.summary()
     return np.inf if summary.get("overturned") else float(summary[_SUMMARY_KEY])

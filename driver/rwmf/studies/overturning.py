@@ -17,6 +17,7 @@ import xarray as xr
 from rwmf import simulation
 from rwmf.case import Case
 from rwmf.errors import InputError
+from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
 
 __all__ = ["SURVIVES", "Wall", "overturning_map"]
@@ -103,12 +104,13 @@ def overturning_map(
         When a run fails.
     """
     wall = Wall.of(case)
+    pulse = Pulse.of(case, "overturning")
     levels = [float(value) for value in amplitude]
     if levels != sorted(set(levels)):
         raise InputError("overturning: the amplitudes must increase")
 
     def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
-        return _scan(case, wall, omega, levels, tolerance)
+        return _scan(pulse, wall, omega, levels, tolerance)
 
     frequencies = [float(value) for value in omega_over_p]
     results = []
@@ -127,12 +129,12 @@ def overturning_map(
 
 
 def _scan(
-    case: Case, wall: Wall, omega: float, levels: list[float], tolerance: float
+    pulse: Pulse, wall: Wall, omega: float, levels: list[float], tolerance: float
 ) -> tuple[list[int], list[_Boundary]]:
     """Outcomes at the levels of one frequency, and the boundaries between them."""
 
     def outcome_at(amplitude: float) -> int:
-        return _outcome(case, wall, omega, amplitude)
+        return _outcome(pulse, wall, omega, amplitude)
 
     outcomes = [outcome_at(level) for level in levels]
     found: list[_Boundary] = []
@@ -161,18 +163,9 @@ def _bisect(
     )
 
 
-def _outcome(case: Case, wall: Wall, omega: float, amplitude: float) -> int:
-    frequency = omega * wall.p
-    cycles = float(case.motion.cycles) if "cycles" in case.motion else 1.0
-    t_0 = float(case.motion.t_0) if "t_0" in case.motion else 0.0
-    pulse = {
-        "a_max_g": amplitude * wall.alpha,
-        "v_p": None,
-        "omega_p": frequency,
-        "T_p": None,
-    }
-    t_end = t_0 + cycles * 2 * math.pi / frequency + _FOLLOW / wall.p
-    changed = case.replace(motion=pulse, solver={"t_end": t_end})
+def _outcome(pulse: Pulse, wall: Wall, omega: float, amplitude: float) -> int:
+    T_p = 2 * math.pi / (omega * wall.p)
+    changed = pulse.resized(amplitude * wall.alpha, T_p, _FOLLOW / wall.p)
     with simulation.start(changed) as run:
         summary = run.summary()
     return int(summary["impacts"]) if summary["overturned"] else SURVIVES

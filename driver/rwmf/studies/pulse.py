@@ -1,0 +1,82 @@
+"""The pulse of a study: of any kind, with amplitude and period of the study's choice."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+from rwmf import _library
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+__all__ = ["Pulse"]
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """The pulse of a case.
+
+    Attributes
+    ----------
+    case : Case
+        The case.
+    t_0 : float
+        Beginning of the pulse [s].
+    periods : float
+        Duration of the pulse over its period T_p [-]; the shape does not depend on T_p.
+    """
+
+    case: Case
+    t_0: float
+    periods: float
+
+    @classmethod
+    def of(cls, case: Case, study: str) -> Self:
+        """Take it from a case.
+
+        Parameters
+        ----------
+        case : Case
+            The case.
+        study : str
+            Name of the study, for the message.
+
+        Raises
+        ------
+        InputError
+            When the motion of the case is no pulse.
+        """
+        motion = case.motion
+        if motion is None or motion.kind in ("record", "none"):
+            raise InputError(f"{study}: the case needs a pulse in &motion")
+        t_0 = float(motion.t_0)
+        T_p = float(motion.T_p) if "T_p" in motion else 2 * math.pi / float(motion.omega_p)
+        end = _library.end_of_motion(case.text, case.kernel_source())
+        return cls(case, t_0, (end - t_0) / T_p)
+
+    def resized(self, a_max_g: float, T_p: float, follow: float) -> Case:
+        """Return the case with another amplitude and period.
+
+        Parameters
+        ----------
+        a_max_g : float
+            Largest acceleration over g [-].
+        T_p : float
+            Period [s].
+        follow : float
+            How long the motion is followed after the pulse [s].
+
+        Returns
+        -------
+        Case
+            The case.
+
+        Raises
+        ------
+        InputError
+            When the kernel does not accept it.
+        """
+        pulse = {"a_max_g": a_max_g, "v_p": None, "omega_p": None, "T_p": T_p}
+        t_end = self.t_0 + self.periods * T_p + follow
+        return self.case.replace(motion=pulse, solver={"t_end": t_end})

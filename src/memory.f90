@@ -1,0 +1,409 @@
+!> Springs with memory in a scene: a tendon that yields or breaks, fuses under the corners, a
+!> yielding frame. Where they sit, what they add to the equation, and how they follow the motion.
+!>
+!> Their branches are smooth functions of the rotation. The rotation at which a branch ends is known
+!> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
+module rwmf_memory
+   use rwmf_cable, only: cable_elongation
+   use rwmf_case, only: case_t
+   use rwmf_kinds, only: pi, wp
+   use rwmf_kinematics, only: kinematics_t
+   use rwmf_scene, only: equation_t, kinematics_at, place_frame, place_left, place_right, sprung_t
+   use rwmf_spring, only: is_broken, is_yielding, new_spring, pass_limit, reset_spring, &
+      spring_energy, spring_force, spring_limits, spring_plastic, spring_power, spring_t, &
+      turn_spring
+   implicit none
+   private
+
+   public :: choose_springs, add_springs, springs_power, springs_energy, tendon_power
+   public :: reset_memory, load_to, renew_window, pass_window, turn_back
+   public :: tendon_is_broken, prestress_loss, frame_residual
+
+contains
+
+   !> The springs that a case calls for.
+   subroutine choose_springs(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(spring_t) :: fuse
+
+      allocate (equation%springs(0))
+      if (allocated(case%yielding)) then
+         equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
+            equation%p%omega_s**2*case%yielding%u_y, case%yielding%hardening), place_frame)]
+      end if
+      if (allocated(case%fuse)) then
+         fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
+            case%fuse%eta_y*equation%p%g, case%fuse%hardening)
+         equation%springs = [equation%springs, sprung_t(fuse, place_left), &
+            sprung_t(fuse, place_right)]
+      end if
+      equation%has_memory = .true.
+   end subroutine choose_springs
+
+   !> Elongation of a spring at the rotation phi on the side in force [m].
+   real(wp) function elongation(equation, place, phi) result(x)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: place
+      real(wp), intent(in) :: phi
+      !! [rad]; bare frame: its displacement [m]
+      type(kinematics_t) :: kin
+
+      select case (place)
+      case (place_frame)
+         x = phi
+         if (.not. equation%has_wall) return
+         kin = kinematics_at(equation, equation%side*phi)
+         x = equation%side*equation%p%R*kin%u
+      case default
+         x = 4*equation%p%R*equation%sin_alpha*sin(phi/2)
+      end select
+   end function elongation
+
+   !> Does a spring move on the side in force? A fuse does when its corner lifts.
+   pure logical function moves(equation, place)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: place
+
+      moves = place == place_frame .or. place == equation%side
+   end function moves
+
+   !> Part of fuses and yielding frame in the equation of motion; the elastic part of the frame is
+   !> in the equation already.
+   subroutine add_springs(equation, t, y, kin, inertia, moment)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp) :: phi
+      real(wp) :: x
+      integer :: i
+
+      phi = equation%side*y(1)
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
+            p => equation%p)
+            if (.not. moves(equation, place)) cycle
+            if (place == place_frame) then
+               x = equation%side*p%R*kin%u
+               moment = moment + frame_mass(equation)*kin%lever*p%omega_s**2*equation%side &
+                  *spring_plastic(spring, x)/p%R
+            else
+               moment = moment - spring_force(spring, elongation(equation, place, phi)) &
+                  *2*equation%sin_alpha*cos(phi/2)/p%R
+            end if
+         end associate
+      end do
+   end subroutine add_springs
+
+   !> Mass of the frame over that of the wall; 1 for the bare frame [-].
+   pure real(wp) function frame_mass(equation)
+      type(equation_t), intent(in) :: equation
+
+      frame_mass = 1
+      if (equation%has_wall) frame_mass = equation%p%gamma
+   end function frame_mass
+
+   !> Power that fuses and frame dissipate by yielding [W/kg].
+   real(wp) function springs_power(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t) :: kin
+      real(wp) :: phi
+      real(wp) :: rate
+      !! of the frame's displacement [m/s]
+      integer :: i
+
+      power = 0
+      phi = equation%side*y(1)
+      rate = y(2)
+      if (equation%has_wall) then
+         kin = kinematics_at(equation, y(1))
+         rate = equation%p%R*kin%j*y(2)
+      end if
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (.not. moves(equation, place)) cycle
+            if (place == place_frame) then
+               power = power + frame_mass(equation)*spring_power(spring, rate)
+            else
+               power = power + spring_power(spring, 2*equation%p%R*equation%sin_alpha &
+                  *cos(phi/2)*equation%side*y(2))
+            end if
+         end associate
+      end do
+   end function springs_power
+
+   !> Energy in fuses and frame, beyond the elastic one of the frame that the ledger has [J/kg].
+   real(wp) function springs_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x
+      integer :: i
+
+      energy = 0
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (place == place_frame) then
+               x = elongation(equation, place, equation%side*y(1))
+               energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
+                  - (equation%p%omega_s*x)**2/2)
+            else
+               x = 0
+               if (moves(equation, place)) x = elongation(equation, place, equation%side*y(1))
+               energy = energy + spring_energy(spring, x)
+            end if
+         end associate
+      end do
+   end function springs_energy
+
+   !> Power that yielding of the tendon dissipates [W/kg].
+   real(wp) function tendon_power(equation, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: x
+      real(wp) :: arm
+
+      call cable_elongation(equation%cable, equation%side*y(1), x, arm)
+      power = equation%p%g*spring_power(equation%cable%tendon, arm*equation%side*y(2))
+   end function tendon_power
+
+   !> All springs as they were before anything happened.
+   subroutine reset_memory(equation)
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      if (.not. equation%has_memory) return
+      call reset_spring(equation%cable%tendon)
+      do i = 1, size(equation%springs)
+         call reset_spring(equation%springs(i)%spring)
+      end do
+   end subroutine reset_memory
+
+   !> Bring springs that have not moved yet to an initial rotation, as if it had grown from zero.
+   subroutine load_to(equation, theta)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+
+      do
+         call renew_window(equation)
+         if (theta > equation%high) then
+            call pass_window(equation, is_rising=.true.)
+         else if (theta < equation%low) then
+            call pass_window(equation, is_rising=.false.)
+         else
+            return
+         end if
+      end do
+   end subroutine load_to
+
+   !> Find the rotations between which the branches in force hold.
+   subroutine renew_window(equation)
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      equation%low = -huge(1.0_wp)
+      equation%high = huge(1.0_wp)
+      equation%ends_at_peak = .false.
+      if (equation%cable%is_tendon) call narrow(equation, 0)
+      do i = 1, size(equation%springs)
+         if (moves(equation, equation%springs(i)%place)) call narrow(equation, i)
+      end do
+   end subroutine renew_window
+
+   !> Narrow the window to that of one spring.
+   subroutine narrow(equation, number)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      type(spring_t) :: spring
+      real(wp) :: x(2)
+      !! limits of the elongation [m]
+      real(wp) :: theta(2)
+
+      spring = spring_of(equation, number)
+      if (is_yielding(spring)) equation%ends_at_peak = .true.
+      call spring_limits(spring, x(1), x(2))
+      theta = [rotation_at(equation, number, x(1)), rotation_at(equation, number, x(2))]
+      equation%low = max(equation%low, minval(theta))
+      equation%high = min(equation%high, maxval(theta))
+   end subroutine narrow
+
+   pure type(spring_t) function spring_of(equation, number) result(spring)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+
+      if (number == 0) then
+         spring = equation%cable%tendon
+      else
+         spring = equation%springs(number)%spring
+      end if
+   end function spring_of
+
+   !> Elongation of a spring at a rotation of the side in force [m].
+   real(wp) function elongation_of(equation, number, phi) result(x)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      real(wp), intent(in) :: phi
+      !! |theta| [rad]; bare frame: displacement [m]
+      real(wp) :: arm
+
+      if (number == 0) then
+         call cable_elongation(equation%cable, phi, x, arm)
+      else
+         x = elongation(equation, equation%springs(number)%place, phi)
+      end if
+   end function elongation_of
+
+   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection in
+   !> the range in which all elongations are monotone; beyond it +-huge.
+   real(wp) function rotation_at(equation, number, x) result(theta)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      real(wp), intent(in) :: x
+      !! [m]
+      real(wp) :: ends(2)
+      !! values of |theta| that bracket it
+      real(wp) :: at_ends(2)
+      real(wp) :: middle
+      integer :: direction
+      !! +1 if the elongation grows with |theta|
+
+      theta = x
+      if (.not. equation%has_wall .and. number > 0) return
+      ends = [0.0_wp, pi/2]
+      if (.not. equation%has_impacts) ends(1) = -pi/2
+      at_ends = [elongation_of(equation, number, ends(1)), elongation_of(equation, number, ends(2))]
+      direction = merge(1, -1, at_ends(2) > at_ends(1))
+      theta = direction*equation%side*sign(huge(x), x - minval(at_ends))
+      if (x < minval(at_ends) .or. x > maxval(at_ends)) return
+      do
+         middle = ends(1) + (ends(2) - ends(1))/2
+         if (middle <= ends(1) .or. middle >= ends(2)) exit
+         if (direction*(elongation_of(equation, number, middle) - x) < 0) then
+            ends(1) = middle
+         else
+            ends(2) = middle
+         end if
+         if (ends(2) - ends(1) <= tiny(x)) exit
+      end do
+      theta = equation%side*ends(2)
+   end function rotation_at
+
+   !> The rotation has come to a limit of the window: the springs whose limit it is go over to their
+   !> next branch.
+   subroutine pass_window(equation, is_rising)
+      type(equation_t), intent(inout) :: equation
+      logical, intent(in) :: is_rising
+      !! theta grows
+      real(wp) :: limit
+      integer :: number
+
+      limit = merge(equation%high, equation%low, is_rising)
+      do number = 0, size(equation%springs)
+         if (number == 0) then
+            if (equation%cable%is_tendon) call pass_one(equation, number, limit, is_rising, &
+               equation%cable%tendon)
+         else if (moves(equation, equation%springs(number)%place)) then
+            call pass_one(equation, number, limit, is_rising, equation%springs(number)%spring)
+         end if
+      end do
+      call renew_window(equation)
+   end subroutine pass_window
+
+   !> Let one spring pass its limit if it has it there.
+   subroutine pass_one(equation, number, limit, is_rising, spring)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      real(wp), intent(in) :: limit
+      !! [rad] or [m]
+      logical, intent(in) :: is_rising
+      !! theta grows
+      type(spring_t), intent(inout) :: spring
+      type(spring_t) :: before
+      real(wp) :: x(2)
+      logical :: grows
+      !! the elongation does
+
+      before = spring
+      call spring_limits(before, x(1), x(2))
+      grows = is_rising .eqv. equation%side > 0
+      if (number > 0) then
+         if (equation%springs(number)%place == place_frame) grows = is_rising
+      end if
+      if (same(rotation_at(equation, number, merge(x(2), x(1), grows)), limit)) then
+         call pass_limit(spring, grows)
+      end if
+
+   contains
+
+      pure logical function same(a, b)
+         real(wp), intent(in) :: a
+         real(wp), intent(in) :: b
+
+         same = abs(a - b) <= 0
+      end function same
+
+   end subroutine pass_one
+
+   !> The motion turns back, or hits the base, at a rotation: what yielded unloads.
+   subroutine turn_back(equation, theta)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp) :: phi
+      integer :: i
+
+      if (.not. equation%has_memory) return
+      phi = equation%side*theta
+      if (equation%cable%is_tendon) then
+         call turn_spring(equation%cable%tendon, elongation_of(equation, 0, phi))
+      end if
+      do i = 1, size(equation%springs)
+         if (.not. moves(equation, equation%springs(i)%place)) cycle
+         call turn_spring(equation%springs(i)%spring, elongation_of(equation, i, phi))
+      end do
+   end subroutine turn_back
+
+   !> Has the tendon broken?
+   pure logical function tendon_is_broken(equation)
+      type(equation_t), intent(in) :: equation
+
+      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%cable%tendon)
+   end function tendon_is_broken
+
+   !> What the tendon has lost of its force at theta = 0, over m_w g [-].
+   real(wp) function prestress_loss(equation, theta) result(loss)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! present rotation [rad]
+      type(spring_t) :: tendon
+
+      tendon = equation%cable%tendon
+      call turn_spring(tendon, elongation_of(equation, 0, equation%side*theta))
+      loss = equation%cable%eta_0 - max(0.0_wp, spring_force(tendon, 0.0_wp))
+   end function prestress_loss
+
+   !> Plastic displacement of the frame at a state [m].
+   real(wp) function frame_residual(equation, theta) result(residual)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      integer :: i
+
+      residual = 0
+      do i = 1, size(equation%springs)
+         if (equation%springs(i)%place /= place_frame) cycle
+         residual = spring_plastic(equation%springs(i)%spring, &
+            elongation_of(equation, i, equation%side*theta))
+      end do
+   end function frame_residual
+
+end module rwmf_memory
