@@ -72,7 +72,11 @@ module rwmf_case
       real(wp) :: hardening
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law
-      !! 'elastic_plastic'
+      !! 'elastic_plastic' or 'bouc_wen'
+      real(wp) :: exponent = 2
+      !! n of 'bouc_wen' [-]
+      real(wp) :: beta = 0.5_wp
+      !! of 'bouc_wen' [-]
    end type yielding_t
 
    !> Unbonded post-tensioned cable, `&cable`, Eq. (1).

@@ -92,6 +92,8 @@ contains
          case%yielding = yielding_t(real_of(groups, 'yielding', 'u_y'), &
             real_of(groups, 'yielding', 'hardening'))
          case%yielding%law = text_of(groups, 'yielding', 'law')
+         case%yielding%exponent = real_of(groups, 'yielding', 'exponent')
+         case%yielding%beta = real_of(groups, 'yielding', 'beta')
       end if
       if (has_group(groups, 'cable')) then
          case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &

@@ -1,7 +1,7 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
    use rwmf_errors, only: err_input, error_t, fail
-   use rwmf_frame_rules, only: check_frame, check_storeys
+   use rwmf_frame_rules, only: check_frame, check_storeys, check_yielding
    use rwmf_given, only: get_list, has_group, has_key, real_of, integer_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
@@ -27,6 +27,7 @@ contains
       call check_presence(groups, error)
       if (.not. allocated(error)) call check_frame(groups, error)
       if (.not. allocated(error)) call check_storeys(groups, error)
+      if (.not. allocated(error)) call check_yielding(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
       if (.not. allocated(error)) call check_base(groups, error)
       if (.not. allocated(error)) call check_link(groups, error)

@@ -1,6 +1,8 @@
 !> Effects beyond wall, frame and cable: which of them a case calls for, and what they have in
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
+   use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_rates, &
+      bouc_wen_sizes, prepare_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_power
    use rwmf_kinds, only: wp
@@ -19,16 +21,25 @@ contains
    subroutine choose_extras(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
+      logical :: is_bilinear
+      !! the frame is elastic-plastic
 
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
          call add_extra(equation, extra_t(add_damper, damper_power))
       end if
-      if (allocated(case%fuse) .or. allocated(case%yielding) .or. equation%cable%is_tendon) then
+      is_bilinear = .false.
+      if (allocated(case%yielding)) is_bilinear = case%yielding%law == 'elastic_plastic'
+      if (allocated(case%fuse) .or. is_bilinear .or. equation%cable%is_tendon) then
          call choose_springs(case, equation)
       end if
-      if (allocated(case%fuse) .or. allocated(case%yielding)) then
+      if (allocated(case%fuse) .or. is_bilinear) then
          call add_extra(equation, extra_t(add_springs, springs_power, springs_energy))
+      end if
+      if (allocated(case%yielding) .and. .not. is_bilinear) then
+         call prepare_bouc_wen(case, equation)
+         call add_extra(equation, extra_t(add_bouc_wen, bouc_wen_power, bouc_wen_energy, states=1, &
+            rates=bouc_wen_rates, sizes=bouc_wen_sizes))
       end if
       if (allocated(case%storeys)) call add_frame(case, equation)
    end subroutine choose_extras

@@ -9,7 +9,7 @@ module rwmf_frame_rules
    implicit none
    private
 
-   public :: check_frame, check_storeys
+   public :: check_frame, check_storeys, check_yielding
 
 contains
 
@@ -30,6 +30,28 @@ contains
             //'given without &spectrum, a number > 0 [s]', error)
       end if
    end subroutine check_frame
+
+   !> Keys of the smooth law only with it; its state at a start away from zero is not known.
+   subroutine check_yielding(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(8), parameter :: keys(2) = ['exponent', 'beta    ']
+      integer :: i
+
+      if (.not. has_group(groups, 'yielding')) return
+      if (text_of(groups, 'yielding', 'law') == 'bouc_wen') then
+         if (abs(real_of(groups, 'initial', 'theta_over_alpha')) > 0) then
+            call fail_key(groups, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
+               //"'bouc_wen', whose hysteresis begins at zero", error)
+         end if
+         return
+      end if
+      do i = 1, size(keys)
+         if (.not. has_key(groups, 'yielding', trim(keys(i)))) cycle
+         call fail_key(groups, 'yielding', trim(keys(i)), "belongs to law = 'bouc_wen'", error)
+         return
+      end do
+   end subroutine check_yielding
 
    !> Storeys say what period and mass ratio would say; their lists belong together.
    subroutine check_storeys(groups, error)

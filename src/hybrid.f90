@@ -53,6 +53,7 @@ contains
       equation%interval = interval_at(equation%motion, t)
       equation%side = 1
       equation%is_held = .false.
+      equation%course = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
          hybrid%mode = mode_no_impacts
@@ -171,6 +172,7 @@ contains
       end if
       if (hybrid%must_restart) then
          if (equation%has_memory) call renew_window(equation)
+         if (equation%has_course) call set_course(hybrid, equation)
          call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
@@ -188,6 +190,10 @@ contains
          call change_branch(hybrid, equation, observer)
       case (event_peak)
          call turn_back(equation, hybrid%y(1))
+         if (equation%has_course) then
+            equation%course = -equation%course
+            hybrid%y(2) = 0
+         end if
          hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
@@ -197,6 +203,18 @@ contains
       end select
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
+
+   !> The sign that theta' has in the piece of motion that begins; after a peak it is known already.
+   pure subroutine set_course(hybrid, equation)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      if (abs(hybrid%y(2)) > 0) then
+         equation%course = int(sign(1.0_wp, hybrid%y(2)))
+      else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
+         equation%course = equation%side
+      end if
+   end subroutine set_course
 
    !> A spring enters another branch.
    subroutine change_branch(hybrid, equation, observer)

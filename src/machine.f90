@@ -65,6 +65,7 @@ module rwmf_machine
       !! memory of what yields
       integer :: interval = 0
       integer :: side = 1
+      integer :: course = 1
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -186,6 +187,7 @@ contains
       snapshot%ground = machine%ground
       snapshot%interval = machine%equation%interval
       snapshot%side = machine%equation%side
+      snapshot%course = machine%equation%course
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
       associate (hybrid => machine%hybrid, observer => machine%observer)
@@ -218,6 +220,7 @@ contains
       if (.not. snapshot%follows_host) machine%equation%motion => machine%own_motion
       machine%equation%interval = snapshot%interval
       machine%equation%side = snapshot%side
+      machine%equation%course = snapshot%course
       machine%equation%is_held = .false.
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then

@@ -53,7 +53,7 @@ contains
       call system_clock(started, rate)
       call create_scene(case, motion, scene)
       if (scene%equation%n > 2 .or. scene%equation%has_memory) then
-         call fail(error, err_numerical, 'today''s procedures follow theta and theta'' alone: not ' &
+         call fail(error, err_numerical, 'today''s procedures know theta and its rate only: not ' &
             //'&storeys with all modes, &yielding, &fuse, or a cable that yields', 'not_practised')
          return
       end if

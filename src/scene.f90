@@ -10,9 +10,10 @@ module rwmf_scene
    implicit none
    private
 
-   public :: equation_t, second_derivative_i, extra_t, floors_t, sprung_t
+   public :: equation_t, second_derivative_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
+   public :: frame_velocity, frame_travel, frame_mass
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
    !> states, energy and power that belong to it. One file brings its procedures; `choose_extras`
@@ -46,6 +47,20 @@ module rwmf_scene
       integer :: first = 3
       !! place of their first state among all
    end type floors_t
+
+   !> Smooth hysteresis of the frame after Bouc and Wen.
+   type :: hysteresis_t
+      real(wp) :: u_y = 1
+      !! displacement at yield [m]
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp) :: exponent = 2
+      !! [-]
+      real(wp) :: beta = 0.5_wp
+      !! [-]
+      integer :: place = 3
+      !! of z among the states
+   end type hysteresis_t
 
    integer, parameter :: place_frame = 0
    !! between ground and frame
@@ -85,6 +100,12 @@ module rwmf_scene
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors
       !! of `&storeys` with all modes
+      type(hysteresis_t) :: hysteresis
+      !! of the frame
+      logical :: has_course = .false.
+      !! rates depend on the sign of theta'
+      integer :: course = 1
+      !! that sign until the next peak, set by the hybrid loop
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
       logical :: is_held = .false.
@@ -272,5 +293,34 @@ contains
          u_s = theta
       end if
    end function frame_displacement
+
+   !> Velocity of the frame u_s' [m/s].
+   real(wp) function frame_velocity(equation, y) result(u_s_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(kinematics_t) :: kin
+
+      u_s_dot = y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      u_s_dot = equation%p%R*kin%j*y(2)
+   end function frame_velocity
+
+   !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
+   pure real(wp) function frame_travel(equation) result(travel)
+      type(equation_t), intent(in) :: equation
+
+      travel = 1
+      if (equation%has_wall) travel = 2*equation%p%R*equation%cos_alpha
+   end function frame_travel
+
+   !> Mass of the frame over that of the wall; 1 for the bare frame [-].
+   pure real(wp) function frame_mass(equation)
+      type(equation_t), intent(in) :: equation
+
+      frame_mass = 1
+      if (equation%has_wall) frame_mass = equation%p%gamma
+   end function frame_mass
 
 end module rwmf_scene

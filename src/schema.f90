@@ -88,8 +88,13 @@ contains
             'displacement at which the frame yields first'), &
          optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding frame over its elastic one'), &
-         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', 'elastic_plastic', &
-            'bilinear with kinematic hardening'), &
+         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', &
+            'elastic_plastic bouc_wen', &
+            'bilinear with kinematic hardening, or a smooth hysteresis'), &
+         optional_key('yielding', 'exponent', 'real', '-', '2.0', '[1, 1000]', &
+            'sharpness n of the knee; bouc_wen only'), &
+         optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
+            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &

@@ -167,6 +167,7 @@ contains
       real(wp) :: v_a
 
       v_a = y_a(2)
+      if (abs(v_a) <= 0 .and. equation%has_course) v_a = equation%course
       if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
          v_a = equation%side
       end if

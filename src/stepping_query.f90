@@ -1,5 +1,6 @@
 !> What a host asks a wall between two calls: state, forces, events.
 module rwmf_stepping_query
+   use rwmf_bouc_wen, only: bouc_wen_residual
    use rwmf_cable, only: cable_state_t
    use rwmf_equation, only: cable_at, frame_displacement, kinematics_at, second_derivative
    use rwmf_errors, only: error_t
@@ -9,6 +10,7 @@ module rwmf_stepping_query
    use rwmf_machine, only: machine_t
    use rwmf_result, only: event_t
    use rwmf_stepping, only: require, stepping_t
+   use rwmf_memory, only: frame_residual
    use rwmf_storeys, only: resistance
    implicit none
    private
@@ -139,7 +141,8 @@ contains
          frame_mass = machine%mass
          if (machine%equation%has_wall) frame_mass = p%gamma*machine%mass
          if (machine%equation%has_frame) then
-            restoring = frame_mass*p%omega_s*(p%omega_s*state%u_s + 2*p%xi_s*state%u_s_dot)
+            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(machine)) &
+               + 2*p%xi_s*state%u_s_dot)
             forces%frame_shear = machine%equation%push*restoring
          end if
          if (allocated(machine%equation%floors%m)) then
@@ -157,6 +160,19 @@ contains
          end if
       end associate
    end subroutine query_forces
+
+   !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
+   real(wp) function plastic_part(machine)
+      type(machine_t), intent(in) :: machine
+
+      plastic_part = 0
+      if (machine%equation%has_course) then
+         plastic_part = (1 - machine%equation%hysteresis%hardening) &
+            *bouc_wen_residual(machine%equation, machine%hybrid%y)
+      else if (machine%equation%has_memory) then
+         plastic_part = frame_residual(machine%equation, machine%hybrid%y(1))
+      end if
+   end function plastic_part
 
    !> Events of the last advance, in the order of time.
    subroutine query_events(stepping, events, error)

@@ -12,7 +12,7 @@ module rwmf_storeys
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, ground, kinematics_at
+   use rwmf_scene, only: equation_t, frame_displacement, frame_travel, frame_velocity, ground
    use rwmf_shear_frame, only: damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
@@ -111,19 +111,14 @@ contains
       !! (0:n) [m]
       real(wp), intent(out) :: v(:)
       !! (n) [m/s]
-      type(kinematics_t) :: kin
       integer :: n
 
       n = size(v)
       u(0) = 0
       u(1:n - 1) = y(equation%floors%first:equation%floors%first + n - 2)
       v(:n - 1) = velocities(equation, y)
-      u(n) = y(1)
-      v(n) = y(2)
-      if (.not. equation%has_wall) return
-      kin = kinematics_at(equation, y(1))
-      u(n) = equation%side*equation%p%R*kin%u
-      v(n) = equation%p%R*kin%j*y(2)
+      u(n) = frame_displacement(equation, y(1))
+      v(n) = frame_velocity(equation, y)
    end subroutine floor_motion
 
    !> Of the floors below the roof [m/s].
@@ -142,13 +137,9 @@ contains
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: sizes(:)
-      real(wp) :: length
-      !! from rotation to displacement [m/rad]
 
-      length = 1
-      if (equation%has_wall) length = 2*equation%p%R*equation%cos_alpha
-      sizes(:size(sizes)/2) = length*size_guess(1)
-      sizes(size(sizes)/2 + 1:) = length*size_guess(2)
+      sizes(:size(sizes)/2) = frame_travel(equation)*size_guess(1)
+      sizes(size(sizes)/2 + 1:) = frame_travel(equation)*size_guess(2)
    end subroutine storey_sizes
 
    !> Power that the frame's dampers take [W/kg].
