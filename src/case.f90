@@ -46,7 +46,8 @@ module rwmf_case
       type(shear_frame_t) :: frame
       !! with its modes
       character(:), allocatable :: coupling
-      !! 'reduced': its first mode moves; 'full': all modes, with the roof linked to the wall
+      !! 'reduced': its first mode moves; 'every_floor': a straight line, which the wall enforces;
+      !! 'full': all modes, with the roof linked to the wall
    end type storeys_t
 
    !> Viscous dampers at the corners of the base, `&damper`.

@@ -3,7 +3,7 @@ module rwmf_equivalent_frame
    use rwmf_case, only: case_t
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: pi
-   use rwmf_shear_frame, only: find_modes
+   use rwmf_shear_frame, only: enforce_straight_line, find_modes
    implicit none
    private
 
@@ -13,9 +13,9 @@ contains
 
    !> Find the modes of `&storeys` and set the period and the mass ratio of `&frame` from them.
    !>
-   !> The mass ratio belongs to the displacement of the roof, which is linked to the wall. Reduced:
-   !> the first mode's mass 1/phi_n**2 there. With all modes: the mass of the roof alone, because
-   !> nothing but storeys that give way joins the floors below to it. Fails with `err_numerical`.
+   !> The mass ratio belongs to the displacement of the roof, which is linked to the wall. One mode:
+   !> its mass 1/phi_n**2 there. All modes: the mass of the roof alone, because nothing but storeys
+   !> that give way joins the floors below to it. Fails with `err_numerical`.
    subroutine set_equivalent_frame(case, error)
       type(case_t), intent(inout) :: case
       !! with frame and storeys
@@ -26,10 +26,11 @@ contains
          n = size(frame%m)
          call find_modes(frame, error)
          if (allocated(error)) return
+         if (case%storeys%coupling == 'every_floor') call enforce_straight_line(frame)
          case%frame%T_s = 2*pi/frame%omega(1)
          if (.not. allocated(case%wall)) return
          case%frame%gamma = frame%m(n)
-         if (case%storeys%coupling == 'reduced') case%frame%gamma = 1/frame%shape(n, 1)**2
+         if (case%storeys%coupling /= 'full') case%frame%gamma = 1/frame%shape(n, 1)**2
       end associate
    end subroutine set_equivalent_frame
 

@@ -71,10 +71,16 @@ contains
             //'set it', error)
          return
       end do
+      if (text_of(groups, 'storeys', 'coupling') == 'every_floor' &
+          .and. .not. has_group(groups, 'wall')) then
+         call fail_key(groups, 'storeys', 'coupling', "must not be 'every_floor' without &wall, " &
+            //'which the floors are linked to', error)
+         return
+      end if
       if (has_group(groups, 'yielding') &
           .and. text_of(groups, 'storeys', 'coupling') == 'full') then
          call fail_group(groups, 'yielding', "must not be given with &storeys coupling = 'full', " &
-            //"whose storeys are elastic; 'reduced' allows it", error)
+            //"whose storeys are elastic; the other couplings allow it", error)
          return
       end if
       if (has_key(groups, 'spectrum', 'gamma')) then

@@ -73,8 +73,9 @@ contains
             'stiffness of the storey below each floor over the same mass'), &
          required('storeys', 'height', 'real list', 'm', positive, &
             'height of each storey; with &wall their sum is 2h'), &
-         optional_key('storeys', 'coupling', 'choice', '', 'reduced', 'reduced full', &
-            'first mode as one mass, or all modes with the roof linked to the wall'), &
+         optional_key('storeys', 'coupling', 'choice', '', 'reduced', &
+            'reduced every_floor full', &
+            'roof linked: first mode or all modes; every floor linked: a straight line'), &
          required('link', 'L', 'real', 'm', positive, &
             'length of the link, Eqs (2), (3); absent: infinitely long'), &
          required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &

@@ -7,7 +7,8 @@ module rwmf_shear_frame
    implicit none
    private
 
-   public :: shear_frame_t, find_modes, modal_mass, modal_height, roof_factor, damping_matrix
+   public :: shear_frame_t, find_modes, enforce_straight_line
+   public :: modal_mass, modal_height, roof_factor, damping_matrix
 
    !> From the ground to the roof.
    type :: shear_frame_t
@@ -51,6 +52,23 @@ contains
       allocate (frame%omega(n), frame%shape(n, n))
       call solve_modes(stiffness, mass, frame%omega, frame%shape, error)
    end subroutine find_modes
+
+   !> Put the straight line, with the frequency that Rayleigh's quotient gives it, in the place of
+   !> the first mode: the only one left to a frame whose floors are all linked to a rigid wall.
+   pure subroutine enforce_straight_line(frame)
+      type(shear_frame_t), intent(inout) :: frame
+      !! with its modes and heights
+      real(wp) :: share(size(frame%m))
+      !! of each storey in the height [-]
+      real(wp) :: mass
+      integer :: i
+
+      share = frame%height/sum(frame%height)
+      frame%shape(:, 1) = [(sum(share(:i)), i=1, size(share))]
+      mass = sum(frame%m*frame%shape(:, 1)**2)
+      frame%shape(:, 1) = frame%shape(:, 1)/sqrt(mass)
+      frame%omega(1) = sqrt(sum(frame%k*share**2)/mass)
+   end subroutine enforce_straight_line
 
    !> L_j = sum of m_i phi_ij, Chopra's Eq. (13.2.3); its square is the effective modal mass.
    pure real(wp) function excitation(frame, mode)

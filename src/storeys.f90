@@ -36,7 +36,7 @@ contains
 
       frame = case%storeys%frame
       n = size(frame%m)
-      if (case%storeys%coupling == 'reduced') then
+      if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
          return
       end if

@@ -25,7 +25,9 @@ program test_storeys
    do i = 1, size(formulations)
       call check_one_storey('reduced', trim(formulations(i)))
       call check_one_storey('full', trim(formulations(i)))
+      call check_one_storey('every_floor', trim(formulations(i)))
    end do
+   call check_every_floor()
    call check_modal_superposition()
    call check_reduced_bare_frame()
    call check_stiff_storeys()
@@ -135,6 +137,34 @@ contains
       call checks%close_to(storey%final_state(1), ordinary%final_state(1), &
          'rotation, one storey, '//coupling//', '//formulation, atol=1.0e-9_wp)
    end subroutine check_one_storey
+
+   !> Every floor linked: the moments about the base of a straight line that turns by a small angle
+   !> say its inertia sum(m z**2), stiffness sum(k h**2) and push sum(m z); the modal mass at the
+   !> modal height has the same.
+   subroutine check_every_floor()
+      type(shear_frame_t) :: frame
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: z(3)
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'every floor')
+      frame = case%storeys%frame
+      z = [2.0_wp, 3.5_wp, 4.0_wp]
+      call checks%close_to((2*pi/case%frame%T_s)**2, sum(frame%k*frame%height**2) &
+         /sum(frame%m*z**2), 'period', rtol=1.0e-14_wp)
+      call checks%close_to(case%frame%gamma*16, sum(frame%m*z**2), 'inertia', rtol=1.0e-14_wp)
+      call checks%close_to(case%frame%gamma*roof_factor(frame, 1)*4, sum(frame%m*z), 'push', &
+         rtol=1.0e-14_wp)
+      call checks%close_to(modal_mass(frame, 1)*modal_height(frame, 1)**2, sum(frame%m*z**2), &
+         'inertia of the modal mass', rtol=1.0e-14_wp)
+      call checks%close_to(modal_height(frame, 1)*roof_factor(frame, 1), 4.0_wp, &
+         'the modal height moves as the mode''s oscillator', rtol=1.0e-14_wp)
+   end subroutine check_every_floor
 
    !> Without wall the roof is the sum over the modes of what an oscillator of the mode's period
    !> does, times the mode's factor.
@@ -356,6 +386,8 @@ contains
          //', height = 3 3 /', 'gamma = 2 (line 1): must not be given with &storeys')
       call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
          //', height = 3 3, coupling = ''full'' /', '&yielding (line 1): must not be given')
+      call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
+         //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
    end subroutine check_refusals
 
