@@ -1,8 +1,9 @@
 !> What a wall that stands on its base bears before it lifts off, when further effects act there.
 module rwmf_bearing
+   use rwmf_cable, only: cable_state_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: cable_moment, equation_t, kinematics_at
+   use rwmf_scene, only: cable_at, equation_t, kinematics_at
    implicit none
    private
 
@@ -19,6 +20,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states); the first two are taken as zero
       type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
       real(wp) :: at_rest(size(y))
       real(wp) :: moment
       integer :: side_in_force
@@ -32,7 +34,8 @@ contains
       do side = -1, 1, 2
          equation%side = side
          kin = kinematics_at(equation, 0.0_wp)
-         moment = -equation%p%g/equation%p%R*(kin%s + cable_moment(equation, 0.0_wp))
+         cable = cable_at(equation, 0.0_wp)
+         moment = -equation%p%g_over_R*(kin%s + cable%moment)
          equation%added_inertia = 0
          if (allocated(equation%extras)) then
             do i = 1, size(equation%extras)

@@ -125,15 +125,21 @@ contains
       real(wp), intent(out) :: elongation
       real(wp), intent(out) :: arm
       real(wp), intent(out) :: arm_1
+      real(wp) :: half_sine
+      real(wp) :: sine
+      real(wp) :: cosine
       real(wp) :: length
       real(wp) :: rise
       !! l**2 - (2h)**2 [m2]
 
-      rise = 4*law%b**2*sin(phi/2)**2 + 4*law%h*law%b*sin(phi)
+      half_sine = sin(phi/2)
+      sine = 2*half_sine*sqrt(1 - half_sine**2)
+      cosine = 1 - 2*half_sine**2
+      rise = 4*law%b*(law%b*half_sine**2 + law%h*sine)
       length = sqrt(4*law%h**2 + rise)
       elongation = rise/(length + 2*law%h)
-      arm = (law%b**2*sin(phi) + 2*law%h*law%b*cos(phi))/length
-      arm_1 = (law%b**2*cos(phi) - 2*law%h*law%b*sin(phi) - arm**2)/length
+      arm = law%b*(law%b*sine + 2*law%h*cosine)/length
+      arm_1 = (law%b*(law%b*cosine - 2*law%h*sine) - arm**2)/length
    end subroutine straight_length
 
    !> Elongation of a tendon and its arm, the derivative by phi [m]. For the linear law the arm of

@@ -63,7 +63,7 @@ contains
       type(c_ptr), value :: user_data
       type(N_Vector), intent(inout) :: work_1, work_2, work_3
       type(equation_t), pointer :: equation
-      real(c_double), pointer :: y(:)
+      real(c_double), pointer, contiguous :: y(:)
       real(c_double), pointer :: first(:)
       real(c_double), pointer :: values(:, :)
 

@@ -23,7 +23,7 @@ contains
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
 
-      moment = moment - damping(equation, y(1))*equation%side*y(2)
+      moment = moment - damping(equation, kin%half_cosine)*equation%side*y(2)
    end subroutine add_damper
 
    !> Power that it takes [W/kg].
@@ -32,16 +32,16 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
-      power = equation%p%R**2*damping(equation, y(1))*y(2)**2
+      power = equation%p%R**2*damping(equation, cos(y(1)/2))*y(2)**2
    end function damper_power
 
    !> Damping moment per unit m_w R**2 and angular velocity [1/s].
-   pure real(wp) function damping(equation, theta)
+   pure real(wp) function damping(equation, half_cosine)
       class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
+      real(wp), intent(in) :: half_cosine
+      !! cos(phi/2) [-]
 
-      damping = equation%damper_c*(2*equation%sin_alpha*cos(theta/2))**2
+      damping = equation%damper_c*(2*equation%sin_alpha*half_cosine)**2
    end function damping
 
 end module rwmf_damper

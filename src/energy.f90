@@ -4,7 +4,7 @@
 !> for theta < 0; its ledger therefore does not close, and the residual shows by how much.
 module rwmf_energy
    use rwmf_cable, only: cable_state_t
-   use rwmf_equation, only: cable_at, equation_t, kinematics_at
+   use rwmf_equation, only: cable_at, equation_t, interval_of, kinematics_at
    use rwmf_extras, only: extra_energy, extra_input, extra_power
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
@@ -63,7 +63,7 @@ contains
       !! (states)
       type(kinematics_t) :: kin
 
-      power = -acceleration(equation%motion, equation%interval, t)*y(2)
+      power = -acceleration(equation%motion, interval_of(equation), t)*y(2)
       if (equation%has_wall) then
          kin = kinematics_at(equation, y(1))
          power = power*equation%p%R*(equation%p%gamma*equation%push*kin%j + kin%c)

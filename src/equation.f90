@@ -10,20 +10,21 @@ module rwmf_equation
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
       truss_cable, yielding_cable
    use rwmf_case, only: cable_t, case_t
-   use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
-   use rwmf_extras, only: choose_extras, extra_rates
+   use rwmf_coefficients, only: published
+   use rwmf_extras, only: choose_extras, rates_of_all
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
-   use rwmf_scene, only: cable_at, cable_moment, equation_t, frame_displacement, &
-      ground, kinematics_at, lift_off_drive, second_derivative_i
+   use rwmf_paper, only: paper_t
+   use rwmf_scene, only: cable_at, enter_interval, equation_t, frame_displacement, ground, &
+      interval_of, kinematics_at, lift_off_drive
    use rwmf_spring, only: new_spring
    implicit none
    private
 
-   public :: equation_t, build_equation
-   public :: rhs, rates_of_state, second_derivative, kinematics_at, cable_at, lift_off_drive
+   public :: equation_t, build_equation, enter_interval, interval_of
+   public :: rhs, hold_wall, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -50,11 +51,7 @@ contains
          equation%has_impacts = case%wall%base == 'rocking'
          call choose_kinematics(case%model%formulation, equation)
          call choose_cable(case, equation)
-         if (equation%has_cable) then
-            call choose_acceleration(case%model%formulation, case%cable%law, equation)
-         else
-            call choose_acceleration(case%model%formulation, '', equation)
-         end if
+         call choose_acceleration(case%model%formulation, equation)
          if (.not. equation%has_impacts) call hinge_base(equation)
          call choose_extras(case, equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
@@ -65,9 +62,6 @@ contains
          if (allocated(equation%extras)) then
             equation%acceleration_positive => with_extras
             equation%acceleration_negative => with_extras
-         else if (abs(equation%push - 1) > 0) then
-            equation%acceleration_positive => wall_and_frame
-            equation%acceleration_negative => wall_and_frame
          end if
       else
          call choose_extras(case, equation)
@@ -85,6 +79,10 @@ contains
       if (allocated(case%wall)) then
          p%alpha = atan2(case%wall%b, case%wall%h)
          p%R = hypot(case%wall%h, case%wall%b)
+         p%sin_alpha = sin(p%alpha)
+         p%cos_alpha = cos(p%alpha)
+         p%sin_alpha = sin(p%alpha)
+         p%cos_alpha = cos(p%alpha)
       end if
       if (allocated(case%frame)) then
          if (allocated(case%frame%gamma)) p%gamma = case%frame%gamma
@@ -95,6 +93,9 @@ contains
          p%eta_0 = case%cable%eta_0
          p%eta_alpha = case%cable%eta_alpha
       end if
+      p%g_over_R = p%g/p%R
+      p%two_xi_omega = 2*p%xi_s*p%omega_s
+      p%omega_squared = p%omega_s**2
    end function paper_parameters
 
    !> A wall hinged at the middle of its base: m_w (4/3 h**2 + b**2/3) about the hinge, one smooth
@@ -105,8 +106,8 @@ contains
       equation%inertia = (4*equation%cos_alpha**2 + equation%sin_alpha**2)/3
       equation%kinematics_positive => pinned_base
       equation%kinematics_negative => pinned_base
-      equation%acceleration_positive => wall_and_frame
-      equation%acceleration_negative => wall_and_frame
+      equation%acceleration_positive => hinged
+      equation%acceleration_negative => hinged
    end subroutine hinge_base
 
    subroutine choose_kinematics(formulation, equation)
@@ -137,6 +138,7 @@ contains
       type(cable_state_t) :: at_alpha
 
       equation%cable_law => no_cable
+      equation%has_plain_cable = .not. equation%has_cable
       if (.not. equation%has_cable) return
       equation%cable%eta_0 = case%cable%eta_0
       equation%cable%R = equation%p%R
@@ -154,6 +156,7 @@ contains
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
          if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
+         equation%has_plain_cable = case%model%formulation /= 'published'
       end if
       if (can_yield(case%cable)) call choose_tendon(case, equation)
    end subroutine choose_cable
@@ -187,28 +190,25 @@ contains
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
       equation%cable_law => yielding_cable
+      equation%has_plain_cable = .false.
    end subroutine choose_tendon
 
-   subroutine choose_acceleration(formulation, law, equation)
+   subroutine choose_acceleration(formulation, equation)
       character(*), intent(in) :: formulation
-      character(*), intent(in) :: law
-      !! of the cable; '' without one
       type(equation_t), intent(inout) :: equation
 
       equation%acceleration_negative => wall_and_frame
       equation%acceleration_positive => wall_and_frame
-      if (law /= 'truss' .and. equation%geometry%link <= 0 &
-          .and. .not. equation%cable%is_tendon) then
-         equation%acceleration_positive => corner_linear
-         if (formulation == 'symmetric') equation%acceleration_negative => corner_linear
-      end if
-      if (formulation == 'published') then
-         equation%acceleration_negative => published
-         equation%acceleration_positive => published
-      end if
       if (.not. equation%has_frame) then
-         equation%acceleration_negative => wall_alone
          equation%acceleration_positive => wall_alone
+         equation%acceleration_negative => wall_alone
+      else if (equation%geometry%link <= 0) then
+         equation%acceleration_positive => corner
+         if (formulation == 'symmetric') equation%acceleration_negative => corner
+         if (formulation == 'published') then
+            equation%acceleration_positive => published
+            equation%acceleration_negative => published
+         end if
       end if
    end subroutine choose_acceleration
 
@@ -217,36 +217,26 @@ contains
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
-      real(wp), intent(out) :: y_dot(:)
+      real(wp), intent(out) :: y_dot(equation%n)
       !! (states)
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
-      call rates_of_state(equation, t, y, y_dot)
-   end subroutine rhs
-
-   !> The same without counting.
-   subroutine rates_of_state(equation, t, y, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(out) :: y_dot(:)
-      !! (states)
-
+      if (equation%n > 2) then
+         call rates_of_all(equation, t, y, y_dot)
+         return
+      end if
       y_dot(1) = y(2)
       y_dot(2) = second_derivative(equation, t, y)
-      if (equation%n > 2) call extra_rates(equation, t, y, y_dot)
-   end subroutine rates_of_state
+   end subroutine rhs
 
    !> theta'' without counting an evaluation: for events and outputs [rad/s2].
    real(wp) function second_derivative(equation, t, y)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
 
       if (equation%side > 0) then
@@ -256,93 +246,176 @@ contains
       end if
    end function second_derivative
 
-   !> Eq. (15) with the printed coefficients.
-   real(wp) function published(equation, t, y)
-      class(equation_t), intent(in) :: equation
+   !> Eq. (8), link at the top corner: the commonest scene written out, because a call through a
+   !> pointer would cost as much as its arithmetic.
+   real(wp) function corner(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp) :: C(4)
-      !! A_i or B_i
-
-      if (equation%side > 0) then
-         C = coefficients_b(equation%p, y(1))
-      else
-         C = coefficients_a(equation%p, y(1))
-      end if
-      published = C(1)*y(2)**2 + C(2)*y(2) + C(3)*ground(equation, t) + C(4)
-   end function published
-
-   !> Eq. (8), link at the top corner and linear cable (or none): the commonest scene written out,
-   !> because calls through pointers would cost as much as the arithmetic.
-   real(wp) function corner_linear(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
-      real(wp) :: half_sine
-      real(wp) :: half_cosine
       real(wp) :: lift
-      !! sin(alpha) - sin(alpha - phi)
       real(wp) :: c
-      !! cos(alpha - phi)
 
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      half_sine = sin(phi/2)
-      half_cosine = cos(phi/2)
-      lift = 2*half_sine*(equation%sin_alpha*half_sine + equation%cos_alpha*half_cosine)
-      c = equation%cos_alpha - 2*half_sine*(equation%cos_alpha*half_sine &
-         - equation%sin_alpha*half_cosine)
+      call turn(equation, phi, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
-            + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g/p%R*(s &
-            + (p%eta_0 + equation%cable%rate*phi)*equation%sin_alpha)) &
-            + (2*p%gamma + 1)*c*ground(equation, t)/p%R)/(equation%inertia + 4*p%gamma*c**2)
+            + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g_over_R*(s &
+            + cable_now(equation, phi))) + (2*p%gamma + 1)*c*ground_now(equation, t)/p%R) &
+            /(equation%inertia + 4*p%gamma*c**2)
       end associate
-   end function corner_linear
+   end function corner
 
-   !> Wall and frame, any kinematics and cable law.
-   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
+   !> Wall without frame, Eqs (11) and (12).
+   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: phi
+      real(wp) :: lift
+      real(wp) :: c
+
+      phi = equation%side*y(1)
+      call turn(equation, phi, lift, c)
+      associate (p => equation%p)
+         theta_ddot = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
+            *(equation%sin_alpha - lift + cable_now(equation, phi)))
+      end associate
+   end function wall_alone
+
+   !> The same as `kinematics` says of the top corner: lift = sin(alpha) - sin(alpha - phi) and
+   !> c = cos(alpha - phi).
+   pure subroutine turn(equation, phi, lift, c)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: lift
+      real(wp), intent(out) :: c
+      real(wp) :: half_sine
+      real(wp) :: half_cosine
+
+      half_sine = sin(phi/2)
+      half_cosine = sqrt(1 - half_sine**2)
+      associate (sin_alpha => equation%sin_alpha, cos_alpha => equation%cos_alpha)
+         lift = 2*half_sine*(sin_alpha*half_sine + cos_alpha*half_cosine)
+         c = cos_alpha - 2*half_sine*(cos_alpha*half_sine - sin_alpha*half_cosine)
+      end associate
+   end subroutine turn
+
+   !> Ground acceleration of the interval in force [m/s2]: the line of a record without a call.
+   real(wp) function ground_now(equation, t)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      associate (line => equation%line)
+         if (line%is_straight) then
+            ground_now = line%a_0 + line%slope*(t - line%t_0)
+         else
+            ground_now = ground(equation, t)
+         end if
+      end associate
+   end function ground_now
+
+   !> Moment of the cable over m_w g R [-]: the linear law, or none, without a call.
+   real(wp) function cable_now(equation, phi) result(moment)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(cable_state_t) :: cable
+      real(wp) :: copy
+      !! the rotation stays in its register
+
+      if (equation%has_plain_cable) then
+         moment = (equation%cable%eta_0 + equation%cable%rate*phi)*equation%sin_alpha
+      else
+         copy = phi
+         call equation%cable_law(equation%cable, equation%sin_alpha, copy, equation%side, cable)
+         moment = cable%moment
+      end if
+   end function cable_now
+
+   !> Kinematics of the side in force.
+   subroutine see_side(equation, phi, kin)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(kinematics_t), intent(out) :: kin
+
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%geometry, phi, kin)
+      else
+         call equation%kinematics_negative(equation%geometry, phi, kin)
+      end if
+   end subroutine see_side
+
+   !> Wall, with or without frame, any kinematics and cable law. With the kinematics of Eq. (10) and
+   !> the cable of Eq. (1) it equals Eq. (15a), with those of Eq. (4) Eq. (15b).
+   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
+      real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: force
       !! of the frame's spring and damper and the centripetal term, over gamma m_w R [1/s2]
 
-      kin = kinematics_at(equation, y(1))
+      phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
+      call see_side(equation, phi, kin)
       associate (p => equation%p)
-         force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
+         force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
          theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
-            + p%g/p%R*(kin%s + cable_moment(equation, y(1)))) &
-            + (p%gamma*equation%push*kin%lever + kin%c)*ground(equation, t)/p%R) &
+            + p%g_over_R*(kin%s + cable_now(equation, phi))) &
+            + (p%gamma*kin%lever + kin%c)*ground_now(equation, t)/p%R) &
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
    end function wall_and_frame
 
+   !> Wall hinged at the middle of its base, with or without frame: `pinned_base` written out.
+   real(wp) function hinged(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: half_sine
+      real(wp) :: sine
+      !! of theta times cos(alpha)
+      real(wp) :: cosine
+      !! likewise
+
+      half_sine = sin(y(1)/2)
+      sine = 2*equation%cos_alpha*half_sine*sqrt(1 - half_sine**2)
+      cosine = equation%cos_alpha*(1 - 2*half_sine**2)
+      associate (p => equation%p)
+         theta_ddot = (p%g_over_R*sine - 4*p%gamma*cosine*(p%two_xi_omega*cosine*y(2) &
+            + sine*(p%omega_squared - y(2)**2)) - (2*p%gamma + 1)*cosine*ground_now(equation, t) &
+            /p%R)/(equation%inertia + 4*p%gamma*cosine**2)
+      end associate
+   end function hinged
+
    !> Wall, with or without frame, and further effects.
    real(wp) function with_extras(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
+      real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: inertia
       real(wp) :: moment
       integer :: i
 
-      theta_ddot = 0
-      if (equation%is_held) return
-      kin = kinematics_at(equation, y(1))
+      phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
+      call see_side(equation, phi, kin)
       associate (p => equation%p)
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
-         moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot &
-            + p%omega_s**2*kin%u) - p%g/p%R*(kin%s + cable_moment(equation, y(1))) &
-            - (p%gamma*equation%push*kin%lever + kin%c)*equation%side*ground(equation, t)/p%R
+         moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot &
+            + p%omega_squared*kin%u) - p%g_over_R*(kin%s + cable_now(equation, phi)) &
+            - (p%gamma*equation%push*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
       end associate
       do i = 1, size(equation%extras)
          call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
@@ -350,47 +423,53 @@ contains
       theta_ddot = equation%side*moment/inertia
    end function with_extras
 
+   !> Hold the resting wall while further states move, or let it go.
+   subroutine hold_wall(equation, is_held)
+      type(equation_t), intent(inout) :: equation
+      !! with further effects
+      logical, intent(in) :: is_held
+
+      equation%acceleration_positive => with_extras
+      if (is_held) equation%acceleration_positive => at_rest
+      equation%acceleration_negative => equation%acceleration_positive
+   end subroutine hold_wall
+
+   real(wp) function at_rest(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+
+      theta_ddot = 0
+   end function at_rest
+
    !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
    real(wp) function frame_with_extras(equation, t, y) result(u_ddot)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t) :: kin
       real(wp) :: inertia
       integer :: i
 
-      kin = kinematics_t(s=0.0_wp, c=0.0_wp, u=y(1), j=1.0_wp, k=0.0_wp, k_1=0.0_wp, &
+      kin = kinematics_t(half_sine=0.0_wp, half_cosine=1.0_wp, s=0.0_wp, c=0.0_wp, u=y(1), &
+         j=1.0_wp, k=0.0_wp, k_1=0.0_wp, &
          lever=1.0_wp, lever_1=0.0_wp)
       inertia = 1
-      u_ddot = bare_frame(equation, t, y)
+      u_ddot = bare_frame(equation, t, y) - (equation%push - 1)*ground_now(equation, t)
       do i = 1, size(equation%extras)
          call equation%extras(i)%add(equation, t, y, kin, inertia, u_ddot)
       end do
       u_ddot = u_ddot/inertia
    end function frame_with_extras
 
-   !> Wall without frame, Eqs (11) and (12).
-   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp) :: angle
-      !! alpha - phi [rad]
-
-      angle = equation%p%alpha - equation%side*y(1)
-      theta_ddot = -0.75_wp/equation%p%R*(cos(angle)*ground(equation, t) &
-         + equation%side*equation%p%g*(sin(angle) + cable_moment(equation, y(1))))
-   end function wall_alone
-
-   !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''; a reduced frame's roof: times
-   !> its factor.
+   !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
    real(wp) function bare_frame(equation, t, y) result(u_ddot)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
 
       associate (p => equation%p)
-         u_ddot = -2*p%xi_s*p%omega_s*y(2) - p%omega_s**2*y(1) - equation%push*ground(equation, t)
+         u_ddot = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - ground_now(equation, t)
       end associate
    end function bare_frame
 

@@ -25,7 +25,7 @@ module rwmf_erkstep
    type, extends(sundials_t) :: erk_t
       private
       type(c_ptr) :: scout = c_null_ptr
-      real(c_double), pointer :: scout_state(:) => null()
+      real(c_double), pointer, contiguous :: scout_state(:) => null()
       type(N_Vector), pointer :: scout_vector => null()
    contains
       procedure :: create => create_erk

@@ -13,7 +13,7 @@ module rwmf_extras
    implicit none
    private
 
-   public :: choose_extras, extra_rates, extra_sizes, extra_energy, extra_power, extra_input
+   public :: choose_extras, rates_of_all, extra_sizes, extra_energy, extra_power, extra_input
 
 contains
 
@@ -67,24 +67,31 @@ contains
       equation%n = equation%n + extra%states
    end subroutine add_extra
 
-   !> Rates of the further states.
-   subroutine extra_rates(equation, t, y, y_dot)
+   !> Right-hand side of scenes with further states, without counting. Not a part of `rhs`, which
+   !> would then pay for this call in all other scenes.
+   subroutine rates_of_all(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
-      real(wp), intent(inout) :: y_dot(:)
-      !! (states); on return all from the third are set
+      real(wp), intent(out) :: y_dot(equation%n)
+      !! (states)
       integer :: i
 
+      y_dot(1) = y(2)
+      if (equation%side > 0) then
+         y_dot(2) = equation%acceleration_positive(equation, t, y)
+      else
+         y_dot(2) = equation%acceleration_negative(equation, t, y)
+      end if
       do i = 1, size(equation%extras)
          associate (extra => equation%extras(i))
             if (extra%states == 0) cycle
             call extra%rates(equation, t, y, y_dot(extra%first:extra%first + extra%states - 1))
          end associate
       end do
-   end subroutine extra_rates
+   end subroutine rates_of_all
 
    !> Expected sizes of all states from those of the first two, for absolute tolerances.
    function extra_sizes(equation, size_guess) result(sizes)

@@ -7,7 +7,7 @@
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
    use rwmf_control, only: control_t, is_cancelled
-   use rwmf_equation, only: equation_t, second_derivative
+   use rwmf_equation, only: enter_interval, equation_t, hold_wall, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
@@ -50,9 +50,9 @@ contains
       hybrid%y = y
       hybrid%must_restart = .true.
       hybrid%steps_at_knot = 0_i8
-      equation%interval = interval_at(equation%motion, t)
+      call enter_interval(equation, interval_at(equation%motion, t))
       equation%side = 1
-      equation%is_held = .false.
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%course = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
@@ -130,6 +130,7 @@ contains
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_limit
+      integer :: interval
       integer :: side
 
       side = 0
@@ -137,14 +138,16 @@ contains
          call move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
          if (allocated(error)) return
       end if
+      interval = interval_of(equation)
       do while (side == 0 .and. hybrid%t < t_target .and. .not. equation%moves_at_rest)
          ! One interval at a time, because the history shows the ground motion as well.
-         t_limit = min(t_target, interval_end(equation%motion, equation%interval))
-         call find_lift_off(equation, t_limit, hybrid%t, equation%interval, side)
+         t_limit = min(t_target, interval_end(equation%motion, interval))
+         call find_lift_off(equation, t_limit, hybrid%t, interval, side)
+         call enter_interval(equation, interval)
          call observe_rest(observer, equation, hybrid%t)
       end do
       if (side == 0) return
-      equation%is_held = .false.
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%side = side
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
@@ -163,7 +166,7 @@ contains
       real(wp) :: t_limit
       integer :: event
 
-      t_limit = min(t_target, interval_end(equation%motion, equation%interval))
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%t = t_limit
@@ -320,7 +323,7 @@ contains
       integer :: side
 
       t = hybrid%t
-      interval = equation%interval
+      interval = interval_of(equation)
       call find_lift_off(equation, t, t, interval, side)
       if (side /= 0) then
          equation%side = side

@@ -1,7 +1,8 @@
 !> Derivatives of the right-hand side, for implicit methods.
 module rwmf_jacobian
    use rwmf_cable, only: cable_state_t
-   use rwmf_equation, only: cable_at, equation_t, kinematics_at, rates_of_state, second_derivative
+   use rwmf_equation, only: cable_at, equation_t, kinematics_at, second_derivative
+   use rwmf_extras, only: rates_of_all
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: ground
@@ -36,8 +37,8 @@ contains
          h = epsilon(h)**(1.0_wp/3)*max(abs(y(i)), 1.0e-3_wp)
          step = 0
          step(i) = h
-         call rates_of_state(equation, t, y + step, forward)
-         call rates_of_state(equation, t, y - step, backward)
+         call rates_of_all(equation, t, y + step, forward)
+         call rates_of_all(equation, t, y - step, backward)
          values(:, i) = (forward - backward)/(2*h)
       end do
    end subroutine full_jacobian
@@ -76,7 +77,7 @@ contains
          force_1 = kin%k_1*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%k*phi_dot + p%omega_s**2*kin%j
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment_1 = -p%gamma*(kin%lever_1*force + kin%lever*force_1) &
-            - (p%gamma*equation%push*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
+            - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
             - p%g/p%R*(cable%moment_1 - kin%c)
          by_theta = (moment_1 - p%gamma*(kin%lever_1*kin%j + kin%lever*kin%k) &
             *equation%side*second_derivative(equation, t, y))/inertia

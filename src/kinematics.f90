@@ -23,6 +23,10 @@ module rwmf_kinematics
 
    !> Values at one rotation, all [-].
    type :: kinematics_t
+      real(wp) :: half_sine
+      !! sin(phi/2)
+      real(wp) :: half_cosine
+      !! cos(phi/2)
       real(wp) :: s
       !! sin(alpha - phi): arm of gravity over R
       real(wp) :: c
@@ -47,7 +51,7 @@ module rwmf_kinematics
          import :: geometry_t, kinematics_t, wp
          implicit none
          type(geometry_t), intent(in) :: geometry
-         real(wp), intent(in) :: phi
+         real(wp), value :: phi
          !! [rad]
          type(kinematics_t), intent(out) :: kin
       end subroutine kinematics_i
@@ -59,7 +63,7 @@ contains
    !> formulations and both sides of `symmetric`: u = 2 (sin(alpha) - sin(alpha - phi)).
    pure subroutine top_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call common_part(geometry, phi, kin)
@@ -74,12 +78,12 @@ contains
    !> u_s = 2h sin(theta).
    pure subroutine left_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call common_part(geometry, phi, kin)
-      kin%j = 2*geometry%cos_alpha*cos(phi)
-      kin%u = 2*geometry%cos_alpha*sin(phi)
+      kin%j = 2*geometry%cos_alpha*cosine(kin)
+      kin%u = 2*geometry%cos_alpha*sine(kin)
       kin%k = -kin%u
       kin%k_1 = -kin%j
       kin%lever = kin%j
@@ -90,23 +94,24 @@ contains
    !> 2R cos(alpha) cos(theta).
    pure subroutine published_negative(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      kin%lever = 2*geometry%cos_alpha*cos(phi)
-      kin%lever_1 = -2*geometry%cos_alpha*sin(phi)
+      kin%lever = 2*geometry%cos_alpha*cosine(kin)
+      kin%lever_1 = -2*geometry%cos_alpha*sine(kin)
    end subroutine published_negative
 
    !> Wall hinged at the middle of its base, link on its centre line: u_s = 2h sin(theta).
    !> Here s and c are those of the hinged wall: gravity drives it outward, s = -(h/R) sin(phi).
    pure subroutine pinned_base(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
-      kin%s = -geometry%cos_alpha*sin(phi)
-      kin%c = geometry%cos_alpha*cos(phi)
+      call halve(phi, kin%half_sine, kin%half_cosine)
+      kin%s = -geometry%cos_alpha*sine(kin)
+      kin%c = geometry%cos_alpha*cosine(kin)
       kin%j = 2*kin%c
       kin%u = -2*kin%s
       kin%k = -kin%u
@@ -119,46 +124,43 @@ contains
    !> Eqs (2), (3): the link tilts while the corner rises by v = 2 (cos(alpha - phi) - cos(alpha)).
    pure subroutine linked_top_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, +1, [4*sin(phi/2)*(geometry%sin_alpha*cos(phi/2) &
-         - geometry%cos_alpha*sin(phi/2)), 2*kin%s, -2*kin%c, -2*kin%s], kin)
+      call add_tilt(geometry%link, 1.0_wp, [4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
+         - geometry%cos_alpha*kin%half_sine), 2*kin%s, -2*kin%c, -2*kin%s], kin)
    end subroutine linked_top_corner
 
    !> Link of finite length at the left top corner, theta < 0 of `exact`: the corner sinks by
    !> 2 cos(alpha) (1 - cos(phi)), and the tilt of the link acts against the displacement.
    pure subroutine linked_left_corner(geometry, phi, kin)
       type(geometry_t), intent(in) :: geometry
-      real(wp), intent(in) :: phi
+      real(wp), value :: phi
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1, [-4*geometry%cos_alpha*sin(phi/2)**2, -kin%u, -kin%j, &
-         kin%u], kin)
+      call add_tilt(geometry%link, -1.0_wp, [-4*geometry%cos_alpha*kin%half_sine**2, -kin%u, &
+         -kin%j, kin%u], kin)
    end subroutine linked_left_corner
 
    !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.
    pure subroutine add_tilt(l, sign_of_tilt, v, kin)
       real(wp), intent(in) :: l
       !! length of the link over R [-]
-      integer, intent(in) :: sign_of_tilt
+      real(wp), intent(in) :: sign_of_tilt
       !! +1: the tilt pushes the frame on, -1: it holds it back
       real(wp), intent(in) :: v(0:3)
       !! rise of the corner over R and its derivatives by phi [-]
       type(kinematics_t), intent(inout) :: kin
       real(wp) :: root
-      real(wp) :: q
-      !! v v'/root**2
       real(wp) :: tilt_1, tilt_2, tilt_3
 
       root = sqrt(l**2 - v(0)**2)
-      q = v(0)*v(1)/root**2
+      ! tilt = l - root has root*tilt' = v v', which is differentiated twice
       tilt_1 = v(0)*v(1)/root
-      tilt_2 = (v(1)**2 + v(0)*v(2))/root + tilt_1*q
-      tilt_3 = (3*v(1)*v(2) + v(0)*v(3))/root + (v(1)**2 + v(0)*v(2))*q/root + tilt_2*q &
-         + tilt_1*((v(1)**2 + v(0)*v(2))/root**2 + 2*q**2)
+      tilt_2 = (v(1)**2 + v(0)*v(2) + tilt_1**2)/root
+      tilt_3 = (3*(v(1)*v(2) + tilt_1*tilt_2) + v(0)*v(3))/root
       kin%u = kin%u + sign_of_tilt*v(0)**2/(l + root)
       kin%j = kin%j + sign_of_tilt*tilt_1
       kin%k = kin%k + sign_of_tilt*tilt_2
@@ -173,21 +175,43 @@ contains
       type(geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: phi
       type(kinematics_t), intent(out) :: kin
-      real(wp) :: half_sine
-      real(wp) :: half_cosine
-      real(wp) :: sine
-      real(wp) :: versine
-      !! 1 - cos(phi)
+      real(wp) :: lift
 
-      half_sine = sin(phi/2)
-      half_cosine = cos(phi/2)
-      sine = 2*half_sine*half_cosine
-      versine = 2*half_sine**2
+      call halve(phi, kin%half_sine, kin%half_cosine)
       associate (sin_alpha => geometry%sin_alpha, cos_alpha => geometry%cos_alpha)
-         kin%s = sin_alpha - (sin_alpha*versine + cos_alpha*sine)
-         kin%c = cos_alpha - (cos_alpha*versine - sin_alpha*sine)
-         kin%u = 2*(sin_alpha*versine + cos_alpha*sine)
+         lift = 2*kin%half_sine*(sin_alpha*kin%half_sine + cos_alpha*kin%half_cosine)
+         kin%s = sin_alpha - lift
+         kin%c = cos_alpha - 2*kin%half_sine*(cos_alpha*kin%half_sine &
+            - sin_alpha*kin%half_cosine)
+         kin%u = 2*lift
       end associate
    end subroutine common_part
+
+   !> Sine and cosine of half the rotation. A root takes the place of the cosine, whose call would
+   !> cost as much as the rest of a right-hand side; it is as accurate for |phi| < pi, and no wall
+   !> turns beyond pi/2.
+   pure subroutine halve(phi, half_sine, half_cosine)
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: half_sine
+      real(wp), intent(out) :: half_cosine
+
+      half_sine = sin(phi/2)
+      half_cosine = sqrt(1 - half_sine**2)
+   end subroutine halve
+
+   !> sin(phi) of kinematics whose half angle is known.
+   pure real(wp) function sine(kin)
+      type(kinematics_t), intent(in) :: kin
+
+      sine = 2*kin%half_sine*kin%half_cosine
+   end function sine
+
+   !> cos(phi).
+   pure real(wp) function cosine(kin)
+      type(kinematics_t), intent(in) :: kin
+
+      cosine = 1 - 2*kin%half_sine**2
+   end function cosine
 
 end module rwmf_kinematics

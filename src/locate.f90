@@ -1,7 +1,7 @@
 !> Instants inside the last step of an integrator: where a state passes a level, to round-off, and
 !> where theta' turns unseen between the ends.
 module rwmf_locate
-   use rwmf_equation, only: equation_t, rhs, second_derivative
+   use rwmf_equation, only: equation_t, interval_of, rhs, second_derivative
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: interval_end, turning_point
@@ -154,10 +154,10 @@ contains
 
       quarter = huge(quarter)
       if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%quickest)
-      first = turning_point(equation%motion, equation%interval, t_a)
-      if (first < min(t_b, interval_end(equation%motion, equation%interval))) then
-         second = turning_point(equation%motion, equation%interval, first)
-         if (second < interval_end(equation%motion, equation%interval)) then
+      first = turning_point(equation%motion, interval_of(equation), t_a)
+      if (first < min(t_b, interval_end(equation%motion, interval_of(equation)))) then
+         second = turning_point(equation%motion, interval_of(equation), first)
+         if (second < interval_end(equation%motion, interval_of(equation))) then
             quarter = min(quarter, (second - first)/2)
          end if
       end if

@@ -4,7 +4,7 @@ module rwmf_machine
    use rwmf_bearing, only: find_bearing
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t
-   use rwmf_equation, only: equation_t
+   use rwmf_equation, only: enter_interval, equation_t, hold_wall, interval_of
    use rwmf_errors, only: error_t
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
@@ -100,7 +100,7 @@ contains
          machine%hybrid%rtol = case%solver%rtol
          machine%hybrid%max_steps = case%solver%max_steps
          call begin_hybrid(machine%hybrid, equation, machine%t, initial_state(case, equation))
-         machine%ground = acceleration(equation%motion, equation%interval, machine%t)
+         machine%ground = acceleration(equation%motion, interval_of(equation), machine%t)
          call create_observer(machine%observer, case, equation, machine%t, machine%hybrid%y, error)
          machine%observer%keeps_events = .true.
       end associate
@@ -130,7 +130,7 @@ contains
       !! its first value [m/s2]
 
       machine%equation%motion => machine%given_motion
-      machine%equation%interval = 1
+      call enter_interval(machine%equation, 1)
       machine%follows_host = .true.
       ! A kink costs a multistep method less than a restart; a jump does not.
       if (abs(a - machine%ground) > 1.0e4_wp*epsilon(a)*max(abs(a), abs(machine%ground))) then
@@ -144,7 +144,7 @@ contains
 
       call follow_samples(machine%given_motion, [machine%t], [machine%ground])
       machine%equation%motion => machine%given_motion
-      machine%equation%interval = 1
+      call enter_interval(machine%equation, 1)
       machine%follows_host = .true.
    end subroutine hold_ground
 
@@ -172,7 +172,7 @@ contains
       machine%steps = machine%steps + machine%stepper%steps
       machine%t = t
       if (machine%hybrid%mode /= mode_overturned) then
-         machine%ground = acceleration(machine%equation%motion, machine%equation%interval, t)
+         machine%ground = acceleration(machine%equation%motion, interval_of(machine%equation), t)
       end if
    end subroutine advance_machine
 
@@ -185,7 +185,7 @@ contains
       snapshot%follows_host = machine%follows_host
       snapshot%t = machine%t
       snapshot%ground = machine%ground
-      snapshot%interval = machine%equation%interval
+      snapshot%interval = interval_of(machine%equation)
       snapshot%side = machine%equation%side
       snapshot%course = machine%equation%course
       snapshot%tendon = machine%equation%cable%tendon
@@ -218,10 +218,10 @@ contains
       machine%t = snapshot%t
       machine%ground = snapshot%ground
       if (.not. snapshot%follows_host) machine%equation%motion => machine%own_motion
-      machine%equation%interval = snapshot%interval
+      call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
       machine%equation%course = snapshot%course
-      machine%equation%is_held = .false.
+      if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
          machine%equation%springs = snapshot%springs

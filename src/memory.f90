@@ -96,7 +96,7 @@ contains
                   *spring_plastic(spring, x)/p%R
             else
                moment = moment - spring_force(spring, elongation(equation, place, phi)) &
-                  *2*equation%sin_alpha*cos(phi/2)/p%R
+                  *2*equation%sin_alpha*kin%half_cosine/p%R
             end if
          end associate
       end do

@@ -13,6 +13,7 @@ module rwmf_motion
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
    public :: ground_t, follow_samples, follow_ground, is_known_until
+   public :: line_t, line_of
    public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
    public :: fastest_rate, motion_end, peak_acceleration
 
@@ -66,6 +67,18 @@ module rwmf_motion
       logical :: is_open = .false.
       !! a host hands it over piece by piece: nothing is known beyond the present interval
    end type motion_t
+
+   !> Straight line a_0 + slope*(t - t_0) that the ground acceleration follows in an interval.
+   type :: line_t
+      logical :: is_straight = .true.
+      !! otherwise the rest says nothing: ask `acceleration`
+      real(wp) :: t_0 = 0
+      !! [s]
+      real(wp) :: a_0 = 0
+      !! [m/s2]
+      real(wp) :: slope = 0
+      !! [m/s3]
+   end type line_t
 
 contains
 
@@ -262,6 +275,18 @@ contains
          acceleration = motion%a(interval)
       end if
    end function acceleration
+
+   !> The line of an interval, if it is one: what `acceleration` looks up, once for all times.
+   pure type(line_t) function line_of(motion, interval) result(line)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+
+      if (interval < 1 .or. interval >= size(motion%knot)) return
+      line%is_straight = motion%shape == shape_linear
+      if (line%is_straight) line = line_t(.true., motion%knot(interval), motion%a(interval), &
+         motion%slope(interval))
+   end function line_of
 
    !> Unit harmonic of the pulse [-].
    pure real(wp) function harmonic(motion, t)

@@ -6,7 +6,7 @@
 !> promised from the ground motion alone.
 module rwmf_moving_rest
    use rwmf_bearing, only: find_bearing
-   use rwmf_equation, only: equation_t, lift_off_drive, rates_of_state
+   use rwmf_equation, only: equation_t, hold_wall, interval_of, lift_off_drive, rhs
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
    use rwmf_locate, only: count_parts
@@ -35,15 +35,15 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_limit
 
-      equation%is_held = .true.
       side = lifting_side(drives(equation, hybrid%t, hybrid%y), equation%threshold)
       if (side /= 0) return
-      t_limit = min(t_target, interval_end(equation%motion, equation%interval))
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
          hybrid%t = t_limit
          call pass_knot(hybrid, equation, stepper%steps)
          return
       end if
+      call hold_wall(equation, .true.)
       if (hybrid%must_restart) then
          call stepper%start(hybrid%t, hybrid%y, huge(t_limit), error)
          if (allocated(error)) return
@@ -68,8 +68,8 @@ contains
       real(wp) :: drive(2)
 
       call find_bearing(equation, y)
-      drive(1) = lift_off_drive(equation, 1, equation%interval, t)
-      drive(2) = lift_off_drive(equation, -1, equation%interval, t)
+      drive(1) = lift_off_drive(equation, 1, interval_of(equation), t)
+      drive(2) = lift_off_drive(equation, -1, interval_of(equation), t)
    end function drives
 
    !> Side on which the wall lifts off, 0 if it stays.
@@ -220,7 +220,7 @@ contains
       if (may_rest .or. e >= 1) return
       chatter = 4*v/(press*gain*(1 - e))
       if (chatter*equation%quickest > 0.1_wp) return
-      if (.not. is_known_until(equation%motion, equation%interval, t + chatter)) return
+      if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       call bound_change(equation, t, y, chatter, change)
       press = pressing_acceleration(equation, t, t + chatter) - change
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
@@ -244,9 +244,9 @@ contains
       held = y
       held(:2) = 0
       present = equation%bearing
-      equation%is_held = .true.
-      call rates_of_state(equation, t, held, rates)
-      equation%is_held = .false.
+      call hold_wall(equation, .true.)
+      call rhs(equation, t, held, rates)
+      call hold_wall(equation, .false.)
       call find_bearing(equation, held + duration*rates)
       later = equation%bearing
       call find_bearing(equation, y)

@@ -5,14 +5,14 @@ module rwmf_observer
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
    use rwmf_energy, only: impact_loss, input_power, mechanical_energy, viscous_power
-   use rwmf_equation, only: cable_at, equation_t, frame_displacement, kinematics_at, &
+   use rwmf_equation, only: cable_at, equation_t, frame_displacement, interval_of, kinematics_at, &
       second_derivative
    use rwmf_errors, only: err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
    use rwmf_motion, only: acceleration
-   use rwmf_result, only: append_event, energy_t, event_t, history_t
+   use rwmf_result, only: append_event, energy_t, event_t, history_t, shorten_events
    use rwmf_stepper, only: stepper_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
@@ -277,7 +277,7 @@ contains
          i = i + 2
       end if
       i = i + 1
-      row(i) = acceleration(equation%motion, equation%interval, t)
+      row(i) = acceleration(equation%motion, interval_of(equation), t)
       if (equation%has_cable) then
          cable = cable_at(equation, y(1))
          row(i + 1) = cable%force
@@ -374,7 +374,7 @@ contains
       call observe_state(observer, equation, t, y)
       if (observer%keeps_energy) observer%energy%final = mechanical_energy(equation, y)
       if (.not. observer%keeps_history) return
-      observer%events = observer%events(:observer%n_events)
+      call shorten_events(observer%events, observer%n_events)
       if (observer%next_row > size(observer%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
       if ((observer%next_row - 1)*observer%dt <= t*(1 + 16*epsilon(t))) then

@@ -6,7 +6,8 @@
 !> lift-off is noticed at a sample, maxima are those of the points that are kept.
 module rwmf_practice_scene
    use rwmf_case, only: case_t
-   use rwmf_equation, only: build_equation, equation_t, frame_displacement, lift_off_drive, rhs
+   use rwmf_equation, only: build_equation, enter_interval, equation_t, frame_displacement, &
+      lift_off_drive, rhs
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: interval_at, motion_t
    use rwmf_run, only: restitution
@@ -125,7 +126,7 @@ contains
       !! theta, theta'
       real(wp), intent(out) :: y_dot(2)
 
-      scene%equation%interval = interval_at(scene%equation%motion, t)
+      call enter_interval(scene%equation, interval_at(scene%equation%motion, t))
       call rhs(scene%equation, t, y, y_dot)
    end subroutine evaluate
 

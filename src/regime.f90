@@ -1,6 +1,6 @@
 !> State of the hybrid system, and what a knot of the motion does to it.
 module rwmf_regime
-   use rwmf_equation, only: equation_t
+   use rwmf_equation, only: enter_interval, equation_t, interval_of
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: has_jump, interval_end
    implicit none
@@ -49,9 +49,9 @@ contains
       !! that the integrator has taken
       integer(i8), parameter :: cost_of_restart = 30_i8
 
-      if (hybrid%t < interval_end(equation%motion, equation%interval)) return
-      equation%interval = equation%interval + 1
-      if (has_jump(equation%motion, equation%interval)) hybrid%must_restart = .true.
+      if (hybrid%t < interval_end(equation%motion, interval_of(equation))) return
+      call enter_interval(equation, interval_of(equation) + 1)
+      if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot

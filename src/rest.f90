@@ -1,6 +1,6 @@
 !> When the wall rests, and when it lifts off again: questions about the ground motion alone.
 module rwmf_rest
-   use rwmf_equation, only: equation_t, lift_off_drive
+   use rwmf_equation, only: equation_t, interval_of, lift_off_drive
    use rwmf_kinds, only: wp
    use rwmf_motion, only: interval_end, interval_last, is_known_until, turning_point
    implicit none
@@ -102,14 +102,14 @@ contains
       high = t_begin
       do
          low = high
-         if (low >= interval_end(equation%motion, equation%interval)) return
+         if (low >= interval_end(equation%motion, interval_of(equation))) return
          if (low >= huge(low)) return
-         high = turning_point(equation%motion, equation%interval, low)
-         if (lift_off_drive(equation, equation%side, equation%interval, high) <= 0) exit
+         high = turning_point(equation%motion, interval_of(equation), low)
+         if (lift_off_drive(equation, equation%side, interval_of(equation), high) <= 0) exit
       end do
       do while (high - low > 1.0e-3_wp*(low - t_begin) .and. high - low > 4*spacing(high))
          middle = low + (high - low)/2
-         if (lift_off_drive(equation, equation%side, equation%interval, middle) > 0) then
+         if (lift_off_drive(equation, equation%side, interval_of(equation), middle) > 0) then
             low = middle
          else
             high = middle
@@ -129,7 +129,7 @@ contains
       integer :: interval
       real(wp) :: t
 
-      interval = equation%interval
+      interval = interval_of(equation)
       t = t_begin
       press = pressing_at(equation, interval, t)
       do while (t < t_end .and. press > 0)
@@ -184,11 +184,11 @@ contains
       may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
       if (may_rest .or. v**2 > 2*press*gain*small_angle) return
       ! With e = 1 the chatter has no end, but nothing can come of it after the last knot.
-      may_rest = equation%interval >= interval_last(equation%motion)
+      may_rest = interval_of(equation) >= interval_last(equation%motion)
       if (may_rest .or. e >= 1) return
       ! Twice the time that the present pressure allows leaves room for a smaller one meanwhile.
       chatter = 4*v/(press*gain*(1 - e))
-      if (.not. is_known_until(equation%motion, equation%interval, t + chatter)) return
+      if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       press = pressing_acceleration(equation, t, t + chatter)
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
    end function may_rest

@@ -4,7 +4,7 @@ module rwmf_result
    implicit none
    private
 
-   public :: result_t, history_t, event_t, energy_t, append_event, add_warning
+   public :: result_t, history_t, event_t, energy_t, append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture
 
@@ -159,6 +159,20 @@ contains
       n = n + 1
       events(n) = event
    end subroutine append_event
+
+   !> Give back the room that a list does not use. On the heap: the events of a chatter are more
+   !> than a stack holds, where the compiler puts the right-hand side of an assignment to itself.
+   pure subroutine shorten_events(events, n)
+      type(event_t), allocatable, intent(inout) :: events(:)
+      !! (capacity >= n)
+      integer, intent(in) :: n
+      !! events in use
+      type(event_t), allocatable :: kept(:)
+
+      allocate (kept(n))
+      kept(:) = events(:n)
+      call move_alloc(kept, events)
+   end subroutine shorten_events
 
    !> Add a sentence for the user.
    pure subroutine add_warning(result, text)

@@ -2,17 +2,18 @@
 !> for it, and what follows from both at a given rotation.
 module rwmf_scene
    use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
-   use rwmf_coefficients, only: paper_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
-   use rwmf_motion, only: acceleration, motion_t
+   use rwmf_motion, only: acceleration, line_of, line_t, motion_t
+   use rwmf_paper, only: paper_t
    use rwmf_spring, only: spring_t
    implicit none
    private
 
    public :: equation_t, second_derivative_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: ground, kinematics_at, cable_at, cable_moment, lift_off_drive, frame_displacement
+   public :: enter_interval, interval_of
+   public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
    public :: frame_velocity, frame_travel, frame_mass
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
@@ -108,8 +109,6 @@ module rwmf_scene
       !! that sign until the next peak, set by the hybrid loop
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
-      logical :: is_held = .false.
-      !! theta is held: the wall rests while further states move
       logical :: has_wall
       logical :: has_impacts
       !! the wall rocks on its corners
@@ -118,6 +117,8 @@ module rwmf_scene
       integer :: n = 2
       !! number of states
       type(cable_law_t) :: cable
+      logical :: has_plain_cable = .false.
+      !! its law, or that of no cable, is the linear one of both sides
       type(extra_t), allocatable :: extras(:)
       !! the further effects that the case calls for; not allocated without any
       logical :: has_memory = .false.
@@ -133,8 +134,10 @@ module rwmf_scene
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
-      integer :: interval = 0
-      !! of the motion, set by the hybrid loop
+      integer, private :: interval = 0
+      !! of the motion: `interval_of`, set by `enter_interval`
+      type(line_t) :: line
+      !! of the motion in that interval
       integer :: side = 1
       !! sign of theta in this flight, set by the hybrid loop
       integer(i8) :: rhs_evaluations = 0
@@ -150,10 +153,10 @@ module rwmf_scene
       real(wp) function second_derivative_i(equation, t, y)
          import :: equation_t, wp
          implicit none
-         class(equation_t), intent(in) :: equation
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
-         real(wp), intent(in) :: y(:)
+         real(wp), intent(in) :: y(equation%n)
          !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
       end function second_derivative_i
 
@@ -221,9 +224,28 @@ module rwmf_scene
 
 contains
 
+   !> An interval of the motion comes into force, or the motion has changed within it.
+   !>
+   !> The only way to set it, so that nobody can forget what depends on it.
+   pure subroutine enter_interval(equation, interval)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+
+      equation%interval = interval
+      equation%line = line_of(equation%motion, interval)
+   end subroutine enter_interval
+
+   !> Interval of the motion that is in force.
+   pure integer function interval_of(equation) result(interval)
+      type(equation_t), intent(in) :: equation
+
+      interval = equation%interval
+   end function interval_of
+
    !> Ground acceleration of the interval in force [m/s2].
    real(wp) function ground(equation, t)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
 
@@ -252,17 +274,6 @@ contains
       call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
          equation%side, cable)
    end function cable_at
-
-   !> Moment of the cable over m_w g R [-].
-   real(wp) function cable_moment(equation, theta)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-      type(cable_state_t) :: cable
-
-      cable = cable_at(equation, theta)
-      cable_moment = cable%moment
-   end function cable_moment
 
    !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
    !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at

@@ -3,7 +3,7 @@
 !> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or
 !> a passage of the overturning angle shows by the values at its ends.
 module rwmf_search
-   use rwmf_equation, only: equation_t
+   use rwmf_equation, only: equation_t, interval_of
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
    use rwmf_locate, only: count_parts, find_reversal, locate
@@ -84,7 +84,7 @@ contains
          is_quiet = 2*(stepper%t1 - stepper%t0)*max(equation%p%omega_s, equation%quickest) < 1
       end if
       if (is_quiet) then
-         is_quiet = turning_point(equation%motion, equation%interval, stepper%t0) >= stepper%t1
+         is_quiet = turning_point(equation%motion, interval_of(equation), stepper%t0) >= stepper%t1
       end if
    end function is_quiet
 

@@ -12,7 +12,7 @@
 module rwmf_stepping
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_case, only: case_t
-   use rwmf_equation, only: build_equation
+   use rwmf_equation, only: build_equation, enter_interval
    use rwmf_errors, only: err_input, error_t, fail
    use rwmf_kinds, only: wp
    use rwmf_machine, only: advance_machine, follow_host, hold_ground, identity_of, machine_t, &
@@ -140,7 +140,7 @@ contains
       associate (machine => stepping%machine)
          if (machine%follows_host) then
             machine%equation%motion => machine%own_motion
-            machine%equation%interval = interval_at(machine%own_motion, machine%t)
+            call enter_interval(machine%equation, interval_at(machine%own_motion, machine%t))
             machine%hybrid%must_restart = .true.
             machine%follows_host = .false.
          end if

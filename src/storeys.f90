@@ -38,6 +38,7 @@ contains
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
+         if (.not. allocated(equation%extras)) allocate (equation%extras(0))
          return
       end if
       unit = 1
@@ -48,7 +49,9 @@ contains
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       equation%quickest = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
+      equation%p%omega_squared = equation%p%omega_s**2
       equation%p%xi_s = 0
+      equation%p%two_xi_omega = 0
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine prepare_storeys
 

@@ -28,9 +28,9 @@ module rwmf_sundials
       type(c_ptr) :: context = c_null_ptr
       type(c_ptr) :: memory = c_null_ptr
       type(equation_t), pointer :: equation => null()
-      real(c_double), pointer :: state(:) => null()
+      real(c_double), pointer, contiguous :: state(:) => null()
       !! (states) data of `vector`
-      real(c_double), pointer :: atol(:) => null()
+      real(c_double), pointer, contiguous :: atol(:) => null()
       !! (states) data of `tolerances`
       type(N_Vector), pointer :: vector => null()
       type(N_Vector), pointer :: tolerances => null()
@@ -61,8 +61,8 @@ contains
       type(N_Vector), intent(inout) :: vector_dot
       type(c_ptr), value :: user_data
       type(equation_t), pointer :: equation
-      real(c_double), pointer :: y(:)
-      real(c_double), pointer :: y_dot(:)
+      real(c_double), pointer, contiguous :: y(:)
+      real(c_double), pointer, contiguous :: y_dot(:)
 
       call c_f_pointer(user_data, equation)
       call data_of(vector, equation%n, y)
@@ -76,7 +76,7 @@ contains
    subroutine data_of(vector, n, values)
       type(N_Vector), intent(in), target :: vector
       integer, intent(in) :: n
-      real(c_double), pointer, intent(out) :: values(:)
+      real(c_double), pointer, contiguous, intent(out) :: values(:)
 
       call c_f_pointer(array_pointer(c_loc(vector)), values, [n])
    end subroutine data_of

@@ -120,6 +120,17 @@ def test_bands_enclose_the_nominal_spectrum() -> None:
     assert (found["lowest"] < found["highest"]).all()
 
 
+def test_bands_reach_perfect_restitution() -> None:
+    """The default range of e ends at 1, where a stiff frame keeps the wall chattering."""
+    case = coupled(solver=QUICK | {"t_end": 2.0})
+    uncertain = {"e": [0.9, 1.0], "eta": [(0, 0), (5, 50)]}
+    found = studies.sensitivity_bands(case, {"T_s": [0.01, 0.1, 1.0]}, uncertain)
+    assert np.isfinite(found["highest"]).all()
+    lossless = case.replace(impact={"e": 1.0}, cable={"eta_0": 0, "eta_alpha": 0})
+    single = rwmf.spectrum(lossless, T_s=[0.01, 0.1, 1.0])["u_s_max"]
+    assert (found["highest"].squeeze() >= single.squeeze()).all()
+
+
 def test_equal_response_of_a_linear_frame() -> None:
     case = bare_frame(solver=QUICK)
     found = studies.equal_response(case, [0.5, 1.0], 0.1)

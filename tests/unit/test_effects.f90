@@ -2,7 +2,8 @@
 program test_effects
    use check, only: checks_t
    use rwmf_case, only: case_t, damper_t, link_t
-   use rwmf_equation, only: build_equation, equation_t, kinematics_at, second_derivative
+   use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
+      second_derivative
    use rwmf_errors, only: error_t
    use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
@@ -113,7 +114,7 @@ contains
 
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
-      equation%interval = interval_at(motion, t)
+      call enter_interval(equation, interval_at(motion, t))
       do side = -1, 1, 2
          if (equation%has_impacts) equation%side = side
          y = side*[0.06_wp, -0.4_wp]

@@ -3,13 +3,14 @@ program test_equation
    use check, only: checks_t
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
-   use rwmf_coefficients, only: coefficients_a, coefficients_b, paper_t
-   use rwmf_equation, only: build_equation, cable_at, equation_t, kinematics_at, &
-      second_derivative
+   use rwmf_coefficients, only: coefficients_a, coefficients_b
+   use rwmf_equation, only: build_equation, cable_at, enter_interval, equation_t, &
+      interval_of, kinematics_at, second_derivative
    use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
+   use rwmf_paper, only: paper_t
    use scenes, only: block_scene, rwmf_scene
    implicit none
 
@@ -31,35 +32,72 @@ program test_equation
 
 contains
 
-   !> Eq. (15) as it is printed, without the rearrangement that saves digits.
+   !> Eq. (15), A_1 to A_4 and B_1 to B_4 as they are printed.
    subroutine check_printed_coefficients()
-      type(paper_t) :: p
-      real(wp) :: A(4), B(4)
-      real(wp) :: theta
-      real(wp) :: a1, a2, a7, b1, b5
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp) :: y(2)
+      real(wp) :: C(4)
+      integer :: side
 
-      p = paper_t(0.3_wp, 2.1_wp, 5.0_wp, 6.0_wp, 0.05_wp, 1.0_wp, 5.0_wp, 9.81_wp)
-      theta = -0.07_wp
-      A = coefficients_a(p, theta)
-      a1 = 1/(4.0_wp/3 + 4*p%gamma*cos(p%alpha)*cos(theta)*cos(-p%alpha - theta))
-      a2 = -4*p%gamma*cos(p%alpha)*cos(theta)
-      a7 = -p%omega_s**2*(sin(-p%alpha - theta) + sin(p%alpha))
-      call checks%close_to(A(1), a1*a2*sin(-p%alpha - theta), 'A_1', rtol=1.0e-13_wp)
-      call checks%close_to(A(2), a1*a2*2*p%omega_s*p%xi_s*cos(-p%alpha - theta), 'A_2', &
-         rtol=1.0e-13_wp)
-      call checks%close_to(A(4), a1*a2*a7 - p%g/p%R*a1*(sin(-p%alpha - theta) &
-         - (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*sin(p%alpha)), 'A_4', &
-         rtol=1.0e-12_wp)
-      theta = 0.07_wp
-      B = coefficients_b(p, theta)
-      b1 = 1/(4.0_wp/3 + 4*p%gamma*cos(p%alpha - theta)**2)
-      b5 = -4*p%gamma*cos(p%alpha - theta)*p%omega_s**2*(sin(p%alpha) - sin(p%alpha - theta)) &
-         - p%g/p%R*sin(p%alpha - theta)
-      call checks%close_to(B(3), -b1*(2*p%gamma + 1)/p%R*cos(p%alpha - theta), 'B_3', &
-         rtol=1.0e-13_wp)
-      call checks%close_to(B(4), b1*b5 - p%g/p%R*b1*(p%eta_0 &
-         + (p%eta_alpha - p%eta_0)*theta/p%alpha)*sin(p%alpha), 'B_4', rtol=1.0e-12_wp)
+      do side = -1, 1, 2
+         call build(rwmf_scene('published', 5.0_wp, 1.0_wp, 'adams'), motion, side, equation)
+         y = [side*0.07_wp, 0.4_wp]
+         if (side < 0) then
+            C = printed_a(equation%p, y(1))
+            call checks%that(all(abs(coefficients_a(equation%p, y(1)) - C) <= 1.0e-12_wp*abs(C)), &
+               'A_1 to A_4')
+         else
+            C = printed_b(equation%p, y(1))
+            call checks%that(all(abs(coefficients_b(equation%p, y(1)) - C) <= 1.0e-12_wp*abs(C)), &
+               'B_1 to B_4')
+         end if
+         call checks%close_to(second_derivative(equation, t, y), C(1)*y(2)**2 + C(2)*y(2) &
+            + C(3)*acceleration(motion, interval_of(equation), t) + C(4), 'Eq. (15)', &
+            rtol=1.0e-12_wp)
+      end do
    end subroutine check_printed_coefficients
+
+   !> Eq. (15a), theta < 0.
+   function printed_a(p, theta) result(A)
+      type(paper_t), intent(in) :: p
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: A(4)
+      real(wp) :: a_1, a_2, a_3, a_4, a_5, a_6, a_7
+      real(wp) :: c
+
+      c = cos(-p%alpha - theta)
+      a_1 = 1/(4.0_wp/3 + 4*p%gamma*cos(p%alpha)*cos(theta)*c)
+      a_2 = -4*p%gamma*cos(p%alpha)*cos(theta)
+      a_3 = -(2*p%gamma*cos(p%alpha)*cos(theta) + c)/p%R
+      a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*sin(p%alpha)
+      a_5 = 2*p%omega_s*p%xi_s*c
+      a_6 = sin(-p%alpha - theta)
+      a_7 = -p%omega_s**2*(sin(-p%alpha - theta) + sin(p%alpha))
+      ! The printed a_7 already carries the sign of the spring force's moment on this side.
+      A = [a_1*a_2*a_6, a_1*a_2*a_5, a_1*a_3, a_1*a_2*a_7 - p%g/p%R*a_1*(a_6 - a_4)]
+   end function printed_a
+
+   !> Eq. (15b), theta > 0.
+   function printed_b(p, theta) result(B)
+      type(paper_t), intent(in) :: p
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: B(4)
+      real(wp) :: a_4, b_1, b_2, b_3, b_4, b_5
+      real(wp) :: c, s
+
+      c = cos(p%alpha - theta)
+      s = sin(p%alpha - theta)
+      a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*sin(p%alpha)
+      b_1 = 1/(4.0_wp/3 + 4*p%gamma*c**2)
+      b_2 = -4*p%gamma*c*s
+      b_3 = -8*p%gamma*p%omega_s*p%xi_s*c**2
+      b_4 = -(2*p%gamma + 1)/p%R*c
+      b_5 = -4*p%gamma*c*p%omega_s**2*(sin(p%alpha) - s) - p%g/p%R*s
+      B = [b_1*b_2, b_1*b_3, b_1*b_4, b_1*b_5 - p%g/p%R*b_1*a_4]
+   end function printed_b
 
    !> Equation of a scene during the pulse, on one side.
    subroutine build(case, motion, side, equation)
@@ -71,7 +109,7 @@ contains
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
       equation%side = side
-      equation%interval = interval_at(motion, t)
+      call enter_interval(equation, interval_at(motion, t))
    end subroutine build
 
    !> A_i and B_i against the general form with its lever arm.
@@ -89,7 +127,7 @@ contains
          y = side*[0.06_wp, -0.4_wp]
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
-         associate (p => equation%p, f => side*acceleration(motion, equation%interval, t))
+         associate (p => equation%p, f => side*acceleration(motion, interval_of(equation), t))
             expected = -side*(p%gamma*kin%lever*(kin%k*y(2)**2 + p%omega_s**2*kin%u &
                + 2*p%xi_s*p%omega_s*kin%j*side*y(2)) + (p%gamma*kin%lever + kin%c)*f/p%R &
                + p%g/p%R*(kin%s + cable%moment))/(4.0_wp/3 + p%gamma*kin%lever*kin%j)
@@ -114,7 +152,7 @@ contains
          s = sin(angle)
          v = sin(p%alpha) - s
          v_dot = c*(-y(2))
-         f = -acceleration(motion, equation%interval, t)
+         f = -acceleration(motion, interval_of(equation), t)
          q = p%eta_0 + (p%eta_alpha - p%eta_0)*abs(y(1))/p%alpha
          v_ddot = (4.0_wp/3*s*v_dot**2/c**4 - 8*p%gamma*p%omega_s*p%xi_s*v_dot &
             - 4*p%gamma*p%omega_s**2*v - (2*p%gamma + 1)/p%R*f &
@@ -143,7 +181,7 @@ contains
          second_derivative(with_frame, t, y), 'no frame equals gamma = 0', rtol=1.0e-13_wp)
       call build(block_scene('adams'), other, -1, without)
       y = [-0.05_wp, -0.3_wp]
-      associate (p => without%p, a => acceleration(other, without%interval, t))
+      associate (p => without%p, a => acceleration(other, interval_of(without), t))
          call checks%close_to(second_derivative(without, t, y), &
             -0.75_wp/p%R*(a*cos(-p%alpha - y(1)) + p%g*sin(-p%alpha - y(1))), 'Eq. (12b)', &
             rtol=1.0e-13_wp)

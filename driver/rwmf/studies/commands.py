@@ -217,7 +217,7 @@ def _add_bands(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     )
     _add_records(parser, required=False)
     _add_grid(parser)
-    _list(parser, "e", "0.8:0.96:5", "velocity factors at impact")
+    _list(parser, "e", "0.8:1:5", "velocity factors at impact")
     _list(parser, "eta", "0,0,1,5,5,50", "pairs eta_0, eta_alpha one after the other")
 
 

@@ -1,0 +1,160 @@
+!> What bench/effects.py counts instructions of.
+!>
+!>    effects NAME CASE.nml [NAME CASE.nml ...]
+!>
+!> For each scene the right-hand sides of the program written by hand for the scene NAME, those of
+!> the kernel, and a run of the kernel, between calls of `mark`. The right-hand sides go through the
+!> same states, on both sides, in one interval of the ground motion. Prints the number of states,
+!> the sums of theta'' of both, by which they are compared, and the number of steps of the run.
+program effects
+   use effects_by_hand, only: choose, hand_i, hand_t, mark, prepare
+   use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
+   use rwmf_equation, only: build_equation, enter_interval, equation_t, rhs
+   use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
+   implicit none
+
+   integer, parameter :: n_states = 64
+   real(wp), parameter :: t_begin = 2.025_wp
+   !! between two samples of the record [s]
+
+   !> States to evaluate at.
+   type :: table_t
+      real(wp) :: t(n_states)
+      real(wp) :: y(2, n_states)
+      integer :: side(n_states)
+   end type table_t
+
+   character(4096) :: name
+   character(4096) :: path
+   integer :: i
+
+   do i = 1, command_argument_count(), 2
+      call get_command_argument(i, name)
+      call get_command_argument(i + 1, path)
+      call count_scene(trim(name), trim(path))
+   end do
+
+contains
+
+   !> Four sections of counts: what came before, hand, kernel, run.
+   subroutine count_scene(name, path)
+      character(*), intent(in) :: name
+      character(*), intent(in) :: path
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(table_t) :: table
+      type(equation_t) :: equation
+      type(hand_t) :: p
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      procedure(hand_i), pointer :: by_hand
+      real(wp) :: total
+      real(wp) :: total_hand
+
+      call read_case(path, case)
+      motion = motion_from_case(case)
+      call fill(case, table)
+      call build_equation(case, motion, equation)
+      call enter_interval(equation, interval_at(motion, table%t(1)))
+      call prepare(case, p)
+      call follow_record(case, motion, table%t(1), p)
+      call choose(name, by_hand)
+      if (.not. associated(by_hand)) error stop 'no program of that name'
+      ! once before anything is counted: the first call of sin is bound then
+      total = sum_of_hand(by_hand, p, table, equation%has_impacts)
+      total = sum_of_kernel(equation, table)
+      call mark()
+      total_hand = sum_of_hand(by_hand, p, table, equation%has_impacts)
+      call mark()
+      total = sum_of_kernel(equation, table)
+      call mark()
+      call simulate(case, result, error)
+      call mark()
+      if (allocated(error)) error stop 'the run failed'
+      print '(i0, 2es24.15, 1x, i0)', n_states, total_hand, total, result%steps
+   end subroutine count_scene
+
+   subroutine read_case(path, case)
+      character(*), intent(in) :: path
+      type(case_t), intent(out) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_file(path, case, error)
+      if (.not. allocated(error)) return
+      print '(a)', error%message
+      error stop 2
+   end subroutine read_case
+
+   !> Rotations up to 0.9 alpha (bare frame: displacements in m) and velocities of both signs, on
+   !> both sides, within one interval of the motion.
+   subroutine fill(case, table)
+      type(case_t), intent(in) :: case
+      type(table_t), intent(out) :: table
+      real(wp) :: alpha
+      integer :: i
+
+      alpha = 1
+      if (allocated(case%wall)) alpha = atan2(case%wall%b, case%wall%h)
+      do i = 1, n_states
+         table%side(i) = merge(1, -1, mod(i, 2) == 1)
+         table%t(i) = t_begin + 0.01_wp*i/n_states
+         if (.not. allocated(case%record)) table%t(i) = (i - 0.5_wp)/n_states
+         table%y(1, i) = table%side(i)*0.9_wp*alpha*mod(7*i, n_states)/n_states
+         table%y(2, i) = sin(1.0_wp*i)
+      end do
+   end subroutine fill
+
+   !> Straight line between the samples around a time.
+   subroutine follow_record(case, motion, t, p)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t
+      !! [s]
+      type(hand_t), intent(inout) :: p
+      integer :: k
+
+      p%side = 1
+      if (.not. allocated(case%record)) return
+      k = interval_at(motion, t)
+      p%t_k = case%record%t(k)
+      p%a_k = acceleration(motion, k, p%t_k)
+      p%slope = (case%record%a(k + 1) - case%record%a(k)) &
+         /(case%record%t(k + 1) - case%record%t(k))
+   end subroutine follow_record
+
+   !> theta'' of the kernel, summed over all states.
+   real(wp) function sum_of_kernel(equation, table) result(total)
+      type(equation_t), intent(inout) :: equation
+      type(table_t), intent(in) :: table
+      real(wp) :: y_dot(2)
+      logical :: rocks
+      integer :: j
+
+      rocks = equation%has_impacts
+      total = 0
+      do j = 1, n_states
+         if (rocks) equation%side = table%side(j)
+         call rhs(equation, table%t(j), table%y(:, j), y_dot)
+         total = total + y_dot(2)
+      end do
+   end function sum_of_kernel
+
+   !> theta'' of the program by hand, summed over all states.
+   real(wp) function sum_of_hand(by_hand, p, table, rocks) result(total)
+      procedure(hand_i), pointer, intent(in) :: by_hand
+      type(hand_t), intent(inout) :: p
+      type(table_t), intent(in) :: table
+      logical, intent(in) :: rocks
+      real(wp) :: y_dot(2)
+      integer :: j
+
+      y_dot = 0
+      total = 0
+      do j = 1, n_states
+         if (rocks) p%side = table%side(j)
+         call by_hand(p, table%t(j), table%y(:, j), y_dot)
+         total = total + y_dot(2)
+      end do
+   end function sum_of_hand
+
+end program effects

@@ -1,0 +1,379 @@
+!> Equations of motion as a person writes a program for one of them: the measure for what the
+!> kernel's right-hand sides cost (bench/effects.py).
+!>
+!> Each procedure knows one scene. Whatever does not change during a flight is computed before, once
+!> (`hand_t`), and nothing is done twice. Formulas are the printed ones, also where those lose
+!> digits of a small rotation that the kernel keeps.
+module effects_by_hand
+   use rwmf, only: case_t, wp
+   use rwmf_kinds, only: pi
+   implicit none
+   private
+
+   public :: hand_t, hand_i, prepare, choose, mark
+
+   !> Constants of a scene, and what holds during one flight in one interval of the record.
+   type :: hand_t
+      real(wp) :: alpha, sin_alpha, cos_alpha
+      real(wp) :: g, g_over_R, three_quarters_over_R
+      real(wp) :: gamma, two_gamma, four_gamma, one_plus_two_gamma_over_R, over_R
+      real(wp) :: omega_squared, two_xi_omega
+      real(wp) :: eta_0, eta_rate
+      real(wp) :: inertia
+      !! of the wall over m_w R**2, about its pivot
+      real(wp) :: truss_rate, two_h, two_h_squared, b_squared, two_h_b
+      !! of the straight cable
+      real(wp) :: link, link_squared
+      !! length over R
+      real(wp) :: damper
+      real(wp) :: t_k, a_k, slope
+      !! straight line of the record in force
+      real(wp) :: a_p, omega_p
+      !! pulse
+      real(wp) :: side
+      !! +1 or -1
+   end type hand_t
+
+   abstract interface
+      !> y_dot of y = (theta, theta').
+      subroutine hand_i(p, t, y, y_dot)
+         import :: hand_t, wp
+         implicit none
+         type(hand_t), intent(in) :: p
+         real(wp), intent(in) :: t
+         real(wp), intent(in) :: y(2)
+         real(wp), intent(out) :: y_dot(2)
+      end subroutine hand_i
+   end interface
+
+contains
+
+   !> What the case says, in the constants of the equations.
+   subroutine prepare(case, p)
+      type(case_t), intent(in) :: case
+      type(hand_t), intent(out) :: p
+      real(wp) :: R, rise
+
+      p%g = case%model%g
+      if (allocated(case%wall)) then
+         R = hypot(case%wall%h, case%wall%b)
+         p%alpha = atan2(case%wall%b, case%wall%h)
+         p%sin_alpha = sin(p%alpha)
+         p%cos_alpha = cos(p%alpha)
+         p%inertia = 4.0_wp/3
+         if (case%wall%base == 'pinned') p%inertia = (4*p%cos_alpha**2 + p%sin_alpha**2)/3
+         p%over_R = 1/R
+         p%g_over_R = p%g/R
+         p%three_quarters_over_R = 0.75_wp/R
+         p%two_h = 2*case%wall%h
+         p%two_h_squared = p%two_h**2
+         p%b_squared = case%wall%b**2
+         p%two_h_b = p%two_h*case%wall%b
+      end if
+      if (allocated(case%frame)) then
+         p%omega_squared = (2*pi/case%frame%T_s)**2
+         p%two_xi_omega = 2*case%frame%xi_s*2*pi/case%frame%T_s
+         if (allocated(case%frame%gamma)) then
+            p%gamma = case%frame%gamma
+            p%four_gamma = 4*case%frame%gamma
+            p%two_gamma = 2*case%frame%gamma
+            p%one_plus_two_gamma_over_R = (1 + 2*case%frame%gamma)*p%over_R
+         end if
+      end if
+      if (allocated(case%cable)) then
+         p%eta_0 = case%cable%eta_0
+         rise = case%cable%eta_alpha - case%cable%eta_0
+         p%eta_rate = rise/p%alpha
+         p%truss_rate = rise/(sqrt(p%two_h_squared + 2*p%b_squared*(1 - p%cos_alpha) &
+            + 2*p%two_h_b*p%sin_alpha) - p%two_h)
+      end if
+      if (allocated(case%link)) then
+         p%link = case%link%L*p%over_R
+         p%link_squared = p%link**2
+      end if
+      if (allocated(case%damper)) p%damper = 4*p%sin_alpha**2*case%damper%c_over_m_w
+      if (allocated(case%motion)) then
+         if (allocated(case%motion%a_max_g)) p%a_p = case%motion%a_max_g*p%g
+         if (allocated(case%motion%omega_p)) p%omega_p = case%motion%omega_p
+      end if
+   end subroutine prepare
+
+   !> Program of a scene, by its name.
+   subroutine choose(name, right_hand_side)
+      character(*), intent(in) :: name
+      procedure(hand_i), pointer, intent(out) :: right_hand_side
+
+      select case (name)
+      case ('frame')
+         right_hand_side => frame
+      case ('block')
+         right_hand_side => block_alone
+      case ('block_linear')
+         right_hand_side => block_linear
+      case ('block_truss')
+         right_hand_side => block_truss
+      case ('published')
+         right_hand_side => published
+      case ('symmetric')
+         right_hand_side => symmetric
+      case ('exact')
+         right_hand_side => exact
+      case ('truss')
+         right_hand_side => symmetric_truss
+      case ('pulse')
+         right_hand_side => symmetric_pulse
+      case ('link')
+         right_hand_side => linked
+      case ('pinned')
+         right_hand_side => pinned
+      case ('damper')
+         right_hand_side => damped
+      case default
+         right_hand_side => null()
+      end select
+   end subroutine choose
+
+   !> Callgrind ends a section of its counts where this is called.
+   subroutine mark()
+   end subroutine mark
+
+   !> Linear oscillator, y = (u, u').
+   subroutine frame(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - (p%a_k + p%slope*(t - p%t_k))
+   end subroutine frame
+
+   !> Eqs (11), (12) without a cable.
+   subroutine block_alone(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: angle
+
+      angle = p%alpha - p%side*y(1)
+      y_dot(1) = y(2)
+      y_dot(2) = -p%three_quarters_over_R*(cos(angle)*(p%a_k + p%slope*(t - p%t_k)) &
+         + p%side*p%g*sin(angle))
+   end subroutine block_alone
+
+   !> Eqs (11), (12).
+   subroutine block_linear(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi
+
+      phi = p%side*y(1)
+      y_dot(1) = y(2)
+      y_dot(2) = -p%three_quarters_over_R*(cos(p%alpha - phi)*(p%a_k + p%slope*(t - p%t_k)) &
+         + p%side*p%g*(sin(p%alpha - phi) + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha))
+   end subroutine block_linear
+
+   !> Block with a straight cable of length l: force eta_0 + rate (l - 2h), arm dl/dphi.
+   subroutine block_truss(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi
+
+      phi = p%side*y(1)
+      y_dot(1) = y(2)
+      y_dot(2) = -p%three_quarters_over_R*(cos(p%alpha - phi)*(p%a_k + p%slope*(t - p%t_k)) &
+         + p%side*p%g*(sin(p%alpha - phi) + truss_moment(p, phi)))
+   end subroutine block_truss
+
+   !> Over m_w g R.
+   real(wp) function truss_moment(p, phi)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: phi
+      real(wp) :: s, c, l
+
+      s = sin(phi)
+      c = cos(phi)
+      l = sqrt(p%two_h_squared + 2*(p%b_squared*(1 - c) + p%two_h_b*s))
+      truss_moment = (p%eta_0 + p%truss_rate*(l - p%two_h))*(p%b_squared*s + p%two_h_b*c)/l &
+         *p%over_R
+   end function truss_moment
+
+   !> Eq. (15).
+   subroutine published(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: s, c, lever
+
+      y_dot(1) = y(2)
+      associate (theta => y(1), theta_dot => y(2), a => p%a_k + p%slope*(t - p%t_k))
+         if (p%side > 0) then
+            s = sin(p%alpha - theta)
+            c = cos(p%alpha - theta)
+            y_dot(2) = (-p%four_gamma*c*(s*theta_dot**2 + p%two_xi_omega*c*theta_dot &
+               + p%omega_squared*(p%sin_alpha - s)) - p%one_plus_two_gamma_over_R*c*a &
+               - p%g_over_R*(s + (p%eta_0 + p%eta_rate*theta)*p%sin_alpha)) &
+               /(p%inertia + p%four_gamma*c**2)
+         else
+            lever = p%cos_alpha*cos(theta)
+            s = sin(p%alpha + theta)
+            c = cos(p%alpha + theta)
+            y_dot(2) = (-p%four_gamma*lever*(-s*theta_dot**2 + p%two_xi_omega*c*theta_dot &
+               - p%omega_squared*(p%sin_alpha - s)) - (p%two_gamma*lever + c)*p%over_R*a &
+               + p%g_over_R*(s + (p%eta_0 + p%eta_rate*theta)*p%sin_alpha)) &
+               /(p%inertia + p%four_gamma*lever*c)
+         end if
+      end associate
+   end subroutine published
+
+   !> Eq. (8) and its mirror image.
+   subroutine symmetric(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + p%one_plus_two_gamma_over_R*c &
+         *(p%a_k + p%slope*(t - p%t_k)))/(p%inertia + p%four_gamma*c**2)
+   end subroutine symmetric
+
+   !> The same under a one-sine pulse that begins at t = 0.
+   subroutine symmetric_pulse(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + p%one_plus_two_gamma_over_R*c &
+         *p%a_p*sin(p%omega_p*t))/(p%inertia + p%four_gamma*c**2)
+   end subroutine symmetric_pulse
+
+   !> Eq. (8) and its mirror image with a straight cable.
+   subroutine symmetric_truss(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s + truss_moment(p, phi))) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine symmetric_truss
+
+   !> Eq. (8); theta < 0 with the link at the left corner, u_s = 2h sin(theta).
+   subroutine exact(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, s, c, j, u
+
+      if (p%side > 0) then
+         call symmetric(p, t, y, y_dot)
+         return
+      end if
+      phi = -y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      j = p%cos_alpha*cos(phi)
+      u = p%cos_alpha*sin(phi)
+      y_dot(1) = y(2)
+      y_dot(2) = (p%four_gamma*j*(-u*y(2)**2 - p%two_xi_omega*j*y(2) + p%omega_squared*u) &
+         + p%g_over_R*(s + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) &
+         - (p%two_gamma*j + c)*p%over_R*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*j**2)
+   end subroutine exact
+
+   !> Link of length L at the top corner, Eqs (2), (3).
+   subroutine linked(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c, v, v_1, root, tilt_1, u, j, k
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      ! rise of the corner, what the link's tilt adds, and the derivatives by phi
+      v = 2*(c - p%cos_alpha)
+      v_1 = 2*s
+      root = sqrt(p%link_squared - v**2)
+      tilt_1 = v*v_1/root
+      u = 2*(p%sin_alpha - s) + p%link - root
+      j = 2*c + tilt_1
+      k = v_1 + (v_1**2 - 2*v*c + tilt_1**2)/root
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%gamma*j*(k*phi_dot**2 + p%two_xi_omega*j*phi_dot &
+         + p%omega_squared*u) + p%g_over_R*(s + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) &
+         + (p%gamma*j + c)*p%over_R*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%gamma*j**2)
+   end subroutine linked
+
+   !> Wall hinged at the middle of its base, u_s = 2h sin(theta).
+   subroutine pinned(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: s, c
+
+      s = p%cos_alpha*sin(y(1))
+      c = p%cos_alpha*cos(y(1))
+      y_dot(1) = y(2)
+      y_dot(2) = (p%g_over_R*s - p%four_gamma*c*(-s*y(2)**2 + p%two_xi_omega*c*y(2) &
+         + p%omega_squared*s) - p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine pinned
+
+   !> Eq. (8) with viscous dampers under the corners of the base.
+   subroutine damped(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + p%damper*cos(phi/2)**2*phi_dot) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine damped
+
+end module effects_by_hand
