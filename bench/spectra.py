@@ -1,170 +1,246 @@
-"""What a displacement spectrum costs: microseconds an ordinate and true error, method by method.
+"""What a displacement spectrum costs: ordinates a second and true error, program by program.
 
-.venv/bin/python bench/spectra.py [--periods N] [--threads N]
+.venv/bin/python bench/spectra.py [--periods N] [--peers all|none|NAME,...] [--plot FILE]
 
-El Centro (textbook version, 31.18 s), wall of the paper, gamma = 5 and 1800, e = 0.9. The error
-is that of the peaks against `dop853` at rtol 1e-13, which agrees with the reference in quadruple
-precision to better than 1e-11 (docs/accuracy.md). Slow methods are given every tenth period only,
-SciPy three. Times are the smallest of three runs (slow methods: of one).
+docs/bench.md says how it is measured and what each column means.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib.util
-import math
-import time
-from dataclasses import dataclass
+import importlib.metadata
+import os
+import platform
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import rwmf
-import scipy_peer
+from peers import PEERS, draw, scaling
+from peers.measure import Row, kernel, kernel_row, peer_row
+from peers.problem import BANDS, GAMMAS, Array, Peer, Record, bands, bare_frame, case, read_record
+from rwmf import _measure
 
 ROOT = Path(__file__).resolve().parent.parent
 RECORD = ROOT / "inputs" / "records" / "elcentro.csv"
-GAMMAS = (5.0, 1800.0)
-REFERENCE = ("dop853", 1e-13)
+TRUTH = ("dop853", 1e-13)
+# loose and tight tolerance of the reference in quadruple precision
+QUAD = (1e-18, 1e-20)
 FAST = (("fast", 1e-7), ("fast", 1e-8), ("fast", 1e-9))
-SLOW = (("dop853", 1e-9), ("erk54", 1e-8), ("adams", 1e-8), ("bdf", 1e-8))
-BANDS = ((0.05, 0.2), (0.2, 0.5), (0.5, 3.0))
-H, B, XI, ETA_0, ETA_ALPHA, E = 2.0, 0.5, 0.05, 1.0, 5.0, 0.9
-
-Array = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Row:
-    """One line of the table."""
-
-    method: str
-    rtol: float
-    gamma: float
-    ordinates: int
-    microseconds: float
-    """per ordinate"""
-    error: float
-    """largest relative error of the peaks"""
+SLOW = (
+    ("dop853", 1e-7),
+    ("dop853", 1e-9),
+    ("erk54", 1e-7),
+    ("erk54", 1e-8),
+    ("adams", 1e-8),
+    ("bdf", 1e-8),
+)
+BASE = "fast"
+TARGET = 1e-7
+LONG = 0.3
 
 
-def _case(
-    method: str, rtol: float, formulation: str = "symmetric", law: str = "linear"
-) -> rwmf.Case:
-    """Return the scene of the benchmark."""
-    return rwmf.Case(
-        wall={"h": H, "b": B},
-        frame={"gamma": 5.0, "xi_s": XI},
-        cable={"eta_0": ETA_0, "eta_alpha": ETA_ALPHA, "law": law},
-        impact={"e": E},
-        motion={"kind": "record", "file": str(RECORD), "unit": "g"},
-        model={"formulation": formulation},
-        solver={"method": method, "rtol": rtol},
-        spectrum={"T_s": [1.0]},
-    )
-
-
-def _peaks(
-    case: rwmf.Case, T_s: Array, gamma: float, threads: int, repeats: int = 1
-) -> tuple[Array, float]:
-    """Peaks [m] and the kernel's best wall-clock time [s]."""
-    best = math.inf
-    for _ in range(repeats):
-        found = rwmf.spectrum(case, T_s=T_s, gamma=gamma, threads=threads)
-        best = min(best, float(found.attrs["seconds"]))
-    return found.u_s_max.values.reshape(-1), best
-
-
-def _row(method: str, rtol: float, gamma: float, T_s: Array, truth: Array, threads: int) -> Row:
-    """Measure one method of the kernel."""
-    repeats = 3 if method == "fast" else 1
-    peaks, seconds = _peaks(_case(method, rtol), T_s, gamma, threads, repeats)
-    error = float(np.max(np.abs(peaks / truth - 1.0)))
-    return Row(method, rtol, gamma, T_s.size, 1e6 * seconds / T_s.size, error)
-
-
-def _scipy_rows(T_s: Array, truth: dict[float, Array]) -> list[Row]:
-    """SciPy on three periods; nothing where it is not installed."""
-    if importlib.util.find_spec("scipy") is None:
-        return []
-    t, a = scipy_peer.read_record(RECORD)
-    chosen = np.linspace(T_s.size // 4, T_s.size - 1, 3).astype(int)
-    rows = []
+def _truth(record: Record, T_s: Array, quad: int) -> dict[float, Array]:
+    """Peaks that errors are measured against, checked against quadruple precision."""
+    found, worst, count = {}, 0.0, 0
     for gamma in GAMMAS:
-        started = time.perf_counter()
-        walls = [scipy_peer.Wall(H, B, T_s[k], gamma, XI, ETA_0, ETA_ALPHA) for k in chosen]
-        peaks = [scipy_peer.peak(wall, E, 1e-9, t, a) for wall in walls]
-        cost = 1e6 * (time.perf_counter() - started) / chosen.size
-        error = float(np.max(np.abs(np.array(peaks) / truth[gamma][chosen] - 1)))
-        rows.append(Row("SciPy DOP853", 1e-9, gamma, chosen.size, cost, error))
-    return rows
+        found[gamma], _ = kernel(case(record, *TRUTH), T_s, gamma, threads=0)
+        for part in bands(T_s) if quad else []:
+            for k in part[((np.arange(quad) + 0.5) * part.size / quad).astype(int)]:
+                one = case(record, *TRUTH).replace(frame={"gamma": gamma, "T_s": float(T_s[k])})
+                exact = _measure.solve_reference(one.text, one.kernel_source(), *QUAD)
+                worst = max(worst, abs(found[gamma][k] / exact.values["u_s_max_m"] - 1))
+                count += 1
+    if count:
+        print(f"Reference: {TRUTH[0]} at rtol {TRUTH[1]:.0e}; {count} ordinates of it differ from")
+        print(f"the reference in quadruple precision by {worst:.0e} at the most.\n")
+    return found
 
 
-def _print_rows(rows: list[Row]) -> None:
-    """Print the table of methods."""
-    print("| method | rtol | gamma | ordinates | us an ordinate | largest error | over fast 1e-7 |")
-    print("|---|---|---|---|---|---|---|")
-    base = {row.gamma: row.microseconds for row in rows if (row.method, row.rtol) == FAST[0]}
-    for row in rows:
-        print(
-            f"| {row.method} | {row.rtol:.0e} | {row.gamma:g} | {row.ordinates} "
-            f"| {row.microseconds:.1f} | {row.error:.0e} "
-            f"| {row.microseconds / base[row.gamma]:.1f} |"
-        )
-
-
-def _print_bands(threads: int) -> None:
-    """Print what `fast` costs band by band, formulation by formulation."""
-    bands = " | ".join(f"T_s {low:g}-{high:g}" for low, high in BANDS)
-    print(f"\n| formulation, cable | gamma | {bands} |")
-    print("|---|---|" + "---|" * len(BANDS))
-    for formulation, law in (
-        ("published", "linear"),
-        ("symmetric", "linear"),
-        ("exact", "linear"),
-        ("exact", "truss"),
-    ):
+def _rocking(
+    record: Record, T_s: Array, truth: dict[float, Array], peers: Sequence[Peer], rounds: int
+) -> list[Row]:
+    """Measure all programs that solve the wall; the fast ones in turn with the slow ones."""
+    slow = [
+        *((lambda g, m=m, r=r: kernel_row(record, m, r, g, T_s, truth[g], 1)) for m, r in SLOW),
+        *((lambda g, p=p: peer_row(p, record, g, T_s, truth[g])) for p in peers if not p.linear),
+    ]
+    found: dict[tuple[str, float, float], Row] = {}
+    for i in range(max(rounds, len(slow))):
         for gamma in GAMMAS:
-            case = _case("fast", 1e-7, formulation, law)
-            costs = []
-            for band in BANDS:
-                T_s = np.linspace(*band, 192)
-                _, seconds = _peaks(case, T_s, gamma, threads, 3)
-                costs.append(f"{1e6 * seconds / T_s.size:.1f}")
-            print(f"| {formulation}, {law} | {gamma:g} | " + " | ".join(costs) + " |")
+            rows = [slow[i](gamma)] if i < len(slow) else []
+            for method, rtol in FAST:
+                rows.append(kernel_row(record, method, rtol, gamma, T_s, truth[gamma], 3))
+            for row in rows:
+                key = (row.program, row.rtol, row.gamma)
+                if key not in found or row.seconds < found[key].seconds:
+                    found[key] = row
+    order = [name for name, _ in (*FAST, *SLOW)] + [peer.name for peer in peers]
+    return sorted(found.values(), key=lambda row: (row.gamma, order.index(row.program), -row.rtol))
 
 
-def _print_scaling() -> None:
-    """Print cost over threads and number of ordinates."""
-    print("\n| ordinates | threads | us an ordinate |")
-    print("|---|---|---|")
-    for n in (1, 10, 100, 1000, 10000):
-        for threads in (1, 2):
-            _, seconds = _peaks(
-                _case("fast", 1e-7), np.linspace(0.3, 3.0, n), 5.0, threads, 3 if n < 5000 else 1
-            )
-            print(f"| {n} | {threads} | {1e6 * seconds / n:.1f} |")
-
-
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--periods", type=int, default=200, help="of the spectrum")
-    parser.add_argument("--threads", type=int, default=1, help="threads of the kernel")
-    options = parser.parse_args()
-    T_s = np.linspace(0.05, 3.0, options.periods)
-    truth = {gamma: _peaks(_case(*REFERENCE), T_s, gamma, 0)[0] for gamma in GAMMAS}
+def _linear(record: Record, T_s: Array, peers: Sequence[Peer]) -> list[Row]:
+    """Measure all programs that solve the bare frame."""
+    truth, _ = kernel(bare_frame(record, *TRUTH), T_s, threads=0)
     rows = []
+    for method, rtol in (FAST[0], ("dop853", TARGET)):
+        peaks, seconds = kernel(bare_frame(record, method, rtol), T_s, repeats=5)
+        name = f"rwmf, {method}"
+        errors = np.abs(peaks / truth - 1)
+        rows.append(Row(name, rtol, np.nan, T_s.size, seconds / T_s.size, errors))
+    return rows + [peer_row(peer, record, np.nan, T_s, truth) for peer in peers if peer.linear]
+
+
+def _table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
+    """Print a table in Markdown."""
+    print("| " + " | ".join(heads) + " |")
+    print("|" + "---|" * len(heads))
+    for line in lines:
+        print("| " + " | ".join(line) + " |")
+    print(flush=True)
+
+
+def _rtol(row: Row) -> str:
+    return "-" if np.isnan(row.rtol) else f"{row.rtol:.0e}"
+
+
+def _print_rocking(rows: Sequence[Row], n: int) -> None:
+    """Print the table of programs that solve the wall."""
+    base = {row.gamma: row.seconds for row in rows if (row.program, row.rtol) == FAST[0]}
+    heads = (
+        "program", "rtol", "gamma", "periods run", "us an ordinate", "ordinates a second",
+        "largest error", f"above {TARGET:.0e}", f"times {BASE} {FAST[0][1]:.0e}",
+    )  # fmt: skip
+    lines = [
+        (
+            row.program,
+            _rtol(row),
+            f"{row.gamma:g}",
+            f"{row.ordinates} of {n}",
+            f"{1e6 * row.seconds:.4g}",
+            f"{1 / row.seconds:.3g}",
+            f"{row.error:.0e}",
+            str(int(np.sum(~(row.errors <= TARGET)))),
+            f"{row.seconds / base[row.gamma]:.3g}",
+        )
+        for row in rows
+    ]
+    _table(heads, lines)
+
+
+def _print_linear(rows: Sequence[Row], T_s: Array) -> None:
+    """Print the table of programs that solve the bare frame."""
+    print(f"Bare frame, {T_s.size} periods from {T_s[0]:g} to {T_s[-1]:g} s\n")
+    heads = ("program", "rtol", "us an ordinate", "largest error", "median error")
+    lines = [
+        (
+            row.program,
+            _rtol(row),
+            f"{1e6 * row.seconds:.3g}",
+            f"{row.error:.0e}",
+            f"{np.median(row.errors):.0e}",
+        )
+        for row in rows
+    ]
+    _table(heads, lines)
+
+
+def _print_against_recursion(record: Record, T_s: Array, linear: Sequence[Row]) -> None:
+    """Print how much dearer the wall is than the exact recursion of the bare frame."""
+    recursions = [row for row in linear if row.program.startswith("exact recursion")]
+    if not recursions:
+        return
+    heads = ("gamma", "us an ordinate", *(f"over {row.program}" for row in recursions))
+    lines = []
     for gamma in GAMMAS:
-        for method, rtol in FAST:
-            rows.append(_row(method, rtol, gamma, T_s, truth[gamma], options.threads))
-        for method, rtol in SLOW:
-            few, known = T_s[::10], truth[gamma][::10]
-            rows.append(_row(method, rtol, gamma, few, known, options.threads))
-    rows += _scipy_rows(T_s, truth)
-    _print_rows(rows)
-    _print_bands(options.threads)
-    _print_scaling()
+        _, seconds = kernel(case(record, *FAST[0]), T_s, gamma, repeats=9)
+        cost = seconds / T_s.size
+        ratios = (f"{cost / row.seconds:.3g}" for row in recursions)
+        lines.append((f"{gamma:g}", f"{1e6 * cost:.3g}", *ratios))
+    print(f"fast at {FAST[0][1]:.0e}, {T_s.size} periods from {T_s[0]:g} to {T_s[-1]:g} s\n")
+    _table(heads, lines)
+
+
+def _print_points(what: str, points: scaling.Points) -> None:
+    """Print one dependence."""
+    first = points[0][1]
+    lines = [(f"{x:g}", f"{1e6 * y:.3g}", f"{first / y:.3g}") for x, y in points]
+    _table((what, "us an ordinate", "first line over this"), lines)
+
+
+def _scaling(
+    record: Record, T_s: Array, truth: dict[float, Array], most: int, repeats: int
+) -> dict[str, list]:
+    """Measure and print what the cost of `fast` depends on."""
+    found: dict[str, list] = {
+        "ordinates": scaling.ordinates(record, most, repeats),
+        "seconds of motion": scaling.lengths(record, T_s[T_s >= LONG], repeats),
+        "threads": scaling.threads(record, min(most, 2000), repeats),
+    }
+    for what, points in found.items():
+        _print_points(what, points)
+    found["tolerances"] = scaling.tolerances(record, T_s, truth, repeats)
+    _print_rocking(found["tolerances"], T_s.size)
+    heads = ("formulation, cable", "gamma", *(f"T_s {low:g}-{high:g}" for low, high in BANDS))
+    rows = scaling.formulations(record, min(192, T_s.size), repeats)
+    _table(heads, [(name, f"{gamma:g}", *(f"{1e6 * cost:.4g}" for cost in costs))
+                   for name, gamma, costs in rows])  # fmt: skip
+    return found
+
+
+def _choose(text: str) -> list[Peer]:
+    """Peers that were asked for and are installed; the others are listed."""
+    if text == "none":
+        return []
+    words = None if text == "all" else text.lower().split(",")
+    wanted = [p for p in PEERS if words is None or any(word in p.name.lower() for word in words)]
+    for package in dict.fromkeys(p.distribution or p.package for p in wanted if not p.is_installed):
+        print(f"Not installed: {package}; python -m pip install {package}")
+    return [peer for peer in wanted if peer.is_installed]
+
+
+def _print_machine(peers: Sequence[Peer]) -> None:
+    """Print what was measured where."""
+    used = dict.fromkeys(p.distribution or p.package for p in peers if p.package)
+    versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in used)
+    print(f"rwmf {rwmf.__version__}; {versions or 'no peers'}; Python {platform.python_version()}")
+    load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
+    print(f"{_processor()}, {os.cpu_count()} CPUs, load {load}\n")
+
+
+def _processor() -> str:
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    names = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print and draw."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add: Callable[..., object] = parser.add_argument
+    add("--periods", type=int, default=200, help="of the spectrum, from 0.05 to 3 s")
+    add("--peers", default="all", help="all, none, or parts of names: scipy,heyoka")
+    add("--quad", type=int, default=1, help="periods a band for quadruple precision, 0 for none")
+    add("--rounds", type=int, default=3, help="repeats of what is fast")
+    add("--most", type=int, default=100_000, help="ordinates in the largest spectrum")
+    add("--record", type=Path, default=RECORD, help="two columns: time in s, acceleration in g")
+    add("--plot", type=Path, default=ROOT / "plots" / "spectra.png", help="figure")
+    options = parser.parse_args(arguments)
+    peers = _choose(options.peers)
+    _print_machine(peers)
+    record = read_record(options.record)
+    T_s = np.linspace(0.05, 3.0, options.periods)
+    truth = _truth(record, T_s, options.quad)
+    rows = _rocking(record, T_s, truth, peers, options.rounds)
+    _print_rocking(rows, T_s.size)
+    _print_linear(_linear(record, T_s, peers), T_s)
+    long = np.linspace(LONG, T_s[-1], T_s.size)
+    linear = _linear(record, long, peers)
+    _print_linear(linear, long)
+    _print_against_recursion(record, long, linear)
+    draw.spectra(rows, _scaling(record, T_s, truth, options.most, options.rounds), options.plot)
+    print(f"Figure: {options.plot}")
 
 
 if __name__ == "__main__":

@@ -183,6 +183,10 @@ module rwmf_case
       !! interval of the history [s]; absent: no history
       logical :: energy
       !! keep the energy ledger
+      logical :: reactions = .false.
+      !! of the base: pivot, base shear, drifts
+      real(wp), allocatable :: friction_limit
+      !! coefficient of friction that the demand is compared with [-]
    end type output_t
 
    !> Loop over frame periods, `&spectrum`.

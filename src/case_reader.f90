@@ -162,7 +162,9 @@ contains
       call get_real(groups, 'solver', 'atol', case%solver%atol)
       call get_real(groups, 'solver', 't_end', case%solver%t_end)
       if (has_group(groups, 'output')) then
-         case%output = output_t(energy=logical_of(groups, 'output', 'energy'))
+         case%output = output_t(energy=logical_of(groups, 'output', 'energy'), &
+            reactions=logical_of(groups, 'output', 'reactions'))
+         call get_real(groups, 'output', 'friction_limit', case%output%friction_limit)
          call get_real(groups, 'output', 'dt', case%output%dt)
       end if
       if (has_group(groups, 'spectrum')) then

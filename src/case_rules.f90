@@ -2,7 +2,7 @@
 module rwmf_case_rules
    use rwmf_errors, only: err_input, error_t, fail
    use rwmf_frame_rules, only: check_frame, check_storeys, check_yielding
-   use rwmf_given, only: get_list, has_group, has_key, real_of, integer_of, text_of
+   use rwmf_given, only: get_list, has_group, has_key, integer_of, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
    use rwmf_rule_failures, only: check_needs, check_one_of, fail_group, fail_key
@@ -35,6 +35,7 @@ contains
       if (.not. allocated(error)) call check_motion(groups, error)
       if (.not. allocated(error)) call check_initial(groups, error)
       if (.not. allocated(error)) call check_solver(groups, error)
+      if (.not. allocated(error)) call check_output(groups, error)
       if (.not. allocated(error)) call check_spectrum(groups, error)
       if (.not. allocated(error)) call check_end(groups, error)
    end subroutine check_rules
@@ -312,6 +313,21 @@ contains
             //'replaces', error)
       end if
    end subroutine check_solver
+
+   !> A limit of friction belongs to the reactions of a wall.
+   subroutine check_output(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. has_key(groups, 'output', 'friction_limit')) return
+      if (.not. logical_of(groups, 'output', 'reactions')) then
+         call fail_key(groups, 'output', 'friction_limit', 'needs reactions = .true. in the same ' &
+            //'group', error)
+      else if (.not. has_group(groups, 'wall')) then
+         call fail_key(groups, 'output', 'friction_limit', 'must not be given without &wall ' &
+            //'(friction holds the wall)', error)
+      end if
+   end subroutine check_output
 
    !> Periods as a list or a grid; lists of gamma and b only with a wall.
    subroutine check_spectrum(groups, error)

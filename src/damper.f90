@@ -10,7 +10,7 @@ module rwmf_damper
    implicit none
    private
 
-   public :: add_damper, damper_power
+   public :: add_damper, damper_power, damper_force
 
 contains
 
@@ -34,6 +34,24 @@ contains
 
       power = equation%p%R**2*damping(equation, cos(y(1)/2))*y(2)**2
    end function damper_power
+
+   !> Force on the lifting corner, against its velocity along the chord.
+   subroutine damper_force(equation, t, y, y_ddot, force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp), intent(inout) :: force(2)
+      real(wp) :: half_angle
+      !! of the chord from the vertical, as well [rad]
+      real(wp) :: stroke_rate
+      !! [m/s]
+
+      half_angle = equation%side*y(1)/2
+      stroke_rate = 2*equation%p%R*equation%sin_alpha*cos(half_angle)*equation%side*y(2)
+      force = force - equation%damper_c*stroke_rate*[equation%side*sin(half_angle), &
+         cos(half_angle)]
+   end subroutine damper_force
 
    !> Damping moment per unit m_w R**2 and angular velocity [1/s].
    pure real(wp) function damping(equation, half_cosine)

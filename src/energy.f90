@@ -13,7 +13,21 @@ module rwmf_energy
    implicit none
    private
 
-   public :: mechanical_energy, input_power, viscous_power, impact_loss
+   public :: stored_energy_t, stored_energy, mechanical_energy, input_power, impact_loss
+   public :: viscous_power, hysteretic_power, dissipates_hysteretically
+
+   !> What a state holds [J/kg].
+   type :: stored_energy_t
+      real(wp) :: kinetic = 0
+      real(wp) :: strain = 0
+      !! of the frame
+      real(wp) :: gravity = 0
+      !! of the wall, zero at rest
+      real(wp) :: cable = 0
+      !! beyond that of the resting wall
+      real(wp) :: effects = 0
+      !! of further effects
+   end type stored_energy_t
 
 contains
 
@@ -22,24 +36,35 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
+      type(stored_energy_t) :: stored
+
+      stored = stored_energy(equation, y)
+      energy = stored%kinetic + stored%strain + stored%gravity + stored%cable + stored%effects
+   end function mechanical_energy
+
+   !> The same part by part.
+   type(stored_energy_t) function stored_energy(equation, y) result(stored)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
-      real(wp) :: phi
 
-      energy = extra_energy(equation, y)
+      stored%effects = extra_energy(equation, y)
       associate (p => equation%p)
          if (.not. equation%has_wall) then
-            energy = energy + (y(2)**2 + (p%omega_s*y(1))**2)/2
+            stored%kinetic = y(2)**2/2
+            stored%strain = (p%omega_s*y(1))**2/2
             return
          end if
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
-         phi = equation%side*y(1)
-         energy = energy + p%R**2*((equation%inertia + p%gamma*kin%j**2)*y(2)**2 &
-            + p%gamma*(p%omega_s*kin%u)**2)/2 &
-            + p%g*p%R*(rise_of_centroid(equation, phi) + cable%energy)
+         stored%kinetic = p%R**2*(equation%inertia + p%gamma*kin%j**2)*y(2)**2/2
+         stored%strain = p%gamma*(p%R*p%omega_s*kin%u)**2/2
+         stored%gravity = p%g*p%R*rise_of_centroid(equation, equation%side*y(1))
+         stored%cable = p%g*p%R*cable%energy
       end associate
-   end function mechanical_energy
+   end function stored_energy
 
    !> Rise of the wall's centroid over R; a hinged wall only sinks [-].
    pure real(wp) function rise_of_centroid(equation, phi) result(rise)
@@ -66,14 +91,12 @@ contains
       power = -acceleration(equation%motion, interval_of(equation), t)*y(2)
       if (equation%has_wall) then
          kin = kinematics_at(equation, y(1))
-         power = power*equation%p%R*(equation%p%gamma*equation%push*kin%j + kin%c)
-      else
-         power = power*equation%push
+         power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
       end if
       power = power + extra_input(equation, t, y)
    end function input_power
 
-   !> Power that the frame's damper and further effects take [W/kg].
+   !> Power that the frame's damper and further viscous effects take [W/kg].
    real(wp) function viscous_power(equation, t, y) result(power)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -89,9 +112,29 @@ contains
             power = power*p%gamma*(p%R*kin%j)**2
          end if
       end associate
-      power = power + extra_power(equation, t, y)
-      if (equation%cable%is_tendon) power = power + tendon_power(equation, y)
+      power = power + extra_power(equation, t, y, is_hysteretic=.false.)
    end function viscous_power
+
+   !> Power that effects take which yield [W/kg].
+   real(wp) function hysteretic_power(equation, t, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      power = extra_power(equation, t, y, is_hysteretic=.true.)
+      if (equation%cable%is_tendon) power = power + tendon_power(equation, y)
+   end function hysteretic_power
+
+   !> Has the scene effects that yield?
+   pure logical function dissipates_hysteretically(equation) result(does)
+      type(equation_t), intent(in) :: equation
+
+      does = equation%cable%is_tendon
+      if (does) return
+      if (allocated(equation%extras)) does = any(equation%extras%is_hysteretic)
+   end function dissipates_hysteretically
 
    !> Kinetic energy that an impact takes [J/kg].
    real(wp) function impact_loss(equation, before, after) result(loss)

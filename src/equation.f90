@@ -415,7 +415,7 @@ contains
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot &
             + p%omega_squared*kin%u) - p%g_over_R*(kin%s + cable_now(equation, phi)) &
-            - (p%gamma*equation%push*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
+            - (p%gamma*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
       end associate
       do i = 1, size(equation%extras)
          call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
@@ -455,7 +455,7 @@ contains
          j=1.0_wp, k=0.0_wp, k_1=0.0_wp, &
          lever=1.0_wp, lever_1=0.0_wp)
       inertia = 1
-      u_ddot = bare_frame(equation, t, y) - (equation%push - 1)*ground_now(equation, t)
+      u_ddot = bare_frame(equation, t, y)
       do i = 1, size(equation%extras)
          call equation%extras(i)%add(equation, t, y, kin, inertia, u_ddot)
       end do

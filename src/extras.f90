@@ -4,12 +4,13 @@ module rwmf_extras
    use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_rates, &
       bouc_wen_sizes, prepare_bouc_wen
    use rwmf_case, only: case_t
-   use rwmf_damper, only: add_damper, damper_power
+   use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_power
+   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_force, &
+      springs_power
    use rwmf_scene, only: equation_t, extra_t
-   use rwmf_storeys, only: add_storeys, prepare_storeys, storey_energy, storey_input, &
-      storey_power, storey_rates, storey_sizes
+   use rwmf_storeys, only: add_push, add_storeys, prepare_storeys, push_input, storey_energy, &
+      storey_input, storey_power, storey_rates, storey_sizes
    implicit none
    private
 
@@ -26,7 +27,8 @@ contains
 
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
-         call add_extra(equation, extra_t(add_damper, damper_power))
+         call add_extra(equation, extra_t(add=add_damper, power=damper_power, &
+            force=damper_force))
       end if
       is_bilinear = .false.
       if (allocated(case%yielding)) is_bilinear = case%yielding%law == 'elastic_plastic'
@@ -34,26 +36,32 @@ contains
          call choose_springs(case, equation)
       end if
       if (allocated(case%fuse) .or. is_bilinear) then
-         call add_extra(equation, extra_t(add_springs, springs_power, springs_energy))
+         call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
+            energy=springs_energy, force=springs_force, is_hysteretic=.true.))
       end if
       if (allocated(case%yielding) .and. .not. is_bilinear) then
          call prepare_bouc_wen(case, equation)
-         call add_extra(equation, extra_t(add_bouc_wen, bouc_wen_power, bouc_wen_energy, states=1, &
-            rates=bouc_wen_rates, sizes=bouc_wen_sizes))
+         call add_extra(equation, extra_t(add=add_bouc_wen, power=bouc_wen_power, &
+            energy=bouc_wen_energy, is_hysteretic=.true., states=1, rates=bouc_wen_rates, &
+            sizes=bouc_wen_sizes))
       end if
       if (allocated(case%storeys)) call add_frame(case, equation)
    end subroutine choose_extras
 
-   !> The storeys of the frame: with all modes an effect, reduced only another push of the ground.
+   !> The storeys of the frame: one mode, which the ground pushes in its own way, or all modes.
    subroutine add_frame(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
 
       call prepare_storeys(case, equation)
-      if (.not. allocated(equation%floors%m)) return
+      if (.not. allocated(equation%floors%m)) then
+         call add_extra(equation, extra_t(add=add_push, input=push_input))
+         return
+      end if
       equation%floors%first = equation%n + 1
-      call add_extra(equation, extra_t(add_storeys, storey_power, storey_energy, storey_input, &
-         2*size(equation%floors%m) - 2, storey_rates, storey_sizes))
+      call add_extra(equation, extra_t(add=add_storeys, power=storey_power, &
+         energy=storey_energy, input=storey_input, states=2*size(equation%floors%m) - 2, &
+         rates=storey_rates, sizes=storey_sizes))
    end subroutine add_frame
 
    !> Append an effect; its states come after those that are there.
@@ -129,17 +137,20 @@ contains
    end function extra_energy
 
    !> Power that further effects dissipate [W/kg].
-   real(wp) function extra_power(equation, t, y) result(power)
+   real(wp) function extra_power(equation, t, y, is_hysteretic) result(power)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
+      logical, intent(in) :: is_hysteretic
+      !! by yielding, or else by the others
       integer :: i
 
       power = 0
       if (.not. allocated(equation%extras)) return
       do i = 1, size(equation%extras)
+         if (equation%extras(i)%is_hysteretic .neqv. is_hysteretic) cycle
          if (associated(equation%extras(i)%power)) then
             power = power + equation%extras(i)%power(equation, t, y)
          end if

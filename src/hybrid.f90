@@ -129,6 +129,7 @@ contains
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_begin
       real(wp) :: t_limit
       integer :: interval
       integer :: side
@@ -141,10 +142,12 @@ contains
       interval = interval_of(equation)
       do while (side == 0 .and. hybrid%t < t_target .and. .not. equation%moves_at_rest)
          ! One interval at a time, because the history shows the ground motion as well.
+         t_begin = hybrid%t
          t_limit = min(t_target, interval_end(equation%motion, interval))
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
+         ! A motion that begins with a jump lifts the wall at once: that is no rest.
+         if (hybrid%t > t_begin) call observe_rest(observer, equation, t_begin, hybrid%t)
          call enter_interval(equation, interval)
-         call observe_rest(observer, equation, hybrid%t)
       end do
       if (side == 0) return
       if (equation%moves_at_rest) call hold_wall(equation, .false.)

@@ -11,6 +11,7 @@ module rwmf_kinematics
    public :: geometry_t, kinematics_t, kinematics_i
    public :: top_corner, left_corner, published_negative, pinned_base
    public :: linked_top_corner, linked_left_corner
+   public :: rise_of_top_corner, rise_of_left_corner
 
    !> Shape of the wall and length of the link.
    type :: geometry_t
@@ -128,8 +129,8 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, 1.0_wp, [4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
-         - geometry%cos_alpha*kin%half_sine), 2*kin%s, -2*kin%c, -2*kin%s], kin)
+      call add_tilt(geometry%link, 1.0_wp, [rise_of_top_corner(geometry, kin), 2*kin%s, -2*kin%c, &
+         -2*kin%s], kin)
    end subroutine linked_top_corner
 
    !> Link of finite length at the left top corner, theta < 0 of `exact`: the corner sinks by
@@ -140,9 +141,28 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1.0_wp, [-4*geometry%cos_alpha*kin%half_sine**2, -kin%u, &
-         -kin%j, kin%u], kin)
+      call add_tilt(geometry%link, -1.0_wp, [rise_of_left_corner(geometry, kin), -kin%u, -kin%j, &
+         kin%u], kin)
    end subroutine linked_left_corner
+
+   !> How far the top corner above the lifting base corner has risen, over R [-].
+   pure real(wp) function rise_of_top_corner(geometry, kin) result(rise)
+      type(geometry_t), intent(in) :: geometry
+      type(kinematics_t), intent(in) :: kin
+      !! at the rotation
+
+      rise = 4*kin%half_sine*(geometry%sin_alpha*kin%half_cosine &
+         - geometry%cos_alpha*kin%half_sine)
+   end function rise_of_top_corner
+
+   !> The same for the top corner above the pivot, which sinks [-].
+   pure real(wp) function rise_of_left_corner(geometry, kin) result(rise)
+      type(geometry_t), intent(in) :: geometry
+      type(kinematics_t), intent(in) :: kin
+      !! at the rotation
+
+      rise = -4*geometry%cos_alpha*kin%half_sine**2
+   end function rise_of_left_corner
 
    !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.
    pure subroutine add_tilt(l, sign_of_tilt, v, kin)

@@ -16,7 +16,8 @@ module rwmf_memory
    implicit none
    private
 
-   public :: choose_springs, add_springs, springs_power, springs_energy, tendon_power
+   public :: choose_springs, add_springs, springs_power, springs_energy, springs_force
+   public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
    public :: tendon_is_broken, prestress_loss, frame_residual
 
@@ -150,6 +151,32 @@ contains
          end associate
       end do
    end function springs_energy
+
+   !> Forces of the fuses on the wall: along the chord at the lifting corner, vertical at the pivot,
+   !> where what an earlier stroke has left behind acts.
+   subroutine springs_force(equation, t, y, y_ddot, force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp), intent(inout) :: force(2)
+      real(wp) :: half_angle
+      !! of the chord from the vertical, as well [rad]
+      integer :: i
+
+      half_angle = equation%side*y(1)/2
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (place == place_frame) cycle
+            if (moves(equation, place)) then
+               force = force - spring_force(spring, elongation(equation, place, 2*half_angle)) &
+                  *[equation%side*sin(half_angle), cos(half_angle)]
+            else
+               force(2) = force(2) - spring_force(spring, 0.0_wp)
+            end if
+         end associate
+      end do
+   end subroutine springs_force
 
    !> Power that yielding of the tendon dissipates [W/kg].
    real(wp) function tendon_power(equation, y) result(power)

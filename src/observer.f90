@@ -4,14 +4,18 @@
 module rwmf_observer
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
-   use rwmf_energy, only: impact_loss, input_power, mechanical_energy, viscous_power
+   use rwmf_energy, only: impact_loss, mechanical_energy
    use rwmf_equation, only: cable_at, equation_t, frame_displacement, interval_of, kinematics_at, &
       second_derivative
    use rwmf_errors, only: err_numerical, error_t, fail
+   use rwmf_force_search, only: create_force_observer, force_observer_t, observe_last, &
+      observe_moving, observe_resting
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
    use rwmf_motion, only: acceleration
+   use rwmf_observer_energy, only: energy_names, energy_values, integrate_powers
+   use rwmf_observer_forces, only: force_columns, force_values
    use rwmf_result, only: append_event, energy_t, event_t, history_t, shorten_events
    use rwmf_stepper, only: stepper_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -38,6 +42,8 @@ module rwmf_observer
       integer(i8) :: lift_offs
       logical :: keeps_energy
       type(energy_t) :: energy
+      type(force_observer_t), allocatable :: forces
+      !! only when reactions were asked for
       logical :: keeps_history
       logical :: keeps_events
       !! with a history, or for a host that steps
@@ -81,6 +87,7 @@ contains
       if (.not. allocated(case%output)) return
       observer%keeps_energy = case%output%energy
       observer%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
+      call create_force_observer(observer%forces, case)
       if (allocated(case%output%dt)) then
          call create_history(observer, case, equation, case%output%dt, t_end, error)
       end if
@@ -135,6 +142,10 @@ contains
          names = [character(32) :: names, 'cable_force_over_m_w_g']
          if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
       end if
+      if (allocated(observer%forces)) then
+         names = [character(32) :: names, force_columns(equation, observer%m_w_g)]
+      end if
+      if (observer%keeps_energy) names = [character(32) :: names, energy_names(equation)]
       call move_alloc(names, observer%history%names)
    end subroutine name_columns
 
@@ -179,11 +190,13 @@ contains
 
       call observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
       if (allocated(error)) return
-      if (observer%keeps_history) call sample_piece(observer, equation, stepper, t_b, error)
+      if (observer%keeps_history) call sample_piece(observer, equation, stepper, t_a, t_b, error)
       if (allocated(error)) return
       if (observer%keeps_energy) then
-         call integrate_powers(observer, equation, stepper, t_a, t_b, error)
+         call integrate_powers(observer%energy, equation, stepper, t_a, t_b, error)
       end if
+      if (allocated(error) .or. .not. allocated(observer%forces)) return
+      call observe_moving(observer%forces, equation, stepper, t_b, y_b, error)
    end subroutine observe_piece
 
    !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far.
@@ -214,49 +227,65 @@ contains
    end subroutine observe_fastest
 
    !> Rows of the history up to t_b from the integrator's last step.
-   subroutine sample_piece(observer, equation, stepper, t_b, error)
+   subroutine sample_piece(observer, equation, stepper, t_a, t_b, error)
       type(observer_t), intent(inout) :: observer
       type(equation_t), intent(in) :: equation
       class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
       real(wp), intent(in) :: t_b
       type(error_t), allocatable, intent(out) :: error
+      type(energy_t) :: energy
+      !! up to the row; that of the run is summed up over whole pieces, whatever the rows
       real(wp) :: y(equation%n)
       real(wp) :: t
+      real(wp) :: t_before
 
+      energy = observer%energy
+      t_before = t_a
       do while (observer%next_row <= size(observer%history%values, 1))
          t = (observer%next_row - 1)*observer%dt
          if (t > t_b) exit
          call stepper%state_at(t, y, error)
          if (allocated(error)) return
-         call write_row(observer, equation, t, y, second_derivative(equation, t, y))
+         if (observer%keeps_energy) then
+            call integrate_powers(energy, equation, stepper, t_before, t, error)
+            if (allocated(error)) return
+            t_before = t
+         end if
+         call write_row(observer, equation, t, y, second_derivative(equation, t, y), energy)
       end do
    end subroutine sample_piece
 
-   !> The wall stays at rest until t_b.
-   subroutine observe_rest(observer, equation, t_b)
+   !> The wall rests from t_a to t_b, inside the interval in force.
+   subroutine observe_rest(observer, equation, t_a, t_b)
       type(observer_t), intent(inout) :: observer
       type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_a
+      !! [s]
       real(wp), intent(in) :: t_b
       !! [s]
       real(wp) :: t
       real(wp) :: y(equation%n)
 
+      if (allocated(observer%forces)) call observe_resting(observer%forces, equation, t_a, t_b)
       if (.not. observer%keeps_history) return
       y = 0
       do while (observer%next_row <= size(observer%history%values, 1))
          t = (observer%next_row - 1)*observer%dt
          if (t > t_b) exit
-         call write_row(observer, equation, t, y, 0.0_wp)
+         call write_row(observer, equation, t, y, 0.0_wp, observer%energy)
       end do
    end subroutine observe_rest
 
-   subroutine write_row(observer, equation, t, y, y_ddot)
+   subroutine write_row(observer, equation, t, y, y_ddot, energy)
       type(observer_t), intent(inout) :: observer
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
       !! theta'' or u''
+      type(energy_t), intent(in) :: energy
+      !! with the work done up to t
       real(wp) :: row(size(observer%history%names))
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
@@ -281,41 +310,31 @@ contains
       if (equation%has_cable) then
          cable = cable_at(equation, y(1))
          row(i + 1) = cable%force
-         if (observer%m_w_g > 0) row(i + 2) = cable%force*observer%m_w_g
+         i = i + 1
+         if (observer%m_w_g > 0) then
+            row(i + 1) = cable%force*observer%m_w_g
+            i = i + 1
+         end if
       end if
+      if (allocated(observer%forces)) call put(force_values(equation, observer%m_w_g, t, y, &
+         y_ddot, frame_displacement(equation, y(1))))
+      if (observer%keeps_energy) call put(energy_values(energy, equation, y))
       ! A wall at rest on its left side is at 0, not at -0.
       observer%history%values(observer%next_row, :) = row + 0.0_wp
       observer%next_row = observer%next_row + 1
+
+   contains
+
+      !> Fill the next columns.
+      subroutine put(values)
+         real(wp), intent(in) :: values(:)
+         !! (columns)
+
+         row(i + 1:i + size(values)) = values
+         i = i + size(values)
+      end subroutine put
+
    end subroutine write_row
-
-   !> Work of ground and damper over a piece, by the Gauss rule with five points.
-   subroutine integrate_powers(observer, equation, stepper, t_a, t_b, error)
-      type(observer_t), intent(inout) :: observer
-      type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: t_b
-      type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: inner = sqrt(5 - 2*sqrt(10.0_wp/7))/3
-      real(wp), parameter :: outer = sqrt(5 + 2*sqrt(10.0_wp/7))/3
-      real(wp), parameter :: node(5) = [-outer, -inner, 0.0_wp, inner, outer]
-      real(wp), parameter :: weight(5) = [322 - 13*sqrt(70.0_wp), 322 + 13*sqrt(70.0_wp), &
-         512.0_wp, 322 + 13*sqrt(70.0_wp), 322 - 13*sqrt(70.0_wp)]/900
-      real(wp) :: y(equation%n)
-      real(wp) :: t
-      real(wp) :: share
-      integer :: i
-
-      do i = 1, size(node)
-         t = t_a + (t_b - t_a)*(1 + node(i))/2
-         call stepper%state_at(t, y, error)
-         if (allocated(error)) return
-         share = weight(i)*(t_b - t_a)/2
-         observer%energy%input = observer%energy%input + share*input_power(equation, t, y)
-         observer%energy%viscous = observer%energy%viscous + share*viscous_power(equation, t, y)
-      end do
-      observer%energy%input_max = max(observer%energy%input_max, abs(observer%energy%input))
-   end subroutine integrate_powers
 
    !> An impact with the angular velocity before and after it.
    subroutine observe_impact(observer, equation, before, after)
@@ -372,15 +391,20 @@ contains
       real(wp) :: y_ddot
 
       call observe_state(observer, equation, t, y)
-      if (observer%keeps_energy) observer%energy%final = mechanical_energy(equation, y)
+      y_ddot = 0
+      if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
+      if (allocated(observer%forces)) call observe_last(observer%forces, equation, t, y, y_ddot)
+      if (observer%keeps_energy) then
+         observer%energy%final = mechanical_energy(equation, y)
+         observer%energy%names = energy_names(equation)
+         observer%energy%values = energy_values(observer%energy, equation, y)
+      end if
       if (.not. observer%keeps_history) return
       call shorten_events(observer%events, observer%n_events)
       if (observer%next_row > size(observer%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
       if ((observer%next_row - 1)*observer%dt <= t*(1 + 16*epsilon(t))) then
-         y_ddot = 0
-         if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
-         call write_row(observer, equation, t, y, y_ddot)
+         call write_row(observer, equation, t, y, y_ddot, observer%energy)
       end if
    end subroutine finish_observer
 

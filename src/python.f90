@@ -17,6 +17,7 @@ module rwmf_python
    use rwmf_errors, only: error_t
    use rwmf_handles, only: find_run, find_sweep, join_status, keep_run, keep_sweep, &
       make_control, put_error, put_text, read_source, run_t, sweep_t
+   use rwmf_inventory, only: inventory_text
    use rwmf_motion, only: motion_end, motion_from_case
    use rwmf_output, only: case_name, write_result, write_spectrum
    use rwmf_result, only: event_impact, event_name, event_rupture
@@ -105,6 +106,31 @@ contains
       if (.not. allocated(error)) t = real(motion_end(motion_from_case(the_case)), c_double)
       call put_error(error, status, message, message_length)
    end subroutine end_of_motion
+
+   !> Read and validate a case, return what it will simulate and report.
+   subroutine inventory(text, source, n, buffer, length, status, n_message, message, message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      integer(c_int), intent(in) :: n
+      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int), intent(out) :: length
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(in) :: n_message
+      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int), intent(out) :: message_length
+      type(case_t) :: the_case
+      type(error_t), allocatable :: error
+      character(:), allocatable :: lines
+
+      length = 0_c_int
+      call read_source(text, source, the_case, error)
+      if (.not. allocated(error)) call inventory_text(the_case, lines, error)
+      ! texts: one thread at a time, see `read_source`
+      !$omp critical (rwmf_text)
+      if (.not. allocated(error)) call put_text(lines, buffer, length)
+      !$omp end critical (rwmf_text)
+      call put_error(error, status, message, message_length)
+   end subroutine inventory
 
    !> Run one simulation. `control` is (finished, cancel), read and set while this runs.
    subroutine simulate(text, source, control, handle, status, n_message, message, message_length)

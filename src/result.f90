@@ -4,7 +4,8 @@ module rwmf_result
    implicit none
    private
 
-   public :: result_t, history_t, event_t, energy_t, append_event, shorten_events, add_warning
+   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t
+   public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture
 
@@ -49,12 +50,42 @@ module rwmf_result
       real(wp) :: input_max
       !! largest magnitude of that work at any time
       real(wp) :: viscous
-      !! dissipated by the frame's damper
+      !! dissipated by the frame's damper and further dampers
       real(wp) :: impact
       !! dissipated by impacts
       real(wp) :: hysteretic = 0
       !! dissipated by yielding and rupture
+      character(32), allocatable :: names(:)
+      !! of the parts that apply to the scene
+      real(wp), allocatable :: values(:)
+      !! (parts) in the end
    end type energy_t
+
+   !> Extrema of what the foundation bears. A component that is not allocated does not apply.
+   type :: reaction_extremes_t
+      real(wp) :: base_shear_max
+      !! of wall and frame over their weight [-]
+      real(wp) :: t_base_shear_max
+      !! its first time [s]
+      real(wp), allocatable :: normal_min
+      !! smallest pivot reaction N over m_w g [-]; absent without a wall, as the following
+      real(wp), allocatable :: t_normal_min
+      !! [s]
+      logical, allocatable :: pivot_lifts
+      !! N was not positive at some time: the model no longer holds
+      real(wp), allocatable :: demand_max
+      !! largest |H|/N [-]; infinite when the pivot lifts
+      real(wp), allocatable :: t_demand_max
+      !! [s]; absent when the pivot lifts
+      logical, allocatable :: is_exceeded
+      !! the demand exceeded the limit; absent without one
+      real(wp), allocatable :: t_exceeded
+      !! first time of that [s]
+      real(wp), allocatable :: wall_drift_max
+      !! displacement of the middle of the wall's top over its height [-]
+      real(wp), allocatable :: frame_drift_max
+      !! displacement of the frame over the same height [-]
+   end type reaction_extremes_t
 
    !> Result of one simulation. A component that is not allocated does not apply to the scene.
    type :: result_t
@@ -110,6 +141,8 @@ module rwmf_result
       real(wp), allocatable :: sensitivity
       !! relative change of the same peak per relative change of the motion [-]
       type(energy_t), allocatable :: energy
+      type(reaction_extremes_t), allocatable :: reactions
+      !! only when they were asked for, as the energy
       type(history_t), allocatable :: history
       type(event_t), allocatable :: events(:)
       !! in order of time; kept only together with a history

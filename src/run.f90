@@ -14,6 +14,7 @@ module rwmf_run
    use rwmf_methods, only: new_stepper
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
+   use rwmf_observer_forces, only: force_extremes
    use rwmf_rest, only: inverse_inertia
    use rwmf_result, only: add_warning, result_t
    use rwmf_scene, only: frame_travel
@@ -46,6 +47,7 @@ contains
       call new_stepper(case%solver%method, stepper)
       call repeat_until_scaled(case, equation, stepper, control, result, error)
       call stepper%destroy()
+      if (allocated(result%reactions)) call warn_of_reactions(result)
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
    end subroutine run_once
@@ -234,6 +236,10 @@ contains
       end if
       if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
       if (observer%keeps_energy) result%energy = observer%energy
+      if (allocated(observer%forces)) then
+         result%reactions = force_extremes(observer%forces, equation, observer%theta_min, &
+            observer%theta_max, observer%u_max)
+      end if
       if (observer%keeps_history) then
          call move_alloc(observer%events, result%events)
          result%history = observer%history
@@ -298,6 +304,29 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
       end if
    end subroutine collect_warnings
+
+   !> A pivot that lifts or slides is not in the equation of motion.
+   subroutine warn_of_reactions(result)
+      type(result_t), intent(inout) :: result
+
+      associate (reactions => result%reactions)
+         if (.not. allocated(reactions%pivot_lifts)) return
+         ! gfortran keeps the length of such texts in static memory: one thread at a time
+         !$omp critical (rwmf_text)
+         if (reactions%pivot_lifts) then
+            call add_warning(result, 'the pivot reaction falls to N/(m_w g) = ' &
+               //real_to_text(reactions%normal_min)//' at t = ' &
+               //real_to_text(reactions%t_normal_min)//' s: the wall would leave the ground, ' &
+               //'which the model does not follow')
+         end if
+         if (allocated(reactions%t_exceeded)) then
+            call add_warning(result, 'the friction demand |H|/N exceeds the friction_limit from ' &
+               //'t = '//real_to_text(reactions%t_exceeded)//' s: the wall would slide, which ' &
+               //'the model does not follow')
+         end if
+         !$omp end critical (rwmf_text)
+      end associate
+   end subroutine warn_of_reactions
 
    subroutine fill_wall(case, equation, hybrid, observer, result)
       type(case_t), intent(in) :: case

@@ -24,7 +24,8 @@ module rwmf
    use rwmf_case_reader, only: read_case_file, read_case_text
    ! one simulation: maxima, counts, history and events
    use rwmf_result, only: energy_t, event_impact, event_lift_off, event_name, event_overturned, &
-      event_peak, event_rest, event_branch, event_rupture, event_t, history_t, result_t
+      event_peak, event_rest, event_branch, event_rupture, event_t, history_t, &
+      reaction_extremes_t, result_t
    use rwmf_simulation, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum, only: compute_spectrum, spectrum_t
@@ -51,7 +52,7 @@ module rwmf
    private
 
    public :: case_t, read_case_file, read_case_text
-   public :: result_t, history_t, event_t, energy_t, event_name, simulate
+   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
       event_branch, event_rupture
    public :: stepping_t, snapshot_t, ground_t, create_stepping, destroy_stepping

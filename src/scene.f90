@@ -17,14 +17,18 @@ module rwmf_scene
    public :: frame_velocity, frame_travel, frame_mass
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
-   !> states, energy and power that belong to it. One file brings its procedures; `choose_extras`
-   !> names them (docs/effects.md).
+   !> states, energy, power and force on the wall that belong to it. One file brings its
+   !> procedures; `choose_extras` names them (docs/effects.md).
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
       !! not associated: dissipates nothing
       procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
+      procedure(force_i), pointer, nopass :: force => null()
+      !! asked only for reactions; not associated: no force on the wall
+      logical :: is_hysteretic = .false.
+      !! where the energy ledger counts its power: hysteretic, or else viscous
       procedure(power_i), pointer, nopass :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
@@ -220,6 +224,22 @@ module rwmf_scene
          real(wp), intent(in) :: y(:)
          !! (states)
       end function power_i
+
+      !> Add the force on the wall.
+      subroutine force_i(equation, t, y, y_ddot, force)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(in) :: y_ddot
+         !! theta'' [rad/s2]
+         real(wp), intent(inout) :: force(2)
+         !! over m_w, horizontal (positive as u_g'') and upward; in the frame of the ground, so that
+         !! forces of inertia due to its motion count [m/s2]
+      end subroutine force_i
    end interface
 
 contains

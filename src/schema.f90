@@ -31,7 +31,7 @@ module rwmf_schema
       !! 'real', 'real list', 'integer', 'logical', 'choice' or 'text'
       character(6) :: unit
       !! of a number; '-' for a ratio, '' for texts and counts
-      character(12) :: default
+      character(16) :: default
       !! value when it is not given, or the name of the key of the group that has it; '' for none
       logical :: is_required
       !! must be given whenever the group is (conditions on other groups: rwmf_case_rules)
@@ -173,7 +173,12 @@ contains
             'most steps of one simulation'), &
          optional_key('output', 'dt', 'real', 's', '', positive, &
             'interval of the history; absent: no history'), &
-         optional_key('output', 'energy', 'logical', '', '.false.', '', 'keep the energy ledger'), &
+         optional_key('output', 'energy', 'logical', '', '.false.', '', &
+            'energy ledger: its parts in the end, with dt in every row'), &
+         optional_key('output', 'reactions', 'logical', '', '.false.', '', &
+            'reactions of the base, friction demand, base shear, drifts: extrema, with dt rows'), &
+         optional_key('output', 'friction_limit', 'real', '-', '', positive, &
+            'coefficient of friction: whether and when the friction demand exceeds it'), &
          optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
             'periods one by one; otherwise T_s_min, T_s_max and n are required'), &
          optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &

@@ -12,12 +12,13 @@ module rwmf_storeys
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, frame_displacement, frame_travel, frame_velocity, ground
+   use rwmf_scene, only: equation_t, frame_displacement, frame_mass, frame_travel, &
+      frame_velocity, ground
    use rwmf_shear_frame, only: damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
 
-   public :: prepare_storeys, add_storeys, storey_rates, storey_sizes
+   public :: prepare_storeys, add_push, push_input, add_storeys, storey_rates, storey_sizes
    public :: storey_power, storey_energy, storey_input, resistance
 
 contains
@@ -38,7 +39,6 @@ contains
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
-         if (.not. allocated(equation%extras)) allocate (equation%extras(0))
          return
       end if
       unit = 1
@@ -54,6 +54,29 @@ contains
       equation%p%two_xi_omega = 0
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine prepare_storeys
+
+   !> One mode: the ground pushes more of the frame than moves with the roof.
+   subroutine add_push(equation, t, y, kin, inertia, moment)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+
+      moment = moment - frame_mass(equation)*(equation%push - 1)*kin%lever*equation%side &
+         *ground(equation, t)/equation%p%R
+   end subroutine add_push
+
+   !> Power of that push [W/kg].
+   real(wp) function push_input(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+
+      power = -frame_mass(equation)*(equation%push - 1)*ground(equation, t) &
+         *frame_velocity(equation, y)
+   end function push_input
 
    !> Force of the storeys on the roof beyond that of the spring between roof and ground.
    subroutine add_storeys(equation, t, y, kin, inertia, moment)

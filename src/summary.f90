@@ -5,13 +5,13 @@
 module rwmf_summary
    use rwmf_case, only: case_t
    use rwmf_kinds, only: i8, wp
-   use rwmf_result, only: energy_t, result_t
+   use rwmf_result, only: energy_t, reaction_extremes_t, result_t
    use rwmf_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_text, only: integer_to_text, real_to_text
    implicit none
    private
 
-   public :: summary_item_t, summarise, summary_text, list_effects
+   public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
 
    !> One key with its value as text.
    type :: summary_item_t
@@ -24,6 +24,8 @@ module rwmf_summary
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
+   character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'storeys', &
+      'link', 'damper', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'initial']
 
 contains
 
@@ -38,6 +40,7 @@ contains
       call add_maxima(items, result)
       call add_regimes(items, result)
       if (allocated(case%storeys)) call add_storeys(items, case)
+      if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
       call add_item(items, 'effects', 'list', joined(list_effects(case)))
       if (allocated(result%warnings)) then
@@ -45,9 +48,7 @@ contains
       else
          call add_item(items, 'warnings', 'list', '')
       end if
-      if (allocated(result%energy)) then
-         call add_real(items, 'energy_balance_relative', energy_balance(result%energy))
-      end if
+      if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
    !> The summary as lines `key<TAB>kind<TAB>value`.
@@ -67,18 +68,32 @@ contains
       type(case_t), intent(in) :: case
       character(8), allocatable :: names(:)
       !! (effects)
-      character(8), parameter :: all_names(*) = [character(8) :: 'wall', 'frame', 'storeys', &
-         'link', 'damper', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'initial']
-      logical :: present_effects(size(all_names))
+
+      names = pack(all_effects, are_present(case))
+   end function list_effects
+
+   !> Names of the effects that the scene does not call for.
+   pure function list_absent_effects(case) result(names)
+      type(case_t), intent(in) :: case
+      character(8), allocatable :: names(:)
+      !! (effects)
+
+      names = pack(all_effects, .not. are_present(case))
+   end function list_absent_effects
+
+   pure function are_present(case) result(present_effects)
+      type(case_t), intent(in) :: case
+      logical :: present_effects(size(all_effects))
 
       present_effects = [allocated(case%wall), allocated(case%frame), &
          allocated(case%storeys), allocated(case%link), allocated(case%damper), &
          allocated(case%fuse), allocated(case%yielding), allocated(case%cable), &
          allocated(case%impact), allocated(case%motion), allocated(case%initial)]
       ! free vibration is stated as kind 'none': nothing shakes the scene
-      if (allocated(case%motion)) present_effects(size(all_names) - 1) = case%motion%kind /= 'none'
-      names = pack(all_names, present_effects)
-   end function list_effects
+      if (allocated(case%motion)) then
+         where (all_effects == 'motion') present_effects = case%motion%kind /= 'none'
+      end if
+   end function are_present
 
    !> Suprema of the response.
    pure subroutine add_maxima(items, result)
@@ -127,6 +142,36 @@ contains
       call add_real(items, 'e_max', result%e_max)
    end subroutine add_regimes
 
+   !> What the foundation bears.
+   pure subroutine add_reactions(items, reactions)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(reaction_extremes_t), intent(in) :: reactions
+
+      call add_real(items, 'base_shear_max_over_weight', reactions%base_shear_max)
+      call add_real(items, 't_base_shear_max_s', reactions%t_base_shear_max)
+      call add_real(items, 'pivot_normal_min_over_m_w_g', reactions%normal_min)
+      call add_real(items, 't_pivot_normal_min_s', reactions%t_normal_min)
+      call add_logical(items, 'pivot_lifts', reactions%pivot_lifts)
+      call add_real(items, 'friction_demand_max', reactions%demand_max)
+      call add_real(items, 't_friction_demand_max_s', reactions%t_demand_max)
+      call add_logical(items, 'friction_exceeded', reactions%is_exceeded)
+      call add_real(items, 't_friction_exceeded_s', reactions%t_exceeded)
+      call add_real(items, 'wall_drift_max', reactions%wall_drift_max)
+      call add_real(items, 'frame_drift_max', reactions%frame_drift_max)
+   end subroutine add_reactions
+
+   !> The ledger: its parts in the end, and what they miss.
+   pure subroutine add_energy(items, energy)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(energy_t), intent(in) :: energy
+      integer :: i
+
+      do i = 1, size(energy%names)
+         call add_real(items, trim(energy%names(i)), energy%values(i))
+      end do
+      call add_real(items, 'energy_balance_relative', energy_balance(energy))
+   end subroutine add_energy
+
    !> What the integration took.
    pure subroutine add_work(items, result)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
@@ -173,12 +218,13 @@ contains
       call add_item(items, key, 'int', integer_to_text(value))
    end subroutine add_count
 
-   !> Add a yes or no.
+   !> Add a yes or no, unless it is absent.
    pure subroutine add_logical(items, key, value)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
-      logical, intent(in) :: value
+      logical, intent(in), optional :: value
 
+      if (.not. present(value)) return
       call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
    end subroutine add_logical
 

@@ -19,7 +19,16 @@ from rwmf._kernel import rwmf_python_cost as cost_kernel  # noqa: F401 (for _mea
 from rwmf._reference import rwmf_reference as reference_kernel  # noqa: F401 (for _measure)
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
-__all__ = ["Run", "Sweep", "describe", "schema", "start_simulation", "start_spectrum", "version"]
+__all__ = [
+    "Run",
+    "Sweep",
+    "describe",
+    "inventory",
+    "schema",
+    "start_simulation",
+    "start_spectrum",
+    "version",
+]
 
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
@@ -75,14 +84,44 @@ def describe(text: str, source: str) -> list[list[str]]:
     InputError
         When the case is not acceptable.
     """
+    return _split_table(_read_case(_kernel.describe, text, source))
+
+
+def inventory(text: str, source: str) -> dict[str, list[str]]:
+    """Read and validate a case, and list what it will simulate and report.
+
+    Parameters
+    ----------
+    text : str
+        Namelist text.
+    source : str
+        Path of its file, as for `describe`.
+
+    Returns
+    -------
+    dict of str to list of str
+        ``effects``, ``absent`` (effects that are not simulated), ``states``, ``events``,
+        ``scalars``, and ``columns`` when there is a history.
+
+    Raises
+    ------
+    InputError, NumericalError
+        When the case is not acceptable.
+    """
+    rows = _split_table(_read_case(_kernel.inventory, text, source))
+    return {word: [name for name in names if name] for word, *names in rows}
+
+
+def _read_case(procedure: Callable[..., tuple[int, int, int]], text: str, source: str) -> str:
+    """Text that a procedure makes of a case, with a buffer as large as it asks for."""
     message = _message_buffer()
     size = _FIRST_BUFFER
     while True:
         buffer = np.zeros(size, dtype=np.int8)
-        length, status, n = _kernel.describe(_bytes(text), _bytes(source), buffer, message)
+        length, status, n = procedure(_bytes(text), _bytes(source), buffer, message)
         _raise_for(status, message, n)
         if length <= size:
-            return _split_table(_decode(buffer, length))
+            return _decode(buffer, length)
         size = int(length)
 
 

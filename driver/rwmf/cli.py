@@ -145,7 +145,8 @@ def _add_check(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         subparsers,
         "check",
         commands.check,
-        "Read and validate a case, print the effects that will be simulated and every value.",
+        "Read and validate a case; print effects, states, events, outputs, what is not simulated, "
+        "and every value.",
         "inputs/fig12_one_cosine.nml",
     )
     _add_case(parser)

@@ -25,8 +25,15 @@ from rwmf.spectrum import to_dataset as spectrum_dataset
 
 __all__ = ["check", "export_record", "list_records", "progress_bar", "run", "spectrum"]
 
-# groups that say how to compute and what to keep, not what acts on the structure
-_NOT_EFFECTS = ("model", "solver", "output", "spectrum")
+# lines of `rwmf check`: word of the kernel's inventory, how it is shown, and when there is none
+_INVENTORY = (
+    ("effects", "effects", "none"),
+    ("absent", "not simulated", "nothing is left out"),
+    ("states", "states", "none"),
+    ("events", "events", "none"),
+    ("scalars", "outputs", "none"),
+    ("columns", "history", "none (&output dt)"),
+)
 # points of a plotted history when the case asks for none
 _PLOT_POINTS = 4000
 
@@ -83,9 +90,10 @@ def spectrum(options: argparse.Namespace) -> int:
 def check(options: argparse.Namespace) -> int:
     """Validate a case and say what it holds (``rwmf check``)."""
     case = Case.from_namelist(options.case)
-    effects = [name for name in case.groups if name not in _NOT_EFFECTS]
+    found = _library.inventory(case.text, case.kernel_source())
     print(f"{options.case}: valid")
-    print(f"effects: {', '.join(effects)}")
+    for word, shown, nothing in _INVENTORY:
+        print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")
     n = count_ordinates(case)
     if n > 0:
         print(f"spectrum: {n} simulations")

@@ -10,36 +10,9 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf.case import Case
+from rwmf.quantities import QUANTITIES
 
 __all__ = ["simulate", "start", "to_dataset", "with_history"]
-
-# column of the kernel's history or key of its summary: name, unit, what it is
-_QUANTITIES: dict[str, tuple[str, str, str]] = {
-    "t_s": ("time", "s", "time"),
-    "theta_rad": ("theta", "rad", "rotation of the wall"),
-    "theta_dot_rad_s": ("theta_dot", "rad/s", "angular velocity of the wall"),
-    "theta_ddot_rad_s2": ("theta_ddot", "rad/s2", "angular acceleration of the wall"),
-    "u_s_m": ("u_s", "m", "displacement of the frame"),
-    "u_s_dot_m_s": ("u_s_dot", "m/s", "velocity of the frame"),
-    "u_g_ddot_m_s2": ("u_g_ddot", "m/s2", "ground acceleration"),
-    "cable_force_over_m_w_g": ("cable_force_over_m_w_g", "1", "cable force over weight of wall"),
-    "cable_force_N": ("cable_force", "N", "cable force"),
-    "u_s_max_m": ("u_s_max", "m", "largest displacement of the frame"),
-    "t_u_s_max_s": ("t_u_s_max", "s", "first time of the largest displacement"),
-    "theta_max_over_alpha": ("theta_max_over_alpha", "1", "largest rotation over slenderness"),
-    "theta_dot_max_rad_s": ("theta_dot_max", "rad/s", "largest angular velocity"),
-    "cable_force_increment_max_over_m_w_g": (
-        "cable_force_increment_max_over_m_w_g",
-        "1",
-        "largest increment of the cable force over weight of wall",
-    ),
-    "impacts": ("impacts", "1", "number of impacts"),
-    "lift_offs": ("lift_offs", "1", "number of times that the wall lifts off from rest"),
-    "overturned": ("overturned", "1", "whether the wall overturned"),
-    "e": ("e", "1", "velocity factor at impact"),
-    "e_max": ("e_max", "1", "velocity factor that the momentum balance allows"),
-    "energy_balance_relative": ("energy_balance_relative", "1", "residual of the energy ledger"),
-}
 
 
 def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
@@ -141,7 +114,7 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
     if columns:
         dataset = dataset.set_coords("time").assign_coords(_event_coordinates(run, summary))
     for key, value in summary.items():
-        if key in _QUANTITIES:
+        if key in QUANTITIES:
             name, attributes = _label(key)
             dataset[name] = ((), value, attributes)
         else:
@@ -168,6 +141,7 @@ def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, 
 
 def _label(key: str) -> tuple[str, dict[str, str]]:
     """Name and attributes of a quantity; one that is not in the table keeps its key."""
-    name, unit, meaning = _QUANTITIES.get(key, (key, "", ""))
-    attributes = {"units": unit, "long_name": meaning} if meaning else {}
-    return name, attributes
+    if key not in QUANTITIES:
+        return key, {}
+    quantity = QUANTITIES[key]
+    return quantity.name, {"units": quantity.unit, "long_name": quantity.meaning}

@@ -87,7 +87,8 @@ def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> N
     shown = json.loads(command("run", path, "--json").stdout)
     of_the_wall = [*RUN_KEYS[2:8], "e", "e_max"]
     expected = [key for key in RUN_KEYS if key not in of_the_wall]
-    assert list(shown) == [*expected, "energy_balance_relative"]
+    parts = [f"energy_{part}_J_per_kg" for part in ("input", "kinetic", "strain", "viscous")]
+    assert list(shown) == [*expected, *parts, "energy_balance_relative"]
     path = tmp_path / "block.nml"
     block(initial={"theta_over_alpha": 0.5}).to_namelist(path)
     shown = json.loads(command("run", path, "--json").stdout)
@@ -154,8 +155,27 @@ def test_check(command: Runner, case_file: Path) -> None:
     assert found.returncode == 0
     assert "effects: wall, frame, cable, impact, motion" in found.stdout
     assert "spectrum: 3 simulations" in found.stdout
+    assert "not simulated: link, damper, initial" in found.stdout
+    assert "states: theta_rad, theta_dot_rad_s" in found.stdout
+    assert "events: impact, peak, lift_off, rest, overturned" in found.stdout
+    assert f"outputs: {', '.join(RUN_KEYS)}" in found.stdout
+    assert "history: none" in found.stdout
     assert "(law" not in found.stdout
     assert "rtol = 1e-09" in found.stdout
+
+
+def test_check_lists_what_a_run_writes(command: Runner, tmp_path: Path) -> None:
+    """The lists are not kept beside the outputs: they are those of the run itself."""
+    path = tmp_path / "all.nml"
+    output = {"dt": 0.01, "energy": True, "reactions": True, "friction_limit": 1e3}
+    block(output=output, wall={"h": 2.0, "b": 0.5, "m_w": 1000.0}).to_namelist(path)
+    lines = command("check", path).stdout.splitlines()
+    shown = dict(line.split(": ", 1) for line in lines if ": " in line)
+    assert shown["outputs"].split(", ") == list(json.loads(command("run", path, "--json").stdout))
+    command("run", path, "--out", tmp_path)
+    text = (tmp_path / "all.history.csv").read_text(encoding="utf-8")
+    columns = next(line for line in text.splitlines() if line[0] != "#")
+    assert shown["history"].split(", ") == columns.split(",")
 
 
 def test_input_errors(command: Runner, case_file: Path) -> None:

@@ -76,6 +76,20 @@ def test_suite_spectra(suite: tuple[RecordFile, ...]) -> None:
     np.testing.assert_array_equal(median, np.median(found["u_s_max"], axis=0))
 
 
+def test_friction_of_a_resting_wall() -> None:
+    """A wall that is held down moves with frame and ground: (1 + gamma) a/(g (1 + eta_0))."""
+    held = coupled(cable={"eta_0": 20.0, "eta_alpha": 20.0}, solver=QUICK)
+    found = studies.friction_spectra(held, {"T_s": [0.5, 1.0], "gamma": [1.0, 3.0]}).squeeze("b")
+    a = held.motion.a_max_g
+    expected = np.array([[2.0], [4.0]]) * a / 21.0 * np.ones(2)
+    np.testing.assert_allclose(found["friction_demand_max"], expected, rtol=1e-12)
+    np.testing.assert_allclose(found["base_shear_max_over_weight"], a, rtol=1e-12)
+    np.testing.assert_allclose(found["cable_force_max_over_m_w_g"], 20.0, rtol=1e-12)
+    np.testing.assert_allclose(found["pivot_normal_min_over_m_w_g"], 21.0, rtol=1e-12)
+    with pytest.raises(InputError, match="no &wall"):
+        studies.friction_spectra(bare_frame(), {"T_s": [1.0]})
+
+
 def test_fragility_of_a_linear_frame_is_a_step(suite: tuple[RecordFile, ...]) -> None:
     """The frame alone is linear: all records reach a limit at the same intensity."""
     case = bare_frame(solver=QUICK)
@@ -147,6 +161,7 @@ def test_equal_response_of_a_linear_frame() -> None:
         ["wall", "--T_s", "0.5:1:3"],
         ["bands", "--T_s", "0.5:1:3", "--e", "0.8,0.9"],
         ["spectra", "--T_s", "0.5:1:3", "--records", "r.txt"],
+        ["friction", "--T_s", "0.5,1"],
         ["fragility", "--levels", "0.2:3:8", "--limit", "0.1", "--records", "r.txt"],
         ["equal-response", "--T_p", "0.5,1", "--target", "0.1"],
     ],

@@ -174,8 +174,10 @@ contains
       call simulate(case, result, error)
       call checks%no_error(error, 'energy, '//name)
       call checks%that(result%ductility > 2, 'it yields, '//name)
+      call checks%that(result%energy%hysteretic > 0, 'and dissipates, '//name)
       associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%impact, &
+         call checks%close_to(ledger%final + ledger%viscous + ledger%hysteretic &
+            + ledger%impact, &
             ledger%initial + ledger%input, 'energy, '//name, atol=1.0e-8_wp*ledger%input_max)
       end associate
    end subroutine check_energy

@@ -27,6 +27,7 @@ program test_hybrid
    end do
    call check_bound_on_work()
    call check_bare_frame()
+   call check_ground_at_rest()
    call checks%finish()
 
 contains
@@ -217,5 +218,33 @@ contains
          *(sin(2*pi) - r*sin(omega)), 'bare frame at the end of the pulse', atol=1.0e-9_wp)
       call checks%that(.not. allocated(result%theta_max), 'a bare frame has no rotation')
    end subroutine check_bare_frame
+
+   !> The history of a wall that rests shows the motion of each interval, not of the next one.
+   subroutine check_ground_at_rest()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: t
+      real(wp) :: expected
+      integer :: i
+
+      case = block_scene('dop853')
+      case%motion%a_max_g = 0.1_wp
+      case%motion%t_0 = 0.3_wp
+      case%solver%t_end = 2
+      allocate (case%output)
+      case%output%dt = 0.05_wp
+      case%output%energy = .false.
+      call simulate(case, result, error)
+      call checks%no_error(error, 'ground at rest')
+      call checks%that(result%lift_offs == 0, 'the wall rests')
+      do i = 1, size(result%history%values, 1)
+         t = result%history%values(i, 1)
+         expected = 0
+         if (t > 0.3_wp .and. t < 1.3_wp) expected = 0.981_wp*sin(2*pi*(t - 0.3_wp))
+         call checks%close_to(result%history%values(i, 5), expected, 'ground at rest', &
+            atol=1.0e-12_wp)
+      end do
+   end subroutine check_ground_at_rest
 
 end program test_hybrid

@@ -3,6 +3,7 @@
 from rwmf.studies.bands import sensitivity_bands
 from rwmf.studies.equal_response import equal_response
 from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
+from rwmf.studies.friction import friction_spectra
 from rwmf.studies.overturning import overturning_map
 from rwmf.studies.statistics import cumulative_distribution, percentiles
 from rwmf.studies.suite_spectra import suite_spectra
@@ -12,6 +13,7 @@ __all__ = [
     "cumulative_distribution",
     "equal_response",
     "fragility",
+    "friction_spectra",
     "incremental_dynamic_analysis",
     "overturning_map",
     "percentiles",

@@ -17,6 +17,7 @@ from rwmf.studies import draw
 from rwmf.studies.bands import sensitivity_bands
 from rwmf.studies.equal_response import equal_response
 from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
+from rwmf.studies.friction import friction_spectra
 from rwmf.studies.overturning import overturning_map
 from rwmf.studies.suite_spectra import suite_spectra
 from rwmf.studies.wall_effect import wall_effect
@@ -46,7 +47,15 @@ def add_parsers(add: Add) -> None:
         "overturning inputs/study_block.nml --plot map.png",
     )
     studies = parser.add_subparsers(metavar="NAME", required=True)
-    for adder in (_add_overturning, _add_spectra, _add_ida, _add_wall, _add_bands, _add_equal):
+    for adder in (
+        _add_overturning,
+        _add_spectra,
+        _add_ida,
+        _add_wall,
+        _add_friction,
+        _add_bands,
+        _add_equal,
+    ):
         adder(studies)
 
 
@@ -57,11 +66,12 @@ def _new(
     compute: Compute,
     figure: Callable[..., object],
     example: str,
+    panels: int = 1,
 ) -> argparse.ArgumentParser:
     parser = studies.add_parser(
         name, help=text, description=text, epilog=f"example: rwmf study {name} {example}"
     )
-    parser.set_defaults(compute=compute, figure=figure)
+    parser.set_defaults(compute=compute, figure=figure, panels=panels)
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
     parser.add_argument("--plot", metavar="FILE", help="draw the result (png, svg, pdf)")
     parser.add_argument("--file", metavar="FILE.nc", help="write the result as NetCDF")
@@ -206,6 +216,27 @@ def _add_wall(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     _add_grid(parser)
 
 
+def _add_friction(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _new(
+        studies,
+        "friction",
+        "Friction that the base needs, and cable force, over period and mass ratio of the frame.",
+        lambda options, case, report: friction_spectra(
+            case,
+            _grid(options),
+            options.records,
+            unit=options.unit,
+            threads=options.threads,
+            progress=report,
+        ),
+        draw.draw_friction,
+        "inputs/fig12_one_sine.nml --gamma 5,100,1000 --plot friction.png",
+        panels=2,
+    )
+    _add_records(parser, required=False)
+    _add_grid(parser)
+
+
 def _add_bands(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = _new(
         studies,
@@ -267,8 +298,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.file:
         _write(dataset, Path(options.file))
     if options.plot:
-        with figures.new_figure(6.4, 3.8) as figure:
-            options.figure(dataset, figure.subplots())
+        with figures.new_figure(6.4 * options.panels**0.5, 3.8) as figure:
+            options.figure(dataset, figure.subplots(1, options.panels))
             figures.save(figure, options.plot)
     for path in (options.file, options.plot):
         if path:

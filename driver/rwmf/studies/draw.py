@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from rwmf.studies.friction import CABLE, DEMAND
 from rwmf.studies.overturning import SURVIVES
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ __all__ = [
     "draw_bands",
     "draw_equal_response",
     "draw_fragility",
+    "draw_friction",
     "draw_overturning",
     "draw_suite",
     "draw_wall_effect",
@@ -134,6 +136,32 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     _finish(ax, dataset["ratio"])
     ax.set_ylabel("$u_{s,max}$ with / without wall")
     return ax
+
+
+def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
+    """Draw required friction, and cable force or without a cable base shear; medians of a suite.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `friction_spectra`.
+    axes : sequence of matplotlib.axes.Axes
+        Two places to draw.
+
+    Returns
+    -------
+    sequence of matplotlib.axes.Axes
+        The axes.
+    """
+    second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
+    for ax, name in zip(axes, (DEMAND, second), strict=True):
+        values = dataset[name]
+        if "record" in values.dims:
+            values = values.median("record", keep_attrs=True)
+        for label, curve in _curves(values, ("T_s",)):
+            ax.plot(curve["T_s"], curve, label=label)
+        _finish(ax, dataset[name])
+    return axes
 
 
 def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:

@@ -15,7 +15,7 @@ from rwmf.sweep.suite import RecordFile
 
 __all__ = ["wall_effect", "without_wall"]
 
-_OF_THE_WALL = ("wall", "cable", "impact", "link", "initial")
+_OF_THE_WALL = ("wall", "cable", "impact", "link", "damper", "initial")
 
 
 def without_wall(case: Case) -> Case:
@@ -40,7 +40,8 @@ def without_wall(case: Case) -> Case:
         raise InputError("the case has no &frame: nothing is left without the wall")
     gone = {name: None for name in _OF_THE_WALL if name in case.groups}
     spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
-    return case.replace(**gone, **spectrum, frame={"gamma": None})
+    output = {"output": {"friction_limit": None}} if "output" in case.groups else {}
+    return case.replace(**gone, **spectrum, **output, frame={"gamma": None})
 
 
 def wall_effect(

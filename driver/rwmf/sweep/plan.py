@@ -152,7 +152,7 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
-    find_quantities(quantities)
+    wanted = find_quantities(quantities)
     axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
     axes += [key_axis(name, values) for name, values in grid.items() if name not in _INNER]
     names = [axis.name for axis in axes]
@@ -160,6 +160,9 @@ def make_plan(
         raise InputError(f"grid: two axes have the same name: {', '.join(names)}")
     inner = _inner_axes(case, grid)
     base = _base_entries(case, axes)
+    for quantity in wanted.values():
+        if quantity.asked_by:
+            base.setdefault("output", {})[quantity.asked_by] = True
     size = chunk or (_CHUNK_RUNS if quantities == (DISPLACEMENT,) else _CHUNK_POINTS)
     layout = _make_layout(case, compose(base), axes, inner, quantities, size)
     plan = Plan(layout, base, case.kernel_source(), tuple(axes), inner)

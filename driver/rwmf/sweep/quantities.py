@@ -1,53 +1,39 @@
-"""What a sweep can keep of each run: name in the dataset, key of the kernel's summary, unit."""
+"""What a sweep can keep of each run: scalars of the kernel's summary."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from rwmf import quantities
 from rwmf.errors import InputError
 
-__all__ = ["DISPLACEMENT", "QUANTITIES", "Quantity", "find_quantities"]
+__all__ = ["DISPLACEMENT", "QUANTITIES", "find_quantities"]
 
 # the only one that the kernel returns for a whole grid at once
 DISPLACEMENT = "u_s_max"
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """One number of a run.
-
-    Attributes
-    ----------
-    key : str
-        Key of the kernel's summary.
-    unit : str
-        Its unit.
-    meaning : str
-        What it is.
-    """
-
-    key: str
-    unit: str
-    meaning: str
-
-
+_SCALARS = (
+    "u_s_max_m",
+    "theta_max_over_alpha",
+    "theta_dot_max_rad_s",
+    "cable_force_increment_max_over_m_w_g",
+    "impacts",
+    "lift_offs",
+    "friction_demand_max",
+    "pivot_normal_min_over_m_w_g",
+    "pivot_lifts",
+    "base_shear_max_over_weight",
+    "wall_drift_max",
+    "frame_drift_max",
+    "energy_input_J_per_kg",
+    "energy_viscous_J_per_kg",
+    "energy_hysteretic_J_per_kg",
+    "energy_impact_J_per_kg",
+    "energy_balance_relative",
+)
 QUANTITIES = {
-    DISPLACEMENT: Quantity("u_s_max_m", "m", "largest displacement of the frame"),
-    "theta_max_over_alpha": Quantity(
-        "theta_max_over_alpha", "1", "largest rotation over slenderness"
-    ),
-    "theta_dot_max": Quantity("theta_dot_max_rad_s", "rad/s", "largest angular velocity"),
-    "cable_force_increment_max_over_m_w_g": Quantity(
-        "cable_force_increment_max_over_m_w_g",
-        "1",
-        "largest increment of the cable force over weight of wall",
-    ),
-    "impacts": Quantity("impacts", "1", "number of impacts"),
-    "lift_offs": Quantity("lift_offs", "1", "number of times that the wall lifts off from rest"),
+    quantity.name: quantity for quantity in (quantities.QUANTITIES[key] for key in _SCALARS)
 }
 
 
-def find_quantities(names: tuple[str, ...]) -> dict[str, Quantity]:
+def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     """Look up what is to be kept.
 
     Parameters

@@ -1,0 +1,28 @@
+"""Programs that solve the same problem, one file each, and how they are measured.
+
+A peer is optional: its package is imported when it is used. `problem.py` states the problem,
+`walk.py` is the hybrid loop of those that know flights only.
+"""
+
+from __future__ import annotations
+
+from peers import (
+    heyoka_taylor,
+    numba_rk,
+    recursion,
+    scipy_ivp,
+    sdof_newmark,
+    sundae_cvode,
+)
+from peers.problem import Peer
+
+__all__ = ["PEERS"]
+
+PEERS: tuple[Peer, ...] = (
+    *heyoka_taylor.PEERS,
+    *numba_rk.PEERS,
+    *scipy_ivp.PEERS,
+    *sundae_cvode.PEERS,
+    *sdof_newmark.PEERS,
+    *recursion.PEERS,
+)

@@ -1,0 +1,196 @@
+"""Times and errors of a program, and what a sample of its periods says about all of them.
+
+All times are of one thread unless said. They are the smaller one of wall-clock time and of CPU
+time: both are at least what the work costs, and on a machine that is shared the first one contains
+the others' work.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import rwmf
+
+from peers.problem import Array, Peer, Record, Solver, bands, case
+
+# a peer is run again up to so many times, until so much time is spent [s]
+MOST_REPEATS = 20
+ENOUGH = 3.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was found about a program at one gamma."""
+
+    program: str
+    rtol: float
+    """[-]; nan where there is none."""
+    gamma: float
+    """[-]; nan for the bare frame."""
+    ordinates: int
+    """Solved, of all periods."""
+    seconds: float
+    """An ordinate, mean over all periods [s]."""
+    errors: Array
+    """Relative errors of the solved ones, (ordinates,) [-]."""
+
+    @property
+    def error(self) -> float:
+        """Largest error [-]; nan when one is not a number."""
+        return float(np.max(self.errors))
+
+
+class Clock:
+    """Time spent in a `with` block."""
+
+    def __enter__(self) -> Clock:
+        """Start."""
+        self.wall, self.cpu = time.perf_counter(), time.process_time()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop."""
+        spent = time.perf_counter() - self.wall, time.process_time() - self.cpu
+        self.seconds = min(spent)
+
+
+@contextmanager
+def _worker_cpu() -> Iterator[list[float]]:
+    """Collect the CPU times of the threads that begin and end inside [s].
+
+    `rwmf` runs the kernel in a thread of its own: what Python does around it is left out.
+    """
+    run, spent = threading.Thread.run, []
+
+    def timed(thread: threading.Thread) -> None:
+        begin = time.thread_time()
+        run(thread)
+        spent.append(time.thread_time() - begin)
+
+    threading.Thread.run = timed  # type: ignore[method-assign]
+    try:
+        yield spent
+    finally:
+        threading.Thread.run = run  # type: ignore[method-assign]
+
+
+def kernel(
+    scene: rwmf.Case,
+    T_s: Array | None,
+    gamma: float | None = None,
+    threads: int = 1,
+    repeats: int = 1,
+) -> tuple[Array, float]:
+    """Let the kernel compute a spectrum.
+
+    Parameters
+    ----------
+    scene : rwmf.Case
+        The case.
+    T_s : Array, optional
+        Periods [s]; none for those of the case.
+    gamma : float, optional
+        Mass ratio [-]; none for the bare frame.
+    threads : int
+        Threads; 0 for all.
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    tuple of Array and float
+        Peaks [m] and time of the spectrum [s]. With several threads it is wall-clock time.
+    """
+    best = math.inf
+    for _ in range(repeats):
+        with _worker_cpu() as spent:
+            found = rwmf.spectrum(scene, T_s=T_s, gamma=gamma, threads=threads)
+        best = min(best, float(found.attrs["seconds"]), sum(spent) if threads == 1 else math.inf)
+    return found.u_s_max.values.reshape(-1), best
+
+
+def kernel_row(
+    record: Record, method: str, rtol: float, gamma: float, T_s: Array, truth: Array, repeats: int
+) -> Row:
+    """Measure a method of the kernel on all periods.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    method, rtol
+        `&solver` [-].
+    gamma : float
+        Mass ratio [-].
+    T_s, truth : Array
+        Periods [s] and their peaks [m].
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    Row
+        What was found.
+    """
+    peaks, seconds = kernel(case(record, method, rtol), T_s, gamma, repeats=repeats)
+    return Row(method, rtol, gamma, T_s.size, seconds / T_s.size, np.abs(peaks / truth - 1))
+
+
+def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array) -> Row:
+    """Measure a peer, a slow one on a sample.
+
+    A sample takes `per_band` periods at the middle of equal parts of each band; the mean cost of
+    each band is weighted by the number of its periods.
+
+    Parameters
+    ----------
+    peer : Peer
+        The program.
+    record : Record
+        The motion.
+    gamma : float
+        Mass ratio [-].
+    T_s, truth : Array
+        Periods [s] and their peaks [m].
+
+    Returns
+    -------
+    Row
+        What was found.
+    """
+    solve = peer.make(record, gamma, peer.rtol)
+    seconds, errors = 0.0, []
+    parts = bands(T_s) if peer.per_band else [np.arange(T_s.size)]
+    for part in parts:
+        chosen = part[_middles(part.size, peer.per_band)] if peer.per_band else part
+        peaks, spent = _timed(solve, T_s[chosen])
+        seconds += spent * part.size / chosen.size
+        errors.append(np.abs(peaks / truth[chosen] - 1))
+    found = np.concatenate(errors)
+    return Row(peer.name, peer.rtol, gamma, found.size, seconds / T_s.size, found)
+
+
+def _timed(solve: Solver, T_s: Array) -> tuple[Array, float]:
+    """Peaks and least time [s]; what is quick is repeated."""
+    begin, best = time.monotonic(), math.inf
+    for _ in range(MOST_REPEATS):
+        with Clock() as clock:
+            peaks = solve(T_s)
+        # a program of its own measures itself
+        best = min(best, getattr(solve, "seconds", clock.seconds))
+        if time.monotonic() - begin > ENOUGH:
+            break
+    return peaks, best
+
+
+def _middles(n: int, wanted: int) -> npt.NDArray[np.int64]:
+    """Return the places in the middle of `wanted` equal parts of n."""
+    parts = min(wanted, n)
+    return ((np.arange(parts) + 0.5) * n / parts).astype(int)

@@ -1,0 +1,170 @@
+"""What the cost of `fast` depends on: ordinates, length, tolerance, threads, formulation."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from peers.measure import Row, kernel, kernel_row
+from peers.problem import BANDS, GAMMAS, Array, G, Record, case, read_record
+
+RTOL = 1e-7
+TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+LENGTHS = (0.25, 0.5, 1.0, 2.0, 4.0)
+FORMULATIONS = (
+    ("published", "linear"),
+    ("symmetric", "linear"),
+    ("exact", "linear"),
+    ("exact", "truss"),
+)
+Points = list[tuple[float, float]]
+"""What is varied, and the time of one ordinate [s]."""
+
+
+def ordinates(record: Record, most: int, repeats: int) -> Points:
+    """Time over the number of ordinates.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    most : int
+        Ordinates at the most.
+    repeats : int
+        Runs of all but the largest spectra, of which the fastest counts.
+
+    Returns
+    -------
+    list of tuple
+        Number of ordinates from 0.3 to 3 s at gamma = 5, time of one on one thread [s].
+    """
+    found, n = [], 1
+    while n <= most:
+        # a list of periods is limited, a grid is not
+        grid = {"T_s_min": 0.3, "T_s_max": 3.0, "n": n, "spacing": "linear"}
+        scene = case(record, "fast", RTOL, spectrum=grid if n > 1 else {"T_s": [1.0]})
+        _, seconds = kernel(scene, None, GAMMAS[0], repeats=repeats if n <= 1000 else 1)
+        found.append((float(n), seconds / n))
+        n *= 10
+    return found
+
+
+def lengths(record: Record, T_s: Array, repeats: int) -> Points:
+    """Time over the length of the record: the first part of it, or several times in a row.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    T_s : Array
+        Periods [s].
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    list of tuple
+        Duration of the motion [s], time of one ordinate at gamma = 5 [s].
+    """
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for factor in LENGTHS:
+            longer = _scaled(record, factor, Path(folder) / f"{factor}.csv")
+            _, seconds = kernel(case(longer, "fast", RTOL), T_s, GAMMAS[0], repeats=repeats)
+            found.append((float(longer.t[-1]), seconds / T_s.size))
+    return found
+
+
+def _scaled(record: Record, factor: float, path: Path) -> Record:
+    a = np.tile(record.a, max(1, round(factor)))[: round(factor * record.a.size)]
+    t = record.interval * np.arange(a.size)
+    lines = [f"{t_k:.10g},{a_k / G:.17g}" for t_k, a_k in zip(t, a, strict=True)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return read_record(path)
+
+
+def tolerances(record: Record, T_s: Array, truth: dict[float, Array], repeats: int) -> list[Row]:
+    """Time and error over the tolerance asked.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    T_s : Array
+        Periods [s].
+    truth : dict
+        Their peaks for each gamma [m].
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    list of Row
+        Of `fast`.
+    """
+    return [
+        kernel_row(record, "fast", rtol, gamma, T_s, truth[gamma], repeats)
+        for gamma in GAMMAS
+        for rtol in TOLERANCES
+    ]
+
+
+def threads(record: Record, n: int, repeats: int) -> Points:
+    """Time over the number of threads, measured in turn.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    n : int
+        Ordinates.
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    list of tuple
+        Threads, time of one ordinate by the wall clock [s].
+    """
+    counts = sorted({1, *(2**k for k in range(1, 10) if 2**k <= (os.cpu_count() or 1))})
+    best = dict.fromkeys(counts, np.inf)
+    T_s = np.linspace(0.3, 3.0, n)
+    for _ in range(repeats):
+        for count in counts:
+            _, seconds = kernel(case(record, "fast", RTOL), T_s, GAMMAS[0], threads=count)
+            best[count] = min(best[count], seconds)
+    return [(float(count), seconds / n) for count, seconds in best.items()]
+
+
+def formulations(record: Record, n: int, repeats: int) -> list[tuple[str, float, list[float]]]:
+    """Time of formulations and cable laws in each band of periods.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    n : int
+        Periods in a band.
+    repeats : int
+        Runs, of which the fastest counts.
+
+    Returns
+    -------
+    list of tuple
+        Name, gamma, time of one ordinate in each band [s].
+    """
+    found = []
+    for formulation, law in FORMULATIONS:
+        for gamma in GAMMAS:
+            scene = case(record, "fast", RTOL).replace(
+                model={"formulation": formulation}, cable={"law": law}
+            )
+            costs = [
+                kernel(scene, np.linspace(*band, n), gamma, repeats=repeats)[1] / n
+                for band in BANDS
+            ]
+            found.append((f"{formulation}, {law}", gamma, costs))
+    return found

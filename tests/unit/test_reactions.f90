@@ -1,0 +1,557 @@
+!> Reactions of the base: the balance that they did not come from, closed forms, extrema.
+program test_reactions
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use check, only: checks_t
+   use rwmf_case, only: case_t, damper_t, initial_t, link_t, output_t
+   use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
+      second_derivative
+   use rwmf_errors, only: error_t
+   use rwmf_kinds, only: pi, wp
+   use rwmf_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_reactions, only: cable_force, link_force, reactions_at, reactions_t
+   use rwmf_result, only: result_t
+   use rwmf_simulation, only: simulate
+   use scenes, only: block_scene, frame_scene, rwmf_scene
+   implicit none
+
+   real(wp), parameter :: t = 0.3_wp
+   real(wp), parameter :: round_off = 1.0e-13_wp
+   type(checks_t) :: checks
+
+   call check_balance(scene('published', 'linear'), 'published')
+   call check_balance(scene('symmetric', 'linear'), 'symmetric')
+   call check_balance(scene('exact', 'linear'), 'exact')
+   call check_balance(scene('exact', 'truss'), 'truss')
+   call check_balance(linked('symmetric'), 'link, symmetric')
+   call check_balance(linked('exact'), 'link, exact')
+   call check_balance(damped(), 'dampers')
+   call check_balance(pinned(), 'pinned')
+   call check_damper_power()
+   call check_static()
+   call check_at_rest()
+   call check_friction_limit_at_rest()
+   call check_free_block(0.5_wp, 0.6_wp)
+   call check_free_block(1.6_wp, 0.5_wp)
+   call check_bare_frame()
+   call check_pivot_lifts()
+   call check_extremes('adams', 1.0e-9_wp, 'one_sine')
+   call check_extremes('dop853', 1.0e-9_wp, 'one_sine')
+   call check_extremes('dop853', 1.0e-3_wp, 'one_sine')
+   call check_extremes('extrapolation', 1.0e-6_wp, 'one_sine')
+   call check_extremes('dop853', 1.0e-9_wp, 'one_cosine')
+   call check_first_exceedance()
+   call check_energy_rows()
+   call check_only_if_asked()
+   call checks%finish()
+
+contains
+
+   function scene(formulation, law) result(case)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'dop853')
+      case%cable%law = law
+   end function scene
+
+   function linked(formulation) result(case)
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+
+      case = scene(formulation, 'truss')
+      case%link = link_t(5.0_wp)
+   end function linked
+
+   function damped() result(case)
+      type(case_t) :: case
+
+      case = scene('exact', 'truss')
+      case%damper = damper_t(2.0_wp)
+   end function damped
+
+   function pinned() result(case)
+      type(case_t) :: case
+
+      case = scene('exact', 'linear')
+      deallocate (case%cable, case%impact)
+      case%wall%base = 'pinned'
+   end function pinned
+
+   !> Moments of all forces about the centroid give its moment of inertia times theta'', although
+   !> the reactions come from the balance of momentum alone; and the foundation's forces on wall,
+   !> frame, cable and dampers together are the base shear, which comes from the accelerations.
+   subroutine check_balance(case, name)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: name
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(reactions_t) :: reactions
+      real(wp) :: y(2)
+      real(wp) :: y_ddot
+      real(wp) :: moment
+      real(wp) :: shear
+      real(wp) :: damper(2)
+      integer :: side
+      integer :: i
+
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      call enter_interval(equation, interval_at(motion, t))
+      do side = -1, 1, 2
+         if (equation%has_impacts) equation%side = side
+         do i = -1, 1, 2
+            y = [side*0.11_wp, i*0.7_wp]
+            y_ddot = second_derivative(equation, t, y)
+            reactions = reactions_at(equation, t, y, y_ddot)
+            damper = 0
+            if (allocated(equation%extras)) then
+               call equation%extras(1)%force(equation, t, y, y_ddot, damper)
+            end if
+            moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
+               + turn(link_corner(equation, case, y), link_force(equation, &
+               kinematics_at(equation, y(1)), t, y, y_ddot), equation, y) &
+               + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
+               + turn(lifting_corner(equation, y), damper, equation, y)
+            call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
+               //name, atol=round_off*equation%p%g*equation%p%R*(1 + equation%p%gamma))
+            shear = reactions%horizontal + sum([1.0_wp, 0.0_wp]*(cable_force(equation, y(1)) &
+               + damper)) - frame_shear(equation, y)
+            call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
+               atol=round_off*equation%p%g*(1 + equation%p%gamma))
+         end do
+      end do
+   end subroutine check_balance
+
+   !> Clockwise moment about the centroid of a force at a point of the space.
+   real(wp) function turn(point, force, equation, y)
+      real(wp), intent(in) :: point(2)
+      !! from the centre of the base of the resting wall [m]
+      real(wp), intent(in) :: force(2)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: arm(2)
+
+      arm = point - place(equation, y(1), [0.0_wp, 0.0_wp])
+      turn = arm(2)*force(1) - arm(1)*force(2)
+   end function turn
+
+   !> Where a point of the wall is, given from its centroid [m].
+   function place(equation, theta, point) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      real(wp), intent(in) :: point(2)
+      real(wp) :: x(2)
+      real(wp) :: arm(2)
+
+      arm = point + [0.0_wp, equation%p%R*equation%cos_alpha] - pivot(equation)
+      x = pivot(equation) + [cos(theta)*arm(1) + sin(theta)*arm(2), &
+         -sin(theta)*arm(1) + cos(theta)*arm(2)]
+   end function place
+
+   function pivot(equation) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp) :: x(2)
+
+      x = 0
+      if (equation%has_impacts) x(1) = equation%side*equation%p%R*equation%sin_alpha
+   end function pivot
+
+   !> Left top corner; of `symmetric` the one opposite to the pivot; of a hinged wall the middle.
+   function link_corner(equation, case, y) result(x)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x(2)
+
+      x = [-case%wall%b, case%wall%h]
+      if (case%model%formulation == 'symmetric') x(1) = -equation%side*case%wall%b
+      if (.not. equation%has_impacts) x(1) = 0
+      x = place(equation, y(1), x)
+   end function link_corner
+
+   !> The cable is fixed in the middle of the wall's top.
+   function cable_point(equation, y) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x(2)
+
+      x = place(equation, y(1), [0.0_wp, equation%p%R*equation%cos_alpha])
+   end function cable_point
+
+   function lifting_corner(equation, y) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x(2)
+
+      x = place(equation, y(1), -equation%p%R*[equation%side*equation%sin_alpha, &
+         equation%cos_alpha])
+   end function lifting_corner
+
+   !> Spring and damper of the frame on its mass, against its motion.
+   real(wp) function frame_shear(equation, y) result(shear)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), parameter :: step = 1.0e-30_wp
+      real(wp) :: u
+      real(wp) :: slope
+      real(wp) :: phi
+      complex(wp) :: w
+      complex(wp) :: root
+      complex(wp) :: rise
+
+      ! u_s(theta) once more from the geometry, its derivative by a complex step
+      phi = equation%side*y(1)
+      w = cmplx(phi, step, wp)
+      associate (s => equation%sin_alpha, c => equation%cos_alpha, L => equation%geometry%link)
+         rise = 2*(c*cos(w) + s*sin(w) - c)
+         if (.not. equation%has_impacts) then
+            rise = 0
+            root = 2*c*sin(w)
+         else if (is_left(equation)) then
+            rise = 2*c*(cos(w) - 1)
+            root = 2*c*sin(w)
+         else
+            root = 2*(s - s*cos(w) + c*sin(w))
+         end if
+         if (L > 0) root = root + merge(-1, 1, is_left(equation))*(L - sqrt(L**2 - rise**2))
+      end associate
+      u = equation%side*equation%p%R*root%re
+      slope = equation%p%R*root%im/step
+      shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
+         + 2*equation%p%xi_s*slope*y(2))
+   end function frame_shear
+
+   !> Does the link's end move as the left top corner while the wall rocks to the left?
+   logical function is_left(equation)
+      type(equation_t), intent(in) :: equation
+      real(wp), parameter :: large = 0.5_wp
+
+      ! 2h sin(phi) of `exact` against 2R (sin(alpha) - sin(alpha - phi))
+      is_left = .false.
+      if (equation%side < 0) is_left = abs(kinematic_u(equation, large) &
+         - 2*equation%cos_alpha*sin(large)) < 0.05_wp
+   end function is_left
+
+   real(wp) function kinematic_u(equation, phi) result(u)
+      use rwmf_kinematics, only: kinematics_t
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      type(kinematics_t) :: kin
+
+      call equation%kinematics_negative(equation%geometry, phi, kin)
+      u = kin%u
+   end function kinematic_u
+
+   !> Force times velocity of the lifting corner is the power that the damper takes.
+   subroutine check_damper_power()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp), parameter :: y(2) = [0.2_wp, 0.7_wp]
+      real(wp), parameter :: step = 1.0e-6_wp
+      real(wp) :: force(2)
+      real(wp) :: velocity(2)
+
+      case = damped()
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      force = 0
+      call equation%extras(1)%force(equation, t, y, 0.0_wp, force)
+      velocity = (lifting_corner(equation, y + step) - lifting_corner(equation, y - step)) &
+         /(2*step)*y(2)
+      call checks%close_to(-sum(force*velocity), equation%extras(1)%power(equation, t, y), &
+         'power of the damper', rtol=1.0e-9_wp)
+   end subroutine check_damper_power
+
+   !> A wall that nothing moves carries its weight and the cable.
+   subroutine check_static()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = scene('exact', 'linear')
+      case%motion%kind = 'none'
+      case%output = output_t(energy=.false., reactions=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'static')
+      call checks%close_to(result%reactions%normal_min, 1 + case%cable%eta_0, 'weight and cable', &
+         rtol=round_off)
+      call checks%close_to(result%reactions%demand_max, 0.0_wp, 'no demand')
+      call checks%close_to(result%reactions%base_shear_max, 0.0_wp, 'no base shear')
+   end subroutine check_static
+
+   !> At rest H = (1 + gamma) m_w u_g'', so that the wall lifts off at a demand of
+   !> tan(alpha) (1 + gamma)/(1 + 2 gamma), whatever the cable; there the rocking wall takes over
+   !> without a jump.
+   subroutine check_at_rest()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(reactions_t) :: resting
+      type(reactions_t) :: rocking
+      real(wp) :: at(2)
+      real(wp) :: expected
+      real(wp) :: t_lift
+
+      case = scene('exact', 'linear')
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      t_lift = asin(equation%threshold/(case%motion%a_max_g*case%model%g))/case%motion%omega_p
+      call enter_interval(equation, interval_at(motion, t_lift))
+      equation%side = -1
+      at = 0
+      resting = reactions_at(equation, t_lift, at, 0.0_wp)
+      rocking = reactions_at(equation, t_lift, at, second_derivative(equation, t_lift, at))
+      expected = tan(equation%p%alpha)*6/11.0_wp
+      call checks%close_to(resting%horizontal/resting%normal, expected, 'demand at lift-off', &
+         rtol=round_off)
+      call checks%close_to(rocking%horizontal, resting%horizontal, 'H at lift-off', &
+         rtol=1.0e-12_wp)
+      call checks%close_to(rocking%normal, resting%normal, 'N at lift-off', rtol=1.0e-12_wp)
+   end subroutine check_at_rest
+
+   !> A wall that rests throughout: the demand follows the ground, and passes a limit in time.
+   subroutine check_friction_limit_at_rest()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: peak
+
+      case = scene('exact', 'linear')
+      case%motion%a_max_g = 0.03_wp
+      peak = 6*case%motion%a_max_g/2
+      case%output = output_t(energy=.false., reactions=.true.)
+      case%output%friction_limit = 0.6_wp*peak
+      call simulate(case, result, error)
+      call checks%no_error(error, 'rest')
+      call checks%that(result%lift_offs == 0, 'the wall rests')
+      call checks%close_to(result%reactions%demand_max, peak, 'demand at rest', rtol=round_off)
+      call checks%close_to(result%reactions%t_demand_max, 0.25_wp, 'its time', rtol=round_off)
+      call checks%close_to(result%reactions%base_shear_max, case%motion%a_max_g, &
+         'base shear of a rigid whole', rtol=round_off)
+      call checks%that(result%reactions%is_exceeded, 'limit exceeded')
+      call checks%close_to(result%reactions%t_exceeded, asin(0.6_wp)/(2*pi), &
+         'first time of excess', rtol=round_off)
+      call checks%that(size(result%warnings) == 1, 'a warning')
+      case%output%friction_limit = 1.01_wp*peak
+      call simulate(case, result, error)
+      call checks%that(.not. result%reactions%is_exceeded, 'limit kept')
+      call checks%that(.not. allocated(result%reactions%t_exceeded), 'no time of excess')
+   end subroutine check_friction_limit_at_rest
+
+   !> A free block that is let go from x_0 = alpha - phi_0: with x = alpha - phi,
+   !> N/(m_w g) = 1/4 + 9/4 cos(x)**2 - 3/2 cos(x) cos(x_0),
+   !> |H|/(m_w g) = sin(x) (9/4 cos(x) - 3/2 cos(x_0)) up to the first impact at x = alpha; after
+   !> an impact without rebound it stands still.
+   subroutine check_free_block(b, theta_over_alpha)
+      real(wp), intent(in) :: b
+      !! half width [m]
+      real(wp), intent(in) :: theta_over_alpha
+      integer, parameter :: n = 200000
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: alpha
+      real(wp) :: x_0
+      real(wp) :: x(0:n)
+      real(wp) :: normal(0:n)
+      real(wp) :: horizontal(0:n)
+      integer :: i
+
+      case = block_scene('dop853')
+      case%wall%b = b
+      case%motion%kind = 'none'
+      case%solver%rtol = 1.0e-12_wp
+      allocate (case%impact)
+      case%impact%rule = 'constant'
+      case%impact%e = 0
+      case%initial = initial_t(theta_over_alpha, 0.0_wp)
+      case%output = output_t(energy=.false., reactions=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'free block')
+      alpha = atan2(b, case%wall%h)
+      x_0 = alpha*(1 - theta_over_alpha)
+      x = [(x_0 + (alpha - x_0)*i/n, i=0, n)]
+      normal = 0.25_wp + 2.25_wp*cos(x)**2 - 1.5_wp*cos(x)*cos(x_0)
+      horizontal = abs(sin(x)*(2.25_wp*cos(x) - 1.5_wp*cos(x_0)))
+      call checks%close_to(result%reactions%normal_min, normal(n), 'N of a free block', &
+         rtol=1.0e-10_wp)
+      call checks%close_to(result%reactions%demand_max, maxval(horizontal/normal), &
+         'demand of a free block', rtol=1.0e-10_wp)
+      call checks%close_to(result%reactions%base_shear_max, maxval(horizontal), &
+         'base shear of a free block', rtol=1.0e-10_wp)
+      if (b > 1) call checks%that(maxloc(horizontal, dim=1) < n, 'an extremum inside')
+   end subroutine check_free_block
+
+   !> Base shear of a frame over its weight is what spring and damper carry.
+   subroutine check_bare_frame()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: omega
+
+      case = frame_scene(0.8_wp, 'dop853')
+      case%frame%xi_s = 0
+      case%output = output_t(energy=.false., reactions=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'bare frame')
+      omega = 2*pi/0.8_wp
+      call checks%close_to(result%reactions%base_shear_max, omega**2*result%u_s_max/case%model%g, &
+         'pseudo-acceleration', rtol=1.0e-10_wp)
+      call checks%that(.not. allocated(result%reactions%normal_min), 'no pivot')
+      call checks%that(.not. allocated(result%reactions%wall_drift_max), 'no wall drift')
+   end subroutine check_bare_frame
+
+   !> A block that is hit so hard that it would fly, and then overturns: with x = alpha - phi,
+   !> N/(m_w g) = 1 - 3/4 sin(x)**2 - R cos(x) theta'**2/g, R theta'**2/g from energy.
+   subroutine check_pivot_lifts()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer, parameter :: n = 200000
+      real(wp), parameter :: rate = 3
+      real(wp) :: alpha
+      real(wp) :: spin(0:n)
+      !! R theta'**2/g [-]
+      real(wp) :: x(0:n)
+      integer :: i
+
+      case = block_scene('dop853')
+      case%motion%kind = 'none'
+      case%solver%rtol = 1.0e-12_wp
+      case%initial = initial_t(0.0_wp, rate)
+      case%output = output_t(energy=.false., reactions=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'pivot')
+      alpha = atan2(case%wall%b, case%wall%h)
+      x = [(alpha - (pi/2)*i/n, i=0, n)]
+      spin = hypot(case%wall%b, case%wall%h)*rate**2/case%model%g + 1.5_wp*(cos(alpha) - cos(x))
+      call checks%close_to(result%reactions%normal_min, minval(1 - 0.75_wp*sin(x)**2 &
+         - cos(x)*spin), 'N of a block that is hit', rtol=1.0e-9_wp)
+      call checks%that(result%reactions%pivot_lifts, 'pivot lifts')
+      call checks%that(.not. ieee_is_finite(result%reactions%demand_max), 'no friction suffices')
+      call checks%that(any(index(result%warnings, 'pivot reaction') > 0), 'a warning about it')
+   end subroutine check_pivot_lifts
+
+   !> Extrema against a history that is finer than any feature of the response.
+   subroutine check_extremes(method, rtol, kind)
+      character(*), intent(in) :: method
+      real(wp), intent(in) :: rtol
+      character(*), intent(in) :: kind
+      !! of the pulse; a cosine begins with a jump, which lifts the wall at once
+      real(wp), parameter :: dt = 1.0e-4_wp
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: rows(:)
+      character(:), allocatable :: name
+
+      name = kind//', '//method
+      case = rwmf_scene('exact', 5.0_wp, 0.7_wp, method)
+      case%motion%kind = kind
+      case%solver%rtol = rtol
+      case%solver%t_end = 5
+      case%output = output_t(dt=dt, energy=.false., reactions=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'extrema, '//name)
+      rows = column(result, 'base_shear_over_weight')
+      call compare(result%reactions%base_shear_max, maxval(abs(rows)), 'base shear, '//name)
+      rows = column(result, 'pivot_normal_over_m_w_g')
+      call compare(-result%reactions%normal_min, maxval(-rows), 'N, '//name)
+      rows = column(result, 'friction_demand')
+      call compare(result%reactions%demand_max, maxval(rows), 'demand, '//name)
+      rows = column(result, 'wall_drift')
+      call compare(result%reactions%wall_drift_max, maxval(abs(rows)), 'wall drift, '//name)
+      rows = column(result, 'frame_drift')
+      call compare(result%reactions%frame_drift_max, maxval(abs(rows)), 'frame drift, '//name)
+   end subroutine check_extremes
+
+   !> Not below the largest row, and above it by no more than a row's interval allows: at an impact
+   !> a reaction jumps, so that a row lies up to dt before its one-sided value.
+   subroutine compare(extreme, largest_row, name)
+      real(wp), intent(in) :: extreme
+      real(wp), intent(in) :: largest_row
+      character(*), intent(in) :: name
+      real(wp), parameter :: within_a_row = 1.0e-3_wp
+
+      call checks%that(extreme >= largest_row - 1.0e-13_wp*abs(largest_row), name//': not missed')
+      call checks%close_to(extreme, largest_row, name, rtol=within_a_row)
+   end subroutine compare
+
+   !> The first excess of a limit that is first exceeded between two peaks of the demand.
+   subroutine check_first_exceedance()
+      real(wp), parameter :: dt = 1.0e-4_wp
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: rows(:)
+      integer :: first
+
+      case = rwmf_scene('exact', 5.0_wp, 0.7_wp, 'dop853')
+      case%output = output_t(dt=dt, energy=.false., reactions=.true.)
+      case%output%friction_limit = 0.16_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'excess')
+      rows = column(result, 'friction_demand')
+      first = findloc(rows > case%output%friction_limit, .true., dim=1)
+      call checks%that(first > 2, 'exceeded after the beginning')
+      call checks%close_to(result%reactions%t_exceeded, (first - 1.5_wp)*dt, 'first excess', &
+         atol=0.51_wp*dt)
+   end subroutine check_first_exceedance
+
+   !> The ledger closes in every row: what came in is stored or dissipated.
+   subroutine check_energy_rows()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: residual(:)
+      character(*), parameter :: out(6) = [character(9) :: 'kinetic', 'strain', 'gravity', &
+         'cable', 'viscous', 'impact']
+      integer :: i
+
+      case = damped()
+      case%output = output_t(dt=0.013_wp, energy=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'ledger')
+      residual = column(result, 'energy_input_J_per_kg')
+      do i = 1, size(out)
+         residual = residual - column(result, 'energy_'//trim(out(i))//'_J_per_kg')
+      end do
+      call checks%that(maxval(abs(residual)) <= 1.0e-8_wp*result%energy%input_max, &
+         'the ledger closes at all times')
+      call checks%that(size(result%energy%names) == size(out) + 1, 'no part that does not apply')
+      deallocate (case%damper, case%cable, case%impact, case%frame)
+      call simulate(case, result, error)
+      call checks%that(size(result%energy%names) == 4, 'a block: input, kinetic, gravity, impact')
+   end subroutine check_energy_rows
+
+   !> A run that asks for nothing keeps nothing, and the response does not depend on it.
+   subroutine check_only_if_asked()
+      type(case_t) :: case
+      type(result_t) :: plain
+      type(result_t) :: asked
+      type(error_t), allocatable :: error
+
+      case = scene('exact', 'truss')
+      call simulate(case, plain, error)
+      call checks%that(.not. allocated(plain%reactions), 'no reactions unless asked')
+      case%output = output_t(dt=0.01_wp, energy=.true., reactions=.true.)
+      call simulate(case, asked, error)
+      call checks%that(abs(asked%u_s_max - plain%u_s_max) <= 0 &
+         .and. all(abs(asked%final_state - plain%final_state) <= 0), 'the same bits')
+   end subroutine check_only_if_asked
+
+   !> A column of the history.
+   function column(result, name) result(values)
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: name
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      i = findloc(result%history%names == name, .true., dim=1)
+      call checks%that(i > 0, 'a column '//name)
+      values = result%history%values(:, max(i, 1))
+   end function column
+
+end program test_reactions
