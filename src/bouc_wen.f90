@@ -106,14 +106,15 @@ contains
       end associate
    end function bouc_wen_energy
 
-   !> Displacement that unloading of the hysteretic part would leave [m].
+   !> Displacement that elastic unloading would leave: F = m_s omega_s**2 (u - residual) [m].
    real(wp) function bouc_wen_residual(equation, y) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
 
       associate (law => equation%hysteresis)
-         residual = frame_displacement(equation, y(1)) - law%u_y*y(law%place)
+         residual = (1 - law%hardening)*(frame_displacement(equation, y(1)) &
+            - law%u_y*y(law%place))
       end associate
    end function bouc_wen_residual
 

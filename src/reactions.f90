@@ -98,7 +98,7 @@ contains
          if (equation%has_memory) force(1) = force(1) + p%gamma*p%omega_squared &
             *frame_residual(equation, y(1))
          if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
-            *(1 - equation%hysteresis%hardening)*bouc_wen_residual(equation, y)
+            *bouc_wen_residual(equation, y)
       end associate
       if (equation%geometry%link <= 0) return
       side_of_frame = 1

@@ -167,8 +167,7 @@ contains
 
       plastic_part = 0
       if (machine%equation%has_course) then
-         plastic_part = (1 - machine%equation%hysteresis%hardening) &
-            *bouc_wen_residual(machine%equation, machine%hybrid%y)
+         plastic_part = bouc_wen_residual(machine%equation, machine%hybrid%y)
       else if (machine%equation%has_memory) then
          plastic_part = frame_residual(machine%equation, machine%hybrid%y(1))
       end if

@@ -74,8 +74,8 @@ contains
          call checks%close_to(result%final_state(3), 1 - exp(-x), 'first loading, '//name, &
             rtol=1.0e-9_wp)
       end if
-      call checks%close_to(result%residual_displacement, result%final_state(1) &
-         - case%yielding%u_y*result%final_state(3), 'residual displacement', atol=1.0e-12_wp)
+      call checks%close_to(result%residual_displacement, 0.9_wp*(result%final_state(1) &
+         - case%yielding%u_y*result%final_state(3)), 'residual displacement', atol=1.0e-12_wp)
    end subroutine check_first_loading
 
    !> From the peak on, n = 2: dz/dx = 1 + (2 beta - 1) z**2 until z changes its sign, so that
@@ -158,6 +158,8 @@ contains
          atol=3.0e-3_wp)
       call checks%close_to(difference(1)/difference(2), 4.0_wp, 'order of it, '//name, &
          atol=0.3_wp)
+      call checks%close_to(result%residual_displacement, sharp%residual_displacement, &
+         'residual displacement of it, '//name, rtol=1.0e-3_wp)
    end subroutine check_sharp_limit
 
    !> Input = stored + dissipated + impact.
