@@ -24,7 +24,7 @@ module rwmf_equation
    private
 
    public :: equation_t, build_equation, enter_interval, interval_of
-   public :: rhs, hold_wall, second_derivative, kinematics_at, cable_at, lift_off_drive
+   public :: rhs, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -422,25 +422,6 @@ contains
       end do
       theta_ddot = equation%side*moment/inertia
    end function with_extras
-
-   !> Hold the resting wall while further states move, or let it go.
-   subroutine hold_wall(equation, is_held)
-      type(equation_t), intent(inout) :: equation
-      !! with further effects
-      logical, intent(in) :: is_held
-
-      equation%acceleration_positive => with_extras
-      if (is_held) equation%acceleration_positive => at_rest
-      equation%acceleration_negative => equation%acceleration_positive
-   end subroutine hold_wall
-
-   real(wp) function at_rest(equation, t, y) result(theta_ddot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-
-      theta_ddot = 0
-   end function at_rest
 
    !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
    real(wp) function frame_with_extras(equation, t, y) result(u_ddot)

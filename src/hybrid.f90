@@ -7,13 +7,13 @@
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
    use rwmf_control, only: control_t, is_cancelled
-   use rwmf_equation, only: enter_interval, equation_t, hold_wall, interval_of, second_derivative
+   use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
       turn_back
    use rwmf_motion, only: interval_at, interval_end
-   use rwmf_moving_rest, only: may_rest_moving, move_at_rest
+   use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &

@@ -4,11 +4,12 @@ module rwmf_machine
    use rwmf_bearing, only: find_bearing
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t
-   use rwmf_equation, only: enter_interval, equation_t, hold_wall, interval_of
+   use rwmf_equation, only: enter_interval, equation_t, interval_of
    use rwmf_errors, only: error_t
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: renew_window
+   use rwmf_moving_rest, only: hold_wall
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_observer, only: create_observer, observer_t

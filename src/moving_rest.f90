@@ -6,7 +6,7 @@
 !> promised from the ground motion alone.
 module rwmf_moving_rest
    use rwmf_bearing, only: find_bearing
-   use rwmf_equation, only: equation_t, hold_wall, interval_of, lift_off_drive, rhs
+   use rwmf_equation, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
    use rwmf_locate, only: count_parts
@@ -18,9 +18,32 @@ module rwmf_moving_rest
    implicit none
    private
 
-   public :: move_at_rest, may_rest_moving
+   public :: hold_wall, move_at_rest, may_rest_moving
 
 contains
+
+   !> Hold the resting wall while further states move, or let it go.
+   subroutine hold_wall(equation, is_held)
+      type(equation_t), intent(inout) :: equation
+      !! with further effects, which have one acceleration for both sides
+      logical, intent(in) :: is_held
+
+      if (.not. associated(equation%acceleration_in_flight)) then
+         equation%acceleration_in_flight => equation%acceleration_positive
+      end if
+      equation%acceleration_positive => equation%acceleration_in_flight
+      if (is_held) equation%acceleration_positive => at_rest
+      equation%acceleration_negative => equation%acceleration_positive
+   end subroutine hold_wall
+
+   !> theta'' of a wall that is held [rad/s2].
+   real(wp) function at_rest(equation, t, y)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+
+      at_rest = 0
+   end function at_rest
 
    !> One step of the other states, cut where the wall lifts off.
    subroutine move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)

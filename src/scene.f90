@@ -150,6 +150,8 @@ module rwmf_scene
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
       procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
+      procedure(second_derivative_i), pointer, nopass :: acceleration_in_flight => null()
+      !! of both sides, kept while the wall is held at rest
    end type equation_t
 
    abstract interface
