@@ -5,12 +5,12 @@
 module rwmf_case
    use rwmf_kinds, only: wp
    use rwmf_record, only: record_t
+   use rwmf_shear_frame, only: shear_frame_t
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, damper_t, fuse_t, yielding_t, cable_t, impact_t, &
-      motion_spec_t
-   public :: inerter_t, record_source_t, vertical_t
+   public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: impact_t, motion_spec_t, inerter_t, record_source_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -41,6 +41,15 @@ module rwmf_case
       !! viscous damping ratio [-]
    end type frame_t
 
+   !> The frame's storeys, `&storeys`; they give `frame_t` its period and its mass ratio.
+   type :: storeys_t
+      type(shear_frame_t) :: frame
+      !! with its modes
+      character(:), allocatable :: coupling
+      !! 'reduced': its first mode moves; 'every_floor': a straight line, which the wall enforces;
+      !! 'full': all modes, with the roof linked to the wall
+   end type storeys_t
+
    !> Viscous dampers at the corners of the base, `&damper`.
    type :: damper_t
       real(wp) :: c_over_m_w
@@ -66,7 +75,11 @@ module rwmf_case
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law
-      !! 'elastic_plastic'
+      !! 'elastic_plastic' or 'bouc_wen'
+      real(wp) :: exponent = 2
+      !! n of 'bouc_wen' [-]
+      real(wp) :: beta = 0.5_wp
+      !! of 'bouc_wen' [-]
    end type yielding_t
 
    !> Inerters at the corners of the base, `&inerter`.
@@ -222,6 +235,7 @@ module rwmf_case
       !! the namelist text that the case was read from
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
+      type(storeys_t), allocatable :: storeys
       type(link_t), allocatable :: link
       type(damper_t), allocatable :: damper
       type(fuse_t), allocatable :: fuse

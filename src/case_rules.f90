@@ -3,6 +3,7 @@ module rwmf_case_rules
    use rwmf_case_springs, only: check_tendon, check_yielding
    use rwmf_effect_rules, only: check_impact, check_vertical
    use rwmf_errors, only: err_input, error_t, fail
+   use rwmf_frame_rules, only: check_frame, check_hysteresis, check_storeys
    use rwmf_given, only: get_list, has_group, has_key, integer_of, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
@@ -27,6 +28,8 @@ contains
 
       call check_presence(groups, error)
       if (.not. allocated(error)) call check_frame(groups, error)
+      if (.not. allocated(error)) call check_storeys(groups, error)
+      if (.not. allocated(error)) call check_hysteresis(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
       if (.not. allocated(error)) call check_base(groups, error)
       if (.not. allocated(error)) call check_link(groups, error)
@@ -76,6 +79,9 @@ contains
          call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
+         call check_needs(groups, 'storeys', 'frame', 'its xi_s damps their modes', error)
+      end if
+      if (.not. allocated(error)) then
          call check_needs(groups, 'initial', 'wall', 'theta is the rotation of the wall', error)
       end if
       if (.not. allocated(error)) then
@@ -84,23 +90,6 @@ contains
       end if
    end subroutine check_presence
 
-   !> Mass ratio and period of the frame.
-   subroutine check_frame(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. has_group(groups, 'frame')) return
-      if (has_group(groups, 'wall') .and. .not. has_key(groups, 'frame', 'gamma')) then
-         call fail_group(groups, 'frame', 'the key gamma is missing (mass ratio m_s/m_w): must ' &
-            //'be given with &wall, a number >= 0 [-]', error)
-      else if (has_key(groups, 'frame', 'gamma') .and. .not. has_group(groups, 'wall')) then
-         call fail_key(groups, 'frame', 'gamma', 'must not be given without &wall (the bare ' &
-            //'frame has no mass ratio)', error)
-      else if (.not. has_key(groups, 'frame', 'T_s') .and. .not. has_group(groups, 'spectrum')) then
-         call fail_group(groups, 'frame', 'the key T_s is missing (undamped period): must be ' &
-            //'given without &spectrum, a number > 0 [s]', error)
-      end if
-   end subroutine check_frame
 
    !> What a wall hinged in the middle of its base excludes.
    subroutine check_base(groups, error)

@@ -1,6 +1,8 @@
 !> Effects beyond wall, frame and cable: which of them a case calls for, and what they have in
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
+   use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_rates, &
+      bouc_wen_sizes, prepare_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
@@ -9,10 +11,12 @@ module rwmf_extras
       springs_power
    use rwmf_scene, only: equation_t, extra_t
    use rwmf_vertical, only: add_vertical
+   use rwmf_storeys, only: add_push, add_storeys, prepare_storeys, push_input, storey_energy, &
+      storey_input, storey_power, storey_rates, storey_sizes
    implicit none
    private
 
-   public :: choose_extras, rates_of_all, extra_sizes, extra_energy, extra_power
+   public :: choose_extras, rates_of_all, extra_sizes, extra_energy, extra_power, extra_input
 
 contains
 
@@ -20,16 +24,24 @@ contains
    subroutine choose_extras(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
+      logical :: is_bilinear
+      !! the frame is elastic-plastic
 
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
          call add_extra(equation, extra_t(add=add_damper, power=damper_power, &
             force=damper_force))
       end if
-      if (allocated(case%fuse) .or. allocated(case%yielding) .or. equation%cable%is_tendon) then
+      is_bilinear = .false.
+      if (allocated(case%yielding)) then
+         is_bilinear = .true.
+         ! a host may leave the law open
+         if (allocated(case%yielding%law)) is_bilinear = case%yielding%law /= 'bouc_wen'
+      end if
+      if (allocated(case%fuse) .or. is_bilinear .or. equation%cable%is_tendon) then
          call choose_springs(case, equation)
       end if
-      if (allocated(case%fuse) .or. allocated(case%yielding)) then
+      if (allocated(case%fuse) .or. is_bilinear) then
          call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
             energy=springs_energy, force=springs_force, is_hysteretic=.true.))
       end if
@@ -43,7 +55,30 @@ contains
          equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma)
          call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
       end if
+      if (allocated(case%yielding) .and. .not. is_bilinear) then
+         call prepare_bouc_wen(case, equation)
+         call add_extra(equation, extra_t(add=add_bouc_wen, power=bouc_wen_power, &
+            energy=bouc_wen_energy, is_hysteretic=.true., states=1, rates=bouc_wen_rates, &
+            sizes=bouc_wen_sizes))
+      end if
+      if (allocated(case%storeys)) call add_frame(case, equation)
    end subroutine choose_extras
+
+   !> The storeys of the frame: one mode, which the ground pushes in its own way, or all modes.
+   subroutine add_frame(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+
+      call prepare_storeys(case, equation)
+      if (.not. allocated(equation%floors%m)) then
+         call add_extra(equation, extra_t(add=add_push, input=push_input))
+         return
+      end if
+      equation%floors%first = equation%n + 1
+      call add_extra(equation, extra_t(add=add_storeys, power=storey_power, &
+         energy=storey_energy, input=storey_input, states=2*size(equation%floors%m) - 2, &
+         rates=storey_rates, sizes=storey_sizes))
+   end subroutine add_frame
 
    !> Append an effect; its states come after those that are there.
    subroutine add_extra(equation, extra)
@@ -137,5 +172,23 @@ contains
          end if
       end do
    end function extra_power
+
+   !> Power of the ground motion on masses of further effects [W/kg].
+   real(wp) function extra_input(equation, t, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      integer :: i
+
+      power = 0
+      if (.not. allocated(equation%extras)) return
+      do i = 1, size(equation%extras)
+         if (associated(equation%extras(i)%input)) then
+            power = power + equation%extras(i)%input(equation, t, y)
+         end if
+      end do
+   end function extra_input
 
 end module rwmf_extras

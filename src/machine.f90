@@ -9,6 +9,7 @@ module rwmf_machine
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: renew_window
+   use rwmf_moving_rest, only: hold_wall
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_observer, only: create_observer, observer_t
@@ -65,6 +66,7 @@ module rwmf_machine
       !! memory of what yields
       integer :: interval = 0
       integer :: side = 1
+      integer :: course = 1
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -186,6 +188,7 @@ contains
       snapshot%ground = machine%ground
       snapshot%interval = interval_of(machine%equation)
       snapshot%side = machine%equation%side
+      snapshot%course = machine%equation%course
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
       associate (hybrid => machine%hybrid, observer => machine%observer)
@@ -218,6 +221,8 @@ contains
       if (.not. snapshot%follows_host) machine%equation%motion => machine%own_motion
       call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
+      machine%equation%course = snapshot%course
+      if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
          machine%equation%springs = snapshot%springs

@@ -8,7 +8,8 @@ module rwmf_memory
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, kinematics_at, place_frame, place_left, place_right, sprung_t
+   use rwmf_scene, only: equation_t, frame_mass, frame_velocity, kinematics_at, place_frame, &
+      place_left, place_right, sprung_t
    use rwmf_spring, only: is_yielding, new_spring, pass_limit, reset_spring, spring_energy, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
    implicit none
@@ -26,9 +27,12 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
+      logical :: is_bilinear
 
       allocate (equation%springs(0))
-      if (allocated(case%yielding)) then
+      is_bilinear = .false.
+      if (allocated(case%yielding)) is_bilinear = case%yielding%law == 'elastic_plastic'
+      if (is_bilinear) then
          equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
             equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
       end if
@@ -111,20 +115,11 @@ contains
       end do
    end subroutine add_springs
 
-   !> Mass of the frame over that of the wall; 1 for the bare frame [-].
-   pure real(wp) function frame_mass(equation)
-      type(equation_t), intent(in) :: equation
-
-      frame_mass = 1
-      if (equation%has_wall) frame_mass = equation%p%gamma
-   end function frame_mass
-
    !> Power that fuses and frame dissipate by yielding [W/kg].
    real(wp) function springs_power(equation, t, y) result(power)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      type(kinematics_t) :: kin
       real(wp) :: phi
       real(wp) :: rate
       !! of the frame's displacement [m/s]
@@ -132,11 +127,7 @@ contains
 
       power = 0
       phi = equation%side*y(1)
-      rate = y(2)
-      if (equation%has_wall) then
-         kin = kinematics_at(equation, y(1))
-         rate = equation%p%R*kin%j*y(2)
-      end if
+      rate = frame_velocity(equation, y)
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
             if (.not. moves(equation, place)) cycle
@@ -251,7 +242,7 @@ contains
 
       equation%low = -huge(1.0_wp)
       equation%high = huge(1.0_wp)
-      equation%ends_at_peak = .false.
+      equation%ends_at_peak = equation%has_course
       if (equation%cable%is_tendon) call narrow(equation, 0)
       do i = 1, size(equation%springs)
          if (moves(equation, equation%springs(i)%place)) call narrow(equation, i)

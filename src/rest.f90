@@ -9,7 +9,8 @@ module rwmf_rest
    implicit none
    private
 
-   public :: find_lift_off, jumps, pressing_acceleration, may_rest, inverse_inertia, pull_duration
+   public :: lifts, find_lift_off, jumps, pressing_acceleration, may_rest, inverse_inertia
+   public :: pull_duration
 
 contains
 
@@ -235,7 +236,7 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (p => equation%p, c => equation%cos_alpha)
-         gain = c*(2*p%gamma + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
+         gain = c*(2*p%gamma*equation%push + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
             + equation%added_inertia))
       end associate
    end function inverse_inertia
