@@ -24,6 +24,8 @@ module rwmf_regime
       !! (states)
       logical :: must_restart
       !! the integrator has to begin anew at (t, y)
+      logical :: is_rising = .false.
+      !! theta grew when a branch of a spring ended
       real(wp) :: e
       !! velocity factor at impact [-]
       real(wp) :: overturning_angle
