@@ -7,7 +7,8 @@ module rwmf_extras
    use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_force, &
+   use rwmf_memory, only: add_springs, choose_springs, is_elastic_plastic, springs_energy, &
+      springs_force, &
       springs_power
    use rwmf_scene, only: equation_t, extra_t
    use rwmf_vertical, only: add_vertical
@@ -33,11 +34,7 @@ contains
             force=damper_force))
       end if
       is_bilinear = .false.
-      if (allocated(case%yielding)) then
-         is_bilinear = .true.
-         ! a host may leave the law open
-         if (allocated(case%yielding%law)) is_bilinear = case%yielding%law /= 'bouc_wen'
-      end if
+      if (allocated(case%yielding)) is_bilinear = is_elastic_plastic(case%yielding)
       if (allocated(case%fuse) .or. is_bilinear .or. equation%cable%is_tendon) then
          call choose_springs(case, equation)
       end if

@@ -251,7 +251,7 @@ contains
       was_broken = tendon_is_broken(equation)
       call observe_state(observer, equation, hybrid%t, hybrid%y)
       call observe_branch(observer, equation, hybrid%y, +1)
-      call pass_window(equation, is_rising=hybrid%y(1) >= equation%high)
+      call pass_window(equation, is_rising=hybrid%is_rising)
       call observe_branch(observer, equation, hybrid%y, -1)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then

@@ -5,7 +5,7 @@
 !> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
 module rwmf_memory
    use rwmf_cable, only: cable_elongation
-   use rwmf_case, only: case_t
+   use rwmf_case, only: case_t, yielding_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: equation_t, frame_mass, frame_velocity, kinematics_at, place_frame, &
@@ -15,7 +15,8 @@ module rwmf_memory
    implicit none
    private
 
-   public :: choose_springs, add_springs, springs_power, springs_energy, springs_force
+   public :: is_elastic_plastic, choose_springs, add_springs, springs_power, springs_energy, &
+      springs_force
    public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, elongation_of, moves
@@ -31,7 +32,7 @@ contains
 
       allocate (equation%springs(0))
       is_bilinear = .false.
-      if (allocated(case%yielding)) is_bilinear = case%yielding%law == 'elastic_plastic'
+      if (allocated(case%yielding)) is_bilinear = is_elastic_plastic(case%yielding)
       if (is_bilinear) then
          equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
             equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
@@ -57,6 +58,14 @@ contains
          u_y = case%yielding%f_y_over_m_s_g*case%model%g*(case%frame%T_s/(2*pi))**2
       end if
    end function yield_displacement
+
+   !> Is the frame's hysteresis bilinear? A host may leave the law open.
+   pure logical function is_elastic_plastic(yielding)
+      type(yielding_t), intent(in) :: yielding
+
+      is_elastic_plastic = .true.
+      if (allocated(yielding%law)) is_elastic_plastic = yielding%law == 'elastic_plastic'
+   end function is_elastic_plastic
 
    !> Elongation of a spring at the rotation phi on the side in force [m].
    real(wp) function elongation(equation, place, phi) result(x)

@@ -191,6 +191,8 @@ contains
       event = 0
       level = 0
       if (equation%has_memory) then
+         ! The limits of a spring without strength coincide: only the motion tells them apart.
+         hybrid%is_rising = hybrid%y(1) > y_a(1)
          if (leaves_window(hybrid, equation, y_a, level)) event = event_branch
       end if
       if (event == 0) then

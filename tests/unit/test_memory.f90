@@ -228,6 +228,13 @@ contains
          case%yielding%hardening = 1 - 1.0e-12_wp
          call compare(case, limit, 'a frame as stiff after yielding')
       end do
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      deallocate (case%cable)
+      call simulate(case, limit, error)
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      case%cable%eta_0 = 0
+      case%cable%eta_y = 1.0e-300_wp
+      call compare(case, limit, 'a tendon without strength')
       case = rwmf_scene('published', 5.0_wp, 1.0_wp, 'dop853')
       call simulate(case, limit, error)
       allocate (case%yielding)
