@@ -11,6 +11,7 @@ module rwmf_case
 
    public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
    public :: impact_t, motion_spec_t
+   public :: inerter_t, record_source_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -80,6 +81,12 @@ module rwmf_case
       !! of 'bouc_wen' [-]
    end type yielding_t
 
+   !> Inerters at the corners of the base, `&inerter`.
+   type :: inerter_t
+      real(wp) :: inertance_over_m_w
+      !! inertance over the mass of the wall [-]
+   end type inerter_t
+
    !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
    type :: cable_t
       real(wp) :: eta_0
@@ -99,15 +106,33 @@ module rwmf_case
    !> Energy loss at impact, `&impact`.
    type :: impact_t
       character(:), allocatable :: rule
-      !! 'constant', 'housner' or 'coupled'
+      !! 'constant', 'housner', 'coupled' or 'table'
       real(wp), allocatable :: e
       !! velocity factor of rule 'constant' [-], also when the case gives r = e**2
       logical :: given_as_r
       !! the case gives r, not e
+      real(wp), allocatable :: table_theta_dot(:)
+      !! (n) of rule 'table': angular velocities before impact, increasing [rad/s]
+      real(wp), allocatable :: table_e(:)
+      !! (n) velocity factors there [-]
    end type impact_t
 
+   !> Where a record comes from.
+   type :: record_source_t
+      character(:), allocatable :: file
+      !! path of the record as the case gives it
+      character(:), allocatable :: path
+      !! path of the record resolved against the folder of the namelist
+      real(wp), allocatable :: dt
+      !! sampling interval of a one-column record [s]
+      character(:), allocatable :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
+      real(wp) :: scale
+      !! factor on the record [-]
+   end type record_source_t
+
    !> Ground motion, `&motion`.
-   type :: motion_spec_t
+   type, extends(record_source_t) :: motion_spec_t
       character(:), allocatable :: kind
       !! 'none', a pulse ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker',
       !! 'ricker_antisymmetric', 'mavroeidis_papageorgiou') or 'record'
@@ -129,17 +154,13 @@ module rwmf_case
       !! phase of the same [rad]
       real(wp) :: t_0
       !! start of the pulse [s]
-      character(:), allocatable :: file
-      !! path of the record as the case gives it
-      character(:), allocatable :: path
-      !! path of the record resolved against the folder of the namelist
-      real(wp), allocatable :: dt
-      !! sampling interval of a one-column record [s]
-      character(:), allocatable :: unit
-      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
-      real(wp) :: scale
-      !! factor on the record [-]
    end type motion_spec_t
+
+   !> Vertical ground motion, `&vertical`: a ratio or a record.
+   type, extends(record_source_t) :: vertical_t
+      real(wp), allocatable :: ratio
+      !! of the vertical to the horizontal acceleration [-]
+   end type vertical_t
 
    !> Initial state, `&initial`.
    type :: initial_t
@@ -218,9 +239,11 @@ module rwmf_case
       type(damper_t), allocatable :: damper
       type(fuse_t), allocatable :: fuse
       type(yielding_t), allocatable :: yielding
+      type(inerter_t), allocatable :: inerter
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
       type(motion_spec_t), allocatable :: motion
+      type(vertical_t), allocatable :: vertical
       type(initial_t), allocatable :: initial
       type(model_t) :: model
       type(solver_t) :: solver
@@ -228,6 +251,8 @@ module rwmf_case
       type(spectrum_spec_t), allocatable :: spectrum
       type(record_t), allocatable :: record
       !! samples of the record that `&motion file` names
+      type(record_t), allocatable :: vertical_record
+      !! samples of the record that `&vertical file` names
    end type case_t
 
 end module rwmf_case

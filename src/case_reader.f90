@@ -1,15 +1,17 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
-   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, initial_t, link_t, &
-      motion_spec_t, output_t, spectrum_spec_t, wall_t, yielding_t
+   use rwmf_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, inerter_t, &
+      initial_t, &
+      link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t, yielding_t
    use rwmf_case_rules, only: check_rules
    use rwmf_equivalent_frame, only: set_equivalent_frame
    use rwmf_errors, only: add_context, err_input, error_t, fail
    use rwmf_files, only: read_file
    use rwmf_given, only: entry_of, get_list, get_real, get_text, group_of, has_group, has_key, &
       integer_of, logical_of, real_of, text_of
+   use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t, parse_namelist
-   use rwmf_record, only: read_record
+   use rwmf_record, only: read_record, record_t
    use rwmf_text, only: integer_to_text, real_to_text, shown
    use rwmf_validation, only: check_groups
    implicit none
@@ -61,7 +63,17 @@ contains
       if (has_group(groups, 'motion')) then
          allocate (case%motion)
          call fill_motion(groups, case%motion)
-         if (case%motion%kind == 'record') call add_record(groups, folder, case, error)
+         if (case%motion%kind == 'record') then
+            call add_record(groups, 'motion', folder, case%motion, case%record, case, error)
+         end if
+      end if
+      if (allocated(error) .or. .not. has_group(groups, 'vertical')) return
+      allocate (case%vertical)
+      call get_real(groups, 'vertical', 'ratio', case%vertical%ratio)
+      call fill_source(groups, 'vertical', case%vertical)
+      if (allocated(case%vertical%file)) then
+         call add_record(groups, 'vertical', folder, case%vertical, case%vertical_record, case, &
+            error)
       end if
    end subroutine read_case_text
 
@@ -94,6 +106,9 @@ contains
          case%yielding%law = text_of(groups, 'yielding', 'law')
          case%yielding%exponent = real_of(groups, 'yielding', 'exponent')
          case%yielding%beta = real_of(groups, 'yielding', 'beta')
+      end if
+      if (has_group(groups, 'inerter')) then
+         case%inerter = inerter_t(real_of(groups, 'inerter', 'inertance_over_m_w'))
       end if
       if (has_group(groups, 'cable')) then
          case%cable = cable_t(real_of(groups, 'cable', 'eta_0'), &
@@ -140,6 +155,8 @@ contains
       else
          call get_real(groups, 'impact', 'e', impact%e)
       end if
+      call get_list(groups, 'impact', 'table_theta_dot', impact%table_theta_dot)
+      call get_list(groups, 'impact', 'table_e', impact%table_e)
    end subroutine fill_impact
 
    !> Model, solver, output and spectrum.
@@ -198,52 +215,69 @@ contains
       motion%n_pulses = integer_of(groups, 'motion', 'n_pulses')
       motion%nu = real_of(groups, 'motion', 'nu')
       motion%t_0 = real_of(groups, 'motion', 't_0')
-      motion%scale = real_of(groups, 'motion', 'scale')
       call get_real(groups, 'motion', 'a_max_g', motion%a_max_g)
       call get_real(groups, 'motion', 'v_p', motion%v_p)
       call get_real(groups, 'motion', 'omega_p', motion%omega_p)
       call get_real(groups, 'motion', 'T_p', motion%T_p)
       call get_real(groups, 'motion', 'gamma_p', motion%gamma_p)
-      call get_real(groups, 'motion', 'dt', motion%dt)
-      call get_text(groups, 'motion', 'file', motion%file)
-      call get_text(groups, 'motion', 'unit', motion%unit)
+      call fill_source(groups, 'motion', motion)
    end subroutine fill_motion
 
-   !> Read the record, which ends the simulation unless the case says when.
-   subroutine add_record(groups, folder, case, error)
+   !> Where the record of a group comes from.
+   subroutine fill_source(groups, group, source)
       type(group_t), intent(in) :: groups(:)
+      character(*), intent(in) :: group
+      class(record_source_t), intent(inout) :: source
+
+      source%scale = real_of(groups, group, 'scale')
+      call get_real(groups, group, 'dt', source%dt)
+      call get_text(groups, group, 'file', source%file)
+      call get_text(groups, group, 'unit', source%unit)
+   end subroutine fill_source
+
+   !> Read the record of a group. The longest record ends the simulation unless the case says when.
+   subroutine add_record(groups, group, folder, source, record, case, error)
+      type(group_t), intent(in) :: groups(:)
+      character(*), intent(in) :: group
       character(*), intent(in) :: folder
+      class(record_source_t), intent(inout) :: source
+      type(record_t), allocatable, intent(out) :: record
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
       integer :: at
 
-      case%motion%path = resolved(folder, case%motion%file)
-      allocate (case%record)
+      source%path = resolved(folder, source%file)
+      allocate (record)
       ! what is not given is unallocated and arrives as an absent argument
-      call read_record(case%motion%path, case%motion%dt, case%motion%unit, case%motion%scale, &
-         case%model%g, case%record, error)
-      if (.not. allocated(error)) call check_last_sample(case, error)
+      call read_record(source%path, source%dt, source%unit, source%scale, case%model%g, record, &
+         error)
+      if (.not. allocated(error) .and. .not. has_key(groups, 'solver', 't_end')) then
+         call check_last_sample(record%t(record%n), case, error)
+      end if
       if (.not. allocated(error)) return
-      if (case%motion%path /= case%motion%file) call add_context(error, case%motion%path)
-      at = group_of(groups, 'motion')
+      if (source%path /= source%file) call add_context(error, source%path)
+      at = group_of(groups, group)
       associate (entry => groups(at)%entries(entry_of(groups(at), 'file')))
-         call add_context(error, "&motion: file = '"//shown(case%motion%file)//"' (line " &
+         call add_context(error, '&'//group//": file = '"//shown(source%file)//"' (line " &
             //integer_to_text(entry%line)//')')
       end associate
    end subroutine add_record
 
    !> A simulation cannot end before it starts.
-   subroutine check_last_sample(case, error)
+   subroutine check_last_sample(t_last, case, error)
+      real(wp), intent(in) :: t_last
+      !! [s]
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      if (allocated(case%solver%t_end)) return
-      associate (t_last => case%record%t(case%record%n))
-         case%solver%t_end = t_last
-         if (t_last >= 0) return
-         call fail(error, err_input, 'the record ends at '//real_to_text(t_last) &
-            //' s, before t = 0: &solver t_end must be given')
-      end associate
+      if (allocated(case%solver%t_end)) then
+         case%solver%t_end = max(case%solver%t_end, t_last)
+         return
+      end if
+      case%solver%t_end = t_last
+      if (t_last >= 0) return
+      call fail(error, err_input, 'the record ends at '//real_to_text(t_last) &
+         //' s, before t = 0: &solver t_end must be given')
    end subroutine check_last_sample
 
    !> A path of the case, seen from the current folder.

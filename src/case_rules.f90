@@ -1,11 +1,12 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
+   use rwmf_effect_rules, only: check_impact, check_vertical
    use rwmf_errors, only: err_input, error_t, fail
    use rwmf_frame_rules, only: check_frame, check_storeys, check_yielding
    use rwmf_given, only: get_list, has_group, has_key, integer_of, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
-   use rwmf_rule_failures, only: check_needs, check_one_of, fail_group, fail_key
+   use rwmf_rule_tools, only: check_needs, check_one_of, fail_group, fail_key
    use rwmf_schema, only: belongs_to, find_key, key_t, keys_of, pulse_kinds
    use rwmf_text, only: real_to_text
    implicit none
@@ -33,6 +34,7 @@ contains
       if (.not. allocated(error)) call check_link(groups, error)
       if (.not. allocated(error)) call check_cable(groups, error)
       if (.not. allocated(error)) call check_motion(groups, error)
+      if (.not. allocated(error)) call check_vertical(groups, error)
       if (.not. allocated(error)) call check_initial(groups, error)
       if (.not. allocated(error)) call check_solver(groups, error)
       if (.not. allocated(error)) call check_output(groups, error)
@@ -66,6 +68,12 @@ contains
          call check_needs(groups, 'yielding', 'frame', 'the frame is what yields', error)
       end if
       if (.not. allocated(error)) then
+         call check_needs(groups, 'inerter', 'wall', 'inerters work at corners that lift', error)
+      end if
+      if (.not. allocated(error)) then
+         call check_needs(groups, 'vertical', 'wall', 'a frame moves horizontally only', error)
+      end if
+      if (.not. allocated(error)) then
          call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
@@ -80,36 +88,19 @@ contains
       end if
    end subroutine check_presence
 
-   !> Exactly one of e and r for rule 'constant', none for the others.
-   subroutine check_impact(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: rule
-
-      if (.not. has_group(groups, 'impact')) return
-      rule = text_of(groups, 'impact', 'rule')
-      if (rule == 'constant') then
-         call check_one_of(groups, 'impact', 'e', 'r', "with rule = 'constant'", error)
-      else if (has_key(groups, 'impact', 'e')) then
-         call fail_key(groups, 'impact', 'e', "must not be given with rule = '"//rule &
-            //"', which sets it", error)
-      else if (has_key(groups, 'impact', 'r')) then
-         call fail_key(groups, 'impact', 'r', "must not be given with rule = '"//rule &
-            //"', which sets it", error)
-      end if
-   end subroutine check_impact
 
    !> What a wall hinged in the middle of its base excludes.
    subroutine check_base(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
-      character(6), parameter :: excluded(*) = [character(6) :: 'impact', 'cable', 'link', &
-         'damper', 'fuse']
+      character(7), parameter :: excluded(*) = [character(7) :: 'impact', 'cable', 'link', &
+         'damper', 'inerter', 'fuse']
       character(60), parameter :: reasons(size(excluded)) = [character(60) :: &
          'a hinged wall has no impacts', &
          'a straight cable through the hinge is not stretched', &
          'the link of a hinged wall is infinitely long', &
          'the dampers work at corners that lift', &
+         'the inerters work at corners that lift', &
          'the fuses work at corners that lift']
       integer :: i
 
@@ -400,6 +391,9 @@ contains
       if (has_key(groups, 'solver', 't_end')) return
       if (has_group(groups, 'motion')) then
          if (text_of(groups, 'motion', 'kind') == 'record') return
+      end if
+      if (has_group(groups, 'vertical')) then
+         if (has_key(groups, 'vertical', 'file')) return
       end if
       if (has_group(groups, 'solver')) then
          call fail_group(groups, 'solver', problem, error)

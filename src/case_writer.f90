@@ -57,6 +57,8 @@ contains
       select case (key%group)
       case ('motion')
          is_in_scene = belongs_to(key, text_of(groups, 'motion', 'kind'))
+      case ('vertical')
+         is_in_scene = key%key /= 'scale' .or. has_key(groups, 'vertical', 'file')
       case ('solver')
          ! the tolerance is then found by the run
          is_in_scene = key%key /= 'rtol' .or. .not. has_key(groups, 'solver', 'accuracy')

@@ -83,6 +83,14 @@ contains
          call fail(error, err_input, 'an element has no &fuse: the host can add one of its own')
       else if (allocated(case%yielding)) then
          call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
+      else if (allocated(case%inerter)) then
+         call fail(error, err_input, 'an element has no &inerter: it has no inertia at its corners')
+      else if (allocated(case%vertical)) then
+         call fail(error, err_input, 'an element has no &vertical: the host hands over the ' &
+            //'horizontal motion only')
+      else if (has_table(case)) then
+         call fail(error, err_input, 'an element has no &impact ' &
+            //"rule = 'table': the host applies the velocity factor, and can look it up")
       else if (allocated(case%cable)) then
          if (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain)) then
             call fail(error, err_input, 'the cable of an element is elastic: &cable eta_y and ' &
@@ -100,6 +108,14 @@ contains
       element%e = restitution(case, element%equation%p%alpha)
       element%largest_angle = case%model%overturning_angle
    end subroutine create_element
+
+   !> Does the velocity factor come from a table?
+   pure logical function has_table(case)
+      type(case_t), intent(in) :: case
+
+      has_table = .false.
+      if (allocated(case%impact)) has_table = case%impact%rule == 'table'
+   end function has_table
 
    !> Force and tangents at the motion of the link.
    !>

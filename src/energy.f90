@@ -10,6 +10,7 @@ module rwmf_energy
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: tendon_power
    use rwmf_motion, only: acceleration
+   use rwmf_vertical, only: vertical_power
    implicit none
    private
 
@@ -92,6 +93,7 @@ contains
       if (equation%has_wall) then
          kin = kinematics_at(equation, y(1))
          power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
+         if (equation%has_vertical) power = power + vertical_power(equation, t, y)
       end if
       power = power + extra_input(equation, t, y)
    end function input_power

@@ -94,8 +94,10 @@ contains
          .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
          .and. .not. allocated(case%storeys) &
          .and. .not. allocated(case%fuse) .and. .not. allocated(case%yielding) &
+         .and. .not. allocated(case%inerter) .and. .not. allocated(case%vertical) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
       if (is_supported) is_supported = case%wall%base == 'rocking'
+      if (is_supported .and. allocated(case%impact)) is_supported = case%impact%rule /= 'table'
       if (is_supported .and. allocated(case%cable)) is_supported = &
          .not. (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain))
    end function is_supported

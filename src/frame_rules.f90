@@ -4,7 +4,7 @@ module rwmf_frame_rules
    use rwmf_given, only: get_list, has_group, has_key, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
-   use rwmf_rule_failures, only: fail_group, fail_key
+   use rwmf_rule_tools, only: fail_group, fail_key
    use rwmf_text, only: integer_to_text, real_to_text
    implicit none
    private

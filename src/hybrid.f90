@@ -9,6 +9,7 @@ module rwmf_hybrid
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
+   use rwmf_impact, only: factor_at, largest_factor
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
       turn_back
@@ -18,10 +19,9 @@ module rwmf_hybrid
       observe_rest, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
       pass_knot
-   use rwmf_rest, only: find_lift_off, may_rest, pull_duration
+   use rwmf_rest, only: find_lift_off, jumps, may_rest, pull_duration
    use rwmf_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
-      event_peak, &
-      event_rest, event_rupture
+      event_peak, event_rest, event_rupture
    use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
    use rwmf_text, only: real_to_text
@@ -39,7 +39,7 @@ contains
    !> Set out at time t with the state y.
    subroutine begin_hybrid(hybrid, equation, t, y)
       type(hybrid_t), intent(inout) :: hybrid
-      !! with e, overturning_angle, rtol and max_steps set
+      !! with restitution, overturning_angle, rtol and max_steps set
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -91,11 +91,10 @@ contains
       do while (hybrid%t < t_target .and. hybrid%mode /= mode_overturned)
          if (hybrid%mode == mode_rest) then
             call stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
-            if (allocated(error)) return
          else
             call fly(hybrid, equation, stepper, observer, t_target, error)
-            if (allocated(error)) return
          end if
+         if (allocated(error)) return
          call check_work(hybrid, stepper, control, error)
          if (allocated(error)) return
       end do
@@ -151,12 +150,28 @@ contains
       end do
       if (side == 0) return
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
+      if (equation%has_vertical) call check_ground(hybrid, equation, error)
+      if (allocated(error)) return
       equation%side = side
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
       observer%lift_offs = observer%lift_offs + 1_i8
       call observe_event(observer, event_lift_off, hybrid%t, hybrid%y)
    end subroutine stay_at_rest
+
+   !> A wall that stands on its base and would leave it on both sides at once jumps.
+   subroutine check_ground(hybrid, equation, error)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. jumps(equation, interval_of(equation), hybrid%t)) return
+      !$omp critical (rwmf_text)
+      call fail(error, err_numerical, 'the wall jumps at t = '//real_to_text(hybrid%t) &
+         //' s: the vertical motion takes all of weight and cable force from the base, and a ' &
+         //'wall in the air is not in the model', 'wall_jumps')
+      !$omp end critical (rwmf_text)
+   end subroutine check_ground
 
    !> One step of the integrator, cut at the first event that ends the flight.
    subroutine fly(hybrid, equation, stepper, observer, t_target, error)
@@ -192,6 +207,8 @@ contains
       select case (event)
       case (event_impact)
          call bounce(hybrid, equation, observer)
+         if (equation%has_vertical) call check_ground(hybrid, equation, error)
+         if (allocated(error)) return
       case (event_branch)
          call change_branch(hybrid, equation, observer)
       case (event_peak)
@@ -292,7 +309,7 @@ contains
       real(wp) :: after
       logical :: rests
 
-      after = hybrid%e*hybrid%y(2)
+      after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(observer, event_impact, hybrid%t, hybrid%y)
       call observe_impact(observer, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
@@ -300,10 +317,12 @@ contains
       equation%side = -equation%side
       call find_bearing(equation, hybrid%y)
       if (equation%moves_at_rest) then
-         rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), hybrid%e, &
+         rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
+            largest_factor(hybrid%restitution, abs(after)), &
             negligible*hybrid%rtol*observer%theta_dot_max)
       else
-         rests = may_rest(equation, hybrid%t, abs(after), hybrid%e, &
+         rests = may_rest(equation, hybrid%t, abs(after), &
+            largest_factor(hybrid%restitution, abs(after)), &
             negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
             negligible*hybrid%rtol*observer%theta_dot_max)
       end if

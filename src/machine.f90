@@ -14,7 +14,7 @@ module rwmf_machine
       piecewise_linear_motion
    use rwmf_observer, only: create_observer, observer_t
    use rwmf_one_step, only: one_step_t
-   use rwmf_run, only: guess_size, initial_state, restitution, tolerances
+   use rwmf_run, only: guess_size, impact_law, initial_state, tolerances
    use rwmf_scene, only: sprung_t
    use rwmf_spring, only: spring_t
    use rwmf_stepper, only: stepper_t
@@ -96,7 +96,7 @@ contains
          if (allocated(case%wall)) then
             if (allocated(case%wall%m_w)) machine%mass = case%wall%m_w
          end if
-         machine%hybrid%e = restitution(case, equation%p%alpha)
+         machine%hybrid%restitution = impact_law(case, equation%p%alpha)
          machine%hybrid%overturning_angle = case%model%overturning_angle
          machine%hybrid%rtol = case%solver%rtol
          machine%hybrid%max_steps = case%solver%max_steps

@@ -5,7 +5,10 @@
 !> at every knot and asks for the acceleration *of an interval* never sees a kink or a jump.
 module rwmf_motion
    use rwmf_case, only: case_t, motion_spec_t
+   use rwmf_ground, only: ground_t
    use rwmf_kinds, only: pi, wp
+   use rwmf_knots, only: last_until, lines_t, lines_through, merged_times, next_eighth, &
+      next_extremum, on_knots
    use rwmf_pulse, only: amplitude_of, angular_frequency, build_pulse, cut_times, pulse_shape, &
       pulse_t, type_c_phase
    implicit none
@@ -15,7 +18,7 @@ module rwmf_motion
    public :: ground_t, follow_samples, follow_ground, is_known_until
    public :: line_t, line_of
    public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
-   public :: fastest_rate, motion_end, peak_acceleration
+   public :: fastest_rate, motion_end, peak_acceleration, vertical_acceleration
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -25,23 +28,6 @@ module rwmf_motion
    !! what a host computes in interval 1, then constant
    integer, parameter :: shape_pulse = 4
    !! amplitude*pulse_shape(pulse, t) in all intervals between the knots
-
-   !> Ground acceleration that a host program computes. Extend it by what the host needs to know.
-   type, abstract :: ground_t
-   contains
-      procedure(ground_acceleration_i), deferred :: acceleration_at
-   end type ground_t
-
-   abstract interface
-      !> Ground acceleration at an instant [m/s2]; smooth between the ends of an advance.
-      pure real(wp) function ground_acceleration_i(self, t)
-         import :: ground_t, wp
-         implicit none
-         class(ground_t), intent(in) :: self
-         real(wp), intent(in) :: t
-         !! [s]
-      end function ground_acceleration_i
-   end interface
 
    !> Ground acceleration.
    type :: motion_t
@@ -64,6 +50,10 @@ module rwmf_motion
       !! of `shape_pulse`
       class(ground_t), pointer :: ground => null()
       !! of a host, for the time of one advance
+      real(wp) :: vertical_ratio = 0
+      !! of the vertical to the horizontal acceleration [-]
+      type(lines_t), allocatable :: vertical
+      !! vertical acceleration of its own, on the same knots [m/s2]
       logical :: is_open = .false.
       !! a host hands it over piece by piece: nothing is known beyond the present interval
    end type motion_t
@@ -82,8 +72,29 @@ module rwmf_motion
 
 contains
 
-   !> The ground motion that a case describes; none when it has no `&motion`.
+   !> The ground motion that a case describes, its vertical part included.
    pure function motion_from_case(case) result(motion)
+      type(case_t), intent(in) :: case
+      type(motion_t) :: motion
+      type(lines_t) :: lines
+
+      motion = horizontal_motion(case)
+      if (allocated(case%vertical)) then
+         if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
+      end if
+      if (.not. allocated(case%vertical_record)) return
+      ! A record of its own stands beside straight lines only: one sequence of knots for both.
+      motion%vertical = lines_through(case%vertical_record%t, case%vertical_record%a)
+      lines = lines_t(motion%knot, motion%a, motion%slope)
+      lines = on_knots(lines, merged_times(lines%knot, motion%vertical%knot))
+      motion%vertical = on_knots(motion%vertical, lines%knot)
+      motion%knot = lines%knot
+      motion%a = lines%a
+      motion%slope = lines%slope
+   end function motion_from_case
+
+   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
+   pure function horizontal_motion(case) result(motion)
       type(case_t), intent(in) :: case
       type(motion_t) :: motion
 
@@ -101,7 +112,7 @@ contains
       case default
          motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       end select
-   end function motion_from_case
+   end function horizontal_motion
 
    !> Motion that is linear between samples and zero before the first and after the last one.
    pure function piecewise_linear_motion(t, a) result(motion)
@@ -110,19 +121,14 @@ contains
       real(wp), intent(in) :: a(:)
       !! (n) accelerations [m/s2]
       type(motion_t) :: motion
-      integer :: n
+      type(lines_t) :: lines
 
-      n = size(t)
+      lines = lines_through(t, a)
       motion%shape = shape_linear
-      allocate (motion%knot(n), motion%a(n), motion%slope(n))
-      motion%knot(:) = t
-      motion%a(:) = a
-      if (n == 0) return
-      motion%amplitude = maxval(abs(a))
-      motion%slope(:n - 1) = (a(2:) - a(:n - 1))/(t(2:) - t(:n - 1))
-      motion%slope(n) = 0
-      ! After the last sample the ground is still; its value belongs to the interval before.
-      motion%a(n) = 0
+      motion%knot = lines%knot
+      motion%a = lines%a
+      motion%slope = lines%slope
+      if (size(t) > 0) motion%amplitude = maxval(abs(a))
    end function piecewise_linear_motion
 
    !> What a host knows of the motion: straight lines through samples, and then (until it says more)
@@ -204,6 +210,9 @@ contains
       scaled%amplitude = factor*motion%amplitude
       scaled%a = factor*motion%a
       scaled%slope = factor*motion%slope
+      if (.not. allocated(motion%vertical)) return
+      scaled%vertical%a = factor*motion%vertical%a
+      scaled%vertical%slope = factor*motion%vertical%slope
    end function scaled_motion
 
    !> One-sine pulse (16), one-cosine pulse (17), several cycles of a sine, or the pulse C_n: a
@@ -288,6 +297,23 @@ contains
          motion%slope(interval))
    end function line_of
 
+   !> Vertical ground acceleration in an interval, positive upward [m/s2].
+   pure real(wp) function vertical_acceleration(motion, interval, t) result(vertical)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s], in the closed interval
+
+      if (.not. allocated(motion%vertical)) then
+         vertical = motion%vertical_ratio*acceleration(motion, interval, t)
+      else if (interval < 1 .or. interval >= size(motion%knot)) then
+         vertical = 0
+      else
+         vertical = motion%vertical%a(interval) &
+            + motion%vertical%slope(interval)*(t - motion%knot(interval))
+      end if
+   end function vertical_acceleration
+
    !> Unit harmonic of the pulse [-].
    pure real(wp) function harmonic(motion, t)
       type(motion_t), intent(in) :: motion
@@ -302,21 +328,8 @@ contains
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t
       !! [s]
-      integer :: low
-      integer :: high
-      integer :: middle
 
-      low = 0
-      high = size(motion%knot) + 1
-      do while (high - low > 1)
-         middle = (low + high)/2
-         if (motion%knot(middle) <= t) then
-            low = middle
-         else
-            high = middle
-         end if
-      end do
-      interval_at = low
+      interval_at = last_until(motion%knot, t)
    end function interval_at
 
    !> End of an interval [s]; the largest number after the last knot.
@@ -353,6 +366,11 @@ contains
       before = acceleration(motion, interval - 1, t)
       after = acceleration(motion, interval, t)
       has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp)*peak_near(motion, interval)
+      if (has_jump .or. .not. allocated(motion%vertical)) return
+      before = vertical_acceleration(motion, interval - 1, t)
+      after = vertical_acceleration(motion, interval, t)
+      has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp) &
+         *maxval(abs(motion%vertical%a(max(1, interval - 1):interval)))
    end function has_jump
 
    !> Largest magnitude of acceleration around a knot, the measure of round-off there [m/s2].
@@ -377,45 +395,15 @@ contains
       integer, intent(in) :: interval
       real(wp), intent(in) :: t
       !! [s], inside the interval
-      real(wp) :: angle
-      real(wp) :: half_turns
 
       turning_point = interval_end(motion, interval)
-      if (motion%shape == shape_given .and. interval == 1) turning_point = next_eighth()
-      if (motion%shape /= shape_harmonic .or. interval /= 1) return
-      angle = motion%omega*(t - motion%knot(1)) + motion%phase
-      half_turns = floor_real(angle/pi + 0.5_wp)
-      turning_point = next_extremum(half_turns)
-      if (turning_point <= t) turning_point = next_extremum(half_turns + 1)
-      turning_point = min(turning_point, interval_end(motion, interval))
-
-   contains
-
-      !> The extrema of a host's motion are unknown: an eighth of the interval is taken as monotone.
-      pure real(wp) function next_eighth()
-         real(wp) :: eighth
-         !! [s]
-
-         eighth = (motion%knot(2) - motion%knot(1))/8
-         next_eighth = motion%knot(1) + (aint((t - motion%knot(1))/eighth) + 1)*eighth
-         if (next_eighth <= t) next_eighth = next_eighth + eighth
-         next_eighth = min(next_eighth, motion%knot(2))
-      end function next_eighth
-
-      pure real(wp) function next_extremum(number)
-         real(wp), intent(in) :: number
-         !! count of half turns, integral
-
-         next_extremum = motion%knot(1) + ((number + 0.5_wp)*pi - motion%phase)/motion%omega
-      end function next_extremum
-
-      pure real(wp) function floor_real(x)
-         real(wp), intent(in) :: x
-
-         floor_real = aint(x)
-         if (floor_real > x) floor_real = floor_real - 1
-      end function floor_real
-
+      if (interval /= 1) return
+      if (motion%shape == shape_given) then
+         turning_point = next_eighth(motion%knot(1), motion%knot(2), t)
+      else if (motion%shape == shape_harmonic) then
+         turning_point = min(next_extremum(motion%omega, motion%phase, motion%knot(1), t), &
+            turning_point)
+      end if
    end function turning_point
 
    !> Largest magnitude of the ground acceleration (for pulses: the amplitude) [m/s2].

@@ -13,7 +13,7 @@ module rwmf_observer
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
-   use rwmf_motion, only: acceleration
+   use rwmf_motion, only: acceleration, vertical_acceleration
    use rwmf_observer_energy, only: energy_names, energy_values, integrate_powers
    use rwmf_observer_forces, only: force_columns, force_values
    use rwmf_result, only: append_event, energy_t, event_t, history_t, shorten_events
@@ -138,6 +138,7 @@ contains
          'theta_ddot_rad_s2']
       if (equation%has_frame) names = [character(32) :: names, 'u_s_m', 'u_s_dot_m_s']
       names = [character(32) :: names, 'u_g_ddot_m_s2']
+      if (equation%has_vertical) names = [character(32) :: names, 'v_g_ddot_m_s2']
       if (equation%has_cable) then
          names = [character(32) :: names, 'cable_force_over_m_w_g']
          if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
@@ -307,6 +308,10 @@ contains
       end if
       i = i + 1
       row(i) = acceleration(equation%motion, interval_of(equation), t)
+      if (equation%has_vertical) then
+         i = i + 1
+         row(i) = vertical_acceleration(equation%motion, interval_of(equation), t)
+      end if
       if (equation%has_cable) then
          cable = cable_at(equation, y(1))
          row(i + 1) = cable%force

@@ -9,6 +9,7 @@ module rwmf_output
    use rwmf_case, only: case_t
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
+   use rwmf_record, only: record_t
    use rwmf_result, only: history_t, result_t
    use rwmf_spectrum, only: spectrum_t
    use rwmf_summary, only: summarise, summary_item_t
@@ -167,24 +168,29 @@ contains
 
       call write_line(file, '# rwmf '//version)
       if (present(part)) call write_line(file, '# part '//part)
-      if (allocated(case%record)) call write_record(file, case)
+      if (allocated(case%record)) then
+         call write_record(file, '# record: '//case%motion%file, case%record)
+      end if
+      if (allocated(case%vertical_record)) then
+         call write_record(file, '# vertical record: '//case%vertical%file, case%vertical_record)
+      end if
       call write_line(file, '# case:')
       if (allocated(case%text)) call write_comment(file, case%text)
    end subroutine write_header
 
    !> Which record it was: copies of "the same" earthquake differ.
-   subroutine write_record(file, case)
+   subroutine write_record(file, name, record)
       type(atomic_file_t), intent(in) :: file
-      type(case_t), intent(in) :: case
+      character(*), intent(in) :: name
+      !! what it is, and its file
+      type(record_t), intent(in) :: record
       character(:), allocatable :: line
 
-      associate (record => case%record)
-         line = '# record: '//case%motion%file//', '//trim(record%format)//', CRC-32 ' &
-            //trim(record%crc32)//', '//integer_to_text(record%n)//' points'
-         if (allocated(record%dt)) line = line//', dt = '//real_to_text(record%dt)//' s'
-         line = line//', peak '//real_to_text(record%peak)//' m/s2 at ' &
-            //real_to_text(record%t_peak)//' s'
-      end associate
+      line = name//', '//trim(record%format)//', CRC-32 '//trim(record%crc32)//', ' &
+         //integer_to_text(record%n)//' points'
+      if (allocated(record%dt)) line = line//', dt = '//real_to_text(record%dt)//' s'
+      line = line//', peak '//real_to_text(record%peak)//' m/s2 at '//real_to_text(record%t_peak) &
+         //' s'
       call write_line(file, line)
    end subroutine write_record
 

@@ -8,9 +8,10 @@ module rwmf_practice_scene
    use rwmf_case, only: case_t
    use rwmf_equation, only: build_equation, enter_interval, equation_t, frame_displacement, &
       lift_off_drive, rhs
+   use rwmf_impact, only: factor_at, restitution_t
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: interval_at, motion_t
-   use rwmf_run, only: restitution
+   use rwmf_run, only: impact_law
    implicit none
    private
 
@@ -46,8 +47,8 @@ module rwmf_practice_scene
    !> A scene while it is computed.
    type :: scene_t
       type(equation_t) :: equation
-      real(wp) :: e
-      !! velocity factor at impact [-]
+      type(restitution_t) :: restitution
+      !! what an impact leaves of the velocity
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: t_end
@@ -80,7 +81,7 @@ contains
       type(scene_t), intent(out) :: scene
 
       call build_equation(case, motion, scene%equation)
-      scene%e = restitution(case, scene%equation%p%alpha)
+      scene%restitution = impact_law(case, scene%equation%p%alpha)
       scene%overturning_angle = case%model%overturning_angle
       scene%t_end = case%solver%t_end
       scene%max_steps = min(int(case%solver%max_steps, i8), most_steps)
@@ -155,7 +156,7 @@ contains
 
       call remember_impact(scene)
       scene%equation%side = -scene%equation%side
-      scene%y(2) = scene%e*scene%y(2)
+      scene%y(2) = factor_at(scene%restitution, abs(scene%y(2)))*scene%y(2)
       if (lifting_side(scene, scene%t) /= 0) return
       call evaluate(scene, scene%t, scene%y, slope)
       if (abs(scene%y(2)) > max(small_velocity, abs(slope(2))*least_flight/2)) return

@@ -7,7 +7,7 @@ module rwmf_reactions
    use rwmf_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
       rise_of_top_corner
    use rwmf_memory, only: frame_residual
-   use rwmf_scene, only: cable_at, equation_t, ground, kinematics_at
+   use rwmf_scene, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    implicit none
    private
 
@@ -50,6 +50,7 @@ contains
       mean = equation%p%R*[kin%c*y_ddot + equation%side*kin%s*y(2)**2, &
          equation%side*kin%s*y_ddot - kin%c*y(2)**2]
       mean(1) = mean(1) + ground(equation, t)
+      if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
       applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1))
       if (allocated(equation%extras)) then
          do i = 1, size(equation%extras)

@@ -67,6 +67,7 @@ contains
       end if
       if (.not. allocated(error)) then
          if (allocated(the_case%record)) call halve_intervals(the_case%record)
+         if (allocated(the_case%vertical_record)) call halve_intervals(the_case%vertical_record)
          motion = motion_from_case(the_case)
          call measure_method(the_case, motion, method, real(rtol, wp), once, &
             make_control(control), tight, error)

@@ -1,6 +1,7 @@
 !> State of the hybrid system, and what a knot of the motion does to it.
 module rwmf_regime
    use rwmf_equation, only: enter_interval, equation_t, interval_of
+   use rwmf_impact, only: restitution_t
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: has_jump, interval_end
    implicit none
@@ -24,8 +25,8 @@ module rwmf_regime
       !! (states)
       logical :: must_restart
       !! the integrator has to begin anew at (t, y)
-      real(wp) :: e
-      !! velocity factor at impact [-]
+      type(restitution_t) :: restitution
+      !! what an impact leaves of the velocity
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: rtol

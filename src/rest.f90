@@ -1,4 +1,7 @@
 !> When the wall rests, and when it lifts off again: questions about the ground motion alone.
+!>
+!> Straight lines of horizontal and vertical motion on the same knots, or one that is a multiple of
+!> the other, make a drive that is monotone where the horizontal motion is.
 module rwmf_rest
    use rwmf_equation, only: equation_t, interval_of, lift_off_drive
    use rwmf_kinds, only: wp
@@ -6,7 +9,8 @@ module rwmf_rest
    implicit none
    private
 
-   public :: lifts, find_lift_off, pressing_acceleration, may_rest, inverse_inertia, pull_duration
+   public :: lifts, find_lift_off, jumps, pressing_acceleration, may_rest, inverse_inertia
+   public :: pull_duration
 
 contains
 
@@ -43,6 +47,7 @@ contains
          t_end = min(turning_point(equation%motion, interval, t), t_limit)
          side = lifting_side(equation, interval, t_end)
          if (side /= 0) then
+            if (jumps(equation, interval, t_end)) side = first_side(equation, interval, t, t_end)
             call refine_lift_off(equation, interval, side, t, t_end)
             return
          end if
@@ -62,6 +67,36 @@ contains
       if (lifts(lift_off_drive(equation, 1, interval, t), equation%threshold)) side = 1
       if (lifts(lift_off_drive(equation, -1, interval, t), equation%threshold)) side = -1
    end function lifting_side
+
+   !> Do both sides lift off at an instant? Then the base bears nothing.
+   pure logical function jumps(equation, interval, t)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      jumps = lifts(lift_off_drive(equation, 1, interval, t), equation%threshold) &
+         .and. lifts(lift_off_drive(equation, -1, interval, t), equation%threshold)
+   end function jumps
+
+   !> Of two sides that lift off between two times, the one that does so first.
+   pure integer function first_side(equation, interval, t, t_end) result(side)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! a time at rest [s]
+      real(wp), intent(in) :: t_end
+      !! a time at which both lift off [s]
+      real(wp) :: right
+      real(wp) :: left
+
+      right = t
+      call refine_lift_off(equation, interval, 1, right, t_end)
+      left = t
+      call refine_lift_off(equation, interval, -1, left, t_end)
+      side = merge(1, -1, right < left)
+   end function first_side
 
    !> Bisect to the first time at which the drive exceeds the threshold.
    pure subroutine refine_lift_off(equation, interval, side, t, t_end)

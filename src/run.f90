@@ -8,7 +8,7 @@ module rwmf_run
    use rwmf_errors, only: error_t
    use rwmf_extras, only: extra_sizes
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
-   use rwmf_impact, only: restitution_housner, restitution_momentum
+   use rwmf_impact, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_memory, only: frame_residual, prestress_loss, tendon_is_broken
    use rwmf_methods, only: new_stepper
@@ -20,10 +20,11 @@ module rwmf_run
    use rwmf_scene, only: frame_travel
    use rwmf_stepper, only: stepper_t, tolerance_t
    use rwmf_text, only: real_to_text
+   use rwmf_vertical, only: lowest_vertical
    implicit none
    private
 
-   public :: run_once, restitution, guess_size, tolerances, initial_state
+   public :: run_once, restitution, impact_law, guess_size, tolerances, initial_state
 
    integer, parameter :: most_passes = 5
 
@@ -117,7 +118,7 @@ contains
       call stepper%create(equation, above_round_off(tolerances(case, equation, size_guess), &
          equation, size_guess), error)
       if (allocated(error)) return
-      hybrid%e = restitution(case, equation%p%alpha)
+      hybrid%restitution = impact_law(case, equation%p%alpha)
       hybrid%overturning_angle = case%model%overturning_angle
       hybrid%rtol = case%solver%rtol
       hybrid%max_steps = case%solver%max_steps
@@ -185,7 +186,20 @@ contains
       end if
    end function initial_state
 
-   !> Velocity factor of the case's rule; 1 without `&impact` [-].
+   !> What an impact leaves of the velocity by the case's rule.
+   pure type(restitution_t) function impact_law(case, alpha) result(law)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      law%e = restitution(case, alpha)
+      if (.not. allocated(case%impact)) return
+      if (case%impact%rule /= 'table') return
+      law%speed = case%impact%table_theta_dot
+      law%factor = case%impact%table_e
+   end function impact_law
+
+   !> Velocity factor of the case's rule, of a table the largest one; 1 without `&impact` [-].
    pure real(wp) function restitution(case, alpha) result(e)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha
@@ -197,7 +211,9 @@ contains
       case ('housner')
          e = restitution_housner(alpha)
       case ('coupled')
-         e = restitution_momentum(alpha, mass_ratio(case))
+         e = restitution_momentum(alpha, mass_ratio(case), inertance(case))
+      case ('table')
+         e = maxval(case%impact%table_e)
       case default
          e = case%impact%e
       end select
@@ -210,6 +226,13 @@ contains
       if (.not. allocated(case%frame)) return
       if (allocated(case%frame%gamma)) gamma = case%frame%gamma
    end function mass_ratio
+
+   pure real(wp) function inertance(case) result(beta)
+      type(case_t), intent(in) :: case
+
+      beta = 0
+      if (allocated(case%inerter)) beta = case%inerter%inertance_over_m_w
+   end function inertance
 
    !> What applies to the scene, and only that.
    subroutine fill_result(case, equation, hybrid, observer, result)
@@ -226,7 +249,7 @@ contains
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y
-      if (.not. allocated(result%warnings)) call collect_warnings(case, equation%p%alpha, result)
+      if (.not. allocated(result%warnings)) call collect_warnings(case, equation, result)
       if (equation%has_frame) then
          result%u_s_max = observer%u_max
          result%t_u_s_max = observer%t_u_max
@@ -268,10 +291,9 @@ contains
    end subroutine fill_memory
 
    !> What the user should know about the scene itself.
-   subroutine collect_warnings(case, alpha, result)
+   subroutine collect_warnings(case, equation, result)
       type(case_t), intent(in) :: case
-      real(wp), intent(in) :: alpha
-      !! slenderness [rad]
+      type(equation_t), intent(in) :: equation
       type(result_t), intent(inout) :: result
       real(wp) :: e
       real(wp) :: e_max
@@ -282,10 +304,11 @@ contains
       end if
       if (.not. allocated(case%wall)) return
       if (case%wall%base == 'pinned') return
-      e = restitution(case, alpha)
-      e_max = restitution_momentum(alpha, mass_ratio(case))
+      if (equation%has_vertical) call warn_of_weight(equation, result)
+      e = restitution(case, equation%p%alpha)
+      e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
       if (allocated(case%impact)) then
-         if (case%impact%rule /= 'constant' .and. e <= 0) then
+         if (e <= 0 .and. (case%impact%rule == 'housner' .or. case%impact%rule == 'coupled')) then
             call add_warning(result, 'the momentum balance leaves no velocity at impact for so ' &
                //'squat a wall: e = 0')
          end if
@@ -328,6 +351,21 @@ contains
       end associate
    end subroutine warn_of_reactions
 
+   !> A pivot that lifts is not in the equation of motion.
+   subroutine warn_of_weight(equation, result)
+      type(equation_t), intent(in) :: equation
+      type(result_t), intent(inout) :: result
+      real(wp) :: lowest
+      !! [m/s2]
+
+      lowest = lowest_vertical(equation%motion)
+      if (equation%p%g*(1 + equation%p%eta_0) + lowest > 0) return
+      !$omp critical (rwmf_text)
+      call add_warning(result, 'v_g'''' falls to '//real_to_text(lowest) &
+         //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')
+      !$omp end critical (rwmf_text)
+   end subroutine warn_of_weight
+
    subroutine fill_wall(case, equation, hybrid, observer, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -340,8 +378,9 @@ contains
       result%theta_max_over_alpha = max(observer%theta_max, -observer%theta_min)/equation%p%alpha
       result%theta_dot_max = observer%theta_dot_max
       if (equation%has_impacts) then
-         result%e = hybrid%e
-         result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case))
+         ! a table has no single factor
+         if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
+         result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
       end if
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, observer)
    end subroutine fill_wall

@@ -4,7 +4,7 @@ module rwmf_scene
    use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
-   use rwmf_motion, only: acceleration, line_of, line_t, motion_t
+   use rwmf_motion, only: acceleration, line_of, line_t, motion_t, vertical_acceleration
    use rwmf_paper, only: paper_t
    use rwmf_spring, only: spring_t
    implicit none
@@ -13,6 +13,7 @@ module rwmf_scene
    public :: equation_t, second_derivative_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of
+   public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
    public :: frame_velocity, frame_travel, frame_mass
 
@@ -39,6 +40,8 @@ module rwmf_scene
       !! that its states are expected to have
       integer :: first = 0
       !! place of its first state among all
+      logical :: is_motion = .false.
+      !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type extra_t
 
    !> The floors of a frame with all its modes, from the ground to the roof.
@@ -135,6 +138,12 @@ module rwmf_scene
       !! and up to which they do [rad]
       logical :: ends_at_peak = .false.
       !! a spring yields, and unloads when the motion turns back
+      logical :: has_vertical = .false.
+      !! the ground moves vertically as well
+      real(wp) :: weight_share = 0
+      !! threshold of lift-off per vertical ground acceleration [-]
+      real(wp) :: inertance = 0
+      !! of the corner inerters over m_w [-]
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
@@ -274,6 +283,15 @@ contains
       ground = acceleration(equation%motion, equation%interval, t)
    end function ground
 
+   !> Vertical ground acceleration of the interval in force, positive upward [m/s2].
+   real(wp) function vertical_ground(equation, t)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      vertical_ground = vertical_acceleration(equation%motion, equation%interval, t)
+   end function vertical_ground
+
    !> Kinematics of the side in force.
    type(kinematics_t) function kinematics_at(equation, theta) result(kin)
       class(equation_t), intent(in) :: equation
@@ -310,6 +328,9 @@ contains
       !! [s]
 
       drive = -side*acceleration(equation%motion, interval, t) - equation%bearing(side)
+      if (equation%has_vertical) then
+         drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
+      end if
    end function lift_off_drive
 
    !> Displacement of the frame u_s [m].

@@ -96,6 +96,8 @@ contains
             'sharpness n of the knee; bouc_wen only'), &
          optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
             'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only'), &
+         required('inerter', 'inertance_over_m_w', 'real', '-', not_negative, &
+            'inerter under each corner of the base: its inertance over m_w'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &
@@ -107,11 +109,16 @@ contains
             'stiffness of the yielding tendon over its elastic one'), &
          optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
             'strain at which it breaks, that of the prestress included; absent: never'), &
-         optional_key('impact', 'rule', 'choice', '', 'constant', 'constant housner coupled', &
-            'constant: exactly one of e and r; the other rules set e themselves'), &
+         optional_key('impact', 'rule', 'choice', '', 'constant', &
+            'constant housner coupled table', &
+            'constant: exactly one of e and r; table: e by speed; the others set e themselves'), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
             'factor on the angular velocity at impact'), &
-         optional_key('impact', 'r', 'real', '-', '', '[0, 1]', 'e squared')]
+         optional_key('impact', 'r', 'real', '-', '', '[0, 1]', 'e squared'), &
+         optional_key('impact', 'table_theta_dot', 'real list', 'rad/s', '', not_negative, &
+            'angular velocities before impact, increasing; required for rule table'), &
+         optional_key('impact', 'table_e', 'real list', '-', '', '[0, 1]', &
+            'e at them: linear between, constant beyond; required for rule table')]
    end function structure_keys
 
    !> Keys of the excitation.
@@ -143,6 +150,16 @@ contains
          of_kind('record', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
             'of the accelerations; required but for AT2, where it is refused'), &
          of_kind('record', 'scale', 'real', '-', '1.0', any_real, 'factor on the accelerations'), &
+         optional_key('vertical', 'ratio', 'real', '-', '', any_real, &
+            'vertical over horizontal ground acceleration; exactly one of ratio and file'), &
+         optional_key('vertical', 'file', 'text', '', '', '', &
+            'record of the vertical acceleration (positive upward), relative to the case file'), &
+         optional_key('vertical', 'dt', 'real', 's', '', positive, &
+            'sampling interval; required for one column, refused for two columns and AT2'), &
+         optional_key('vertical', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
+            'of the accelerations; required but for AT2, where it is refused'), &
+         optional_key('vertical', 'scale', 'real', '-', '1.0', any_real, &
+            'factor on the record'), &
          optional_key('initial', 'theta_over_alpha', 'real', '-', '0.0', any_real, &
             'rotation over slenderness; within the overturning angle'), &
          optional_key('initial', 'theta_dot', 'real', 'rad/s', '0.0', any_real, &

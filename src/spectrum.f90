@@ -220,6 +220,8 @@ contains
       if (allocated(case%damper)) scene%damper = case%damper
       if (allocated(case%fuse)) scene%fuse = case%fuse
       if (allocated(case%yielding)) scene%yielding = case%yielding
+      if (allocated(case%inerter)) scene%inerter = case%inerter
+      if (allocated(case%vertical)) scene%vertical = case%vertical
       if (allocated(case%cable)) scene%cable = case%cable
       if (allocated(case%impact)) scene%impact = case%impact
       if (allocated(case%initial)) scene%initial = case%initial

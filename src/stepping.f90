@@ -63,6 +63,7 @@ contains
          machine%case = case
          machine%own_motion = motion_from_case(case)
          if (allocated(machine%case%record)) deallocate (machine%case%record)
+         if (allocated(machine%case%vertical_record)) deallocate (machine%case%vertical_record)
          if (allocated(machine%case%output)) deallocate (machine%case%output)
          call build_equation(case, machine%own_motion, machine%equation)
          call new_stepper(case%solver%method, machine%stepper)
@@ -160,6 +161,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call check_samples(stepping, t, a, error)
+      if (.not. allocated(error)) call refuse_vertical(stepping, error)
       if (allocated(error)) return
       associate (machine => stepping%machine)
          call follow_samples(machine%given_motion, t, a)
@@ -181,6 +183,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call check_target(stepping, t, error)
+      if (.not. allocated(error)) call refuse_vertical(stepping, error)
       if (allocated(error)) return
       associate (machine => stepping%machine)
          if (.not. t > machine%t) return
@@ -213,6 +216,16 @@ contains
          !$omp end critical (rwmf_text)
       end if
    end subroutine check_target
+
+   !> What a host hands over is the horizontal motion.
+   subroutine refuse_vertical(stepping, error)
+      type(stepping_t), intent(in) :: stepping
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. allocated(stepping%machine%case%vertical)) return
+      call fail(error, err_input, 'a host hands over the horizontal motion only: a case with ' &
+         //'&vertical advances under its own motion')
+   end subroutine refuse_vertical
 
    subroutine check_samples(stepping, t, a, error)
       type(stepping_t), intent(in) :: stepping

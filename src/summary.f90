@@ -25,7 +25,8 @@ module rwmf_summary
 
    character(*), parameter :: tab = achar(9)
    character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'storeys', &
-      'link', 'damper', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'initial']
+      'link', 'damper', 'inerter', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'vertical', &
+      'initial']
 
 contains
 
@@ -86,9 +87,10 @@ contains
       logical :: present_effects(size(all_effects))
 
       present_effects = [allocated(case%wall), allocated(case%frame), &
-         allocated(case%storeys), allocated(case%link), allocated(case%damper), &
-         allocated(case%fuse), allocated(case%yielding), allocated(case%cable), &
-         allocated(case%impact), allocated(case%motion), allocated(case%initial)]
+         allocated(case%storeys), allocated(case%link), &
+         allocated(case%damper), allocated(case%inerter), allocated(case%fuse), &
+         allocated(case%yielding), allocated(case%cable), allocated(case%impact), &
+         allocated(case%motion), allocated(case%vertical), allocated(case%initial)]
       ! free vibration is stated as kind 'none': nothing shakes the scene
       if (allocated(case%motion)) then
          where (all_effects == 'motion') present_effects = case%motion%kind /= 'none'

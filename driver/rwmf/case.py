@@ -210,13 +210,15 @@ class Case:
             When the file cannot be written.
         """
         entries = self._given_entries()
-        record = entries.get("motion", {}).get("file")
-        if record is not None:
+        for group in ("motion", "vertical"):
+            record = entries.get(group, {}).get("file")
+            if record is None:
+                continue
             full = self._folder / str(record)
             if path is not None and not Path(str(record)).is_absolute():
                 # Path.relative_to cannot climb to a common folder before Python 3.12
                 full = Path(os.path.relpath(full, Path(path).absolute().parent))
-            entries["motion"]["file"] = str(full)
+            entries[group]["file"] = str(full)
         text = compose(entries)
         if path is not None:
             _write_atomically(Path(path), text)

@@ -16,6 +16,7 @@ program test_case
    character(*), parameter :: bare = '&frame T_s = 1.0, xi_s = 0.05 /'//nl
    character(*), parameter :: ends = '&solver t_end = 10.0 /'//nl
    character(*), parameter :: scene = wall//frame//ends
+   character(*), parameter :: shaken = '&motion kind = ''sine'', v_p = 1, T_p = 1 /'//nl
    type(checks_t) :: checks
 
    call test_defaults()
@@ -203,6 +204,18 @@ contains
       call refuse(scene//'&impact e = 1, r = 1 /', 'r = 1 (line 4): must not be given beside e')
       call refuse(scene//'&impact rule = ''housner'', e = 1 /', "with rule = 'housner'")
       call refuse(scene//'&impact rule = ''coupled'', r = 1 /', "with rule = 'coupled'")
+      call refuse(scene//'&impact e = 1, table_e = 1 /', "with rule = 'constant'")
+      call refuse(scene//'&impact rule = ''table'', e = 1 /', "with rule = 'table'")
+      call refuse(scene//'&impact rule = ''table'', table_e = 1 /', 'the key table_theta_dot is')
+      call refuse(scene//'&impact rule = ''table'', table_e = 1, 0.9, table_theta_dot = 1 /', &
+         'must have as many values as table_theta_dot')
+      call refuse(scene//'&impact rule = ''table'', table_e = 1, 0.9, table_theta_dot = 1, 1 /', &
+         'must increase strictly')
+      call refuse(scene//'&impact rule = ''table'', table_e = 1.1, table_theta_dot = 1 /', &
+         'must be numbers in [0, 1]')
+      call refuse(bare//ends//'&inerter inertance_over_m_w = 1 /', 'be given without &wall')
+      call refuse('&wall h = 2, b = 0.5, base = ''pinned'' /'//frame//ends &
+         //'&inerter inertance_over_m_w = 1 /', 'the inerters work at corners that lift')
       call refuse(scene//'&cable eta_0 = 1, law = ''truss'' /', "law = 'truss' (line 4): must be " &
          //"'linear' with &model formulation = 'published'")
    end subroutine test_bad_scenes
@@ -232,6 +245,12 @@ contains
       call refuse(scene//'&motion kind = ''mavroeidis_papageorgiou'', v_p = 1, T_p = 1, ' &
          //'gamma_p = 1 /', 'gamma_p = 1 (line 4): must be a number in (1, 1000] [-]')
       call refuse(scene//'&motion kind = ''none'', t_0 = 1 /', "with kind = 'none'")
+      call refuse(bare//ends//shaken//'&vertical ratio = 1 /', 'must not be given without &wall')
+      call refuse(scene//'&vertical ratio = 1 /', 'without a horizontal motion')
+      call refuse(scene//shaken//'&vertical /', 'exactly one of the keys ratio and file')
+      call refuse(scene//shaken//'&vertical ratio = 1, dt = 1 /', 'it belongs to a record')
+      call refuse(scene//shaken//'&vertical file = ''a'' /', 'a pulse takes a ratio')
+      call refuse(scene//'&vertical file = ''none.txt'' /', "&vertical: file = 'none.txt' (line 4)")
       call refuse(scene//'&motion kind = ''record'', a_max_g = 1, file = ''a'' /', &
          "a_max_g = 1 (line 4): must not be given with kind = 'record'")
       call refuse(scene//'&motion kind = ''record'' /', '&motion (line 4): the key file is missing')
@@ -309,7 +328,7 @@ contains
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do
-      call checks%that(size(group_names()) == 15, 'fifteen groups')
+      call checks%that(size(group_names()) == 17, 'seventeen groups')
    end subroutine test_schema
 
    subroutine says(text, line)

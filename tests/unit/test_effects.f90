@@ -1,16 +1,19 @@
 !> Effects beyond the paper's scene: each against its limit, its derivative and its energy.
 program test_effects
    use check, only: checks_t
-   use rwmf_case, only: case_t, damper_t, link_t
+   use rwmf_case, only: case_t, damper_t, inerter_t, link_t
    use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
-   use rwmf_errors, only: error_t
+   use rwmf_errors, only: err_input, error_t
    use rwmf_jacobian, only: jacobian
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
+   use rwmf_knots, only: merged_times
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_result, only: result_t
    use rwmf_simulation, only: simulate
+   use rwmf_stepping, only: advance_stepping, create_stepping, destroy_stepping, stepping_t
+   use rwmf_stepping_query, only: query_state, wall_state_t
    use scenes, only: rwmf_scene
    implicit none
 
@@ -26,6 +29,13 @@ program test_effects
    call check_energy(pinned(), 'pinned wall')
    call check_jacobian(damped(2.0_wp), 'corner dampers')
    call check_energy(damped(2.0_wp), 'corner dampers')
+   call check_jacobian(with_inerter(0.5_wp), 'corner inerters')
+   call check_energy(with_inerter(0.5_wp), 'corner inerters')
+   call check_jacobian(shaken_vertically(0.65_wp), 'vertical motion')
+   call check_energy(shaken_vertically(0.65_wp), 'vertical motion')
+   call check_no_inerter()
+   call check_host()
+   call check_merged_times()
    call check_no_damping()
    call check_damping()
    call check_pinned_is_linear()
@@ -60,6 +70,88 @@ contains
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
       case%damper = damper_t(c_over_m_w)
    end function damped
+
+   !> Wall and frame with corner inerters.
+   function with_inerter(inertance_over_m_w) result(case)
+      real(wp), intent(in) :: inertance_over_m_w
+      !! [-]
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      case%inerter = inerter_t(inertance_over_m_w)
+   end function with_inerter
+
+   !> Wall and frame under a vertical motion that is a multiple of the horizontal one.
+   function shaken_vertically(ratio) result(case)
+      real(wp), intent(in) :: ratio
+      !! [-]
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      allocate (case%vertical)
+      case%vertical%ratio = ratio
+   end function shaken_vertically
+
+   !> A host that advances a wall under the case's own motion gets the bits of one run, also with
+   !> losses by a table; it cannot hand over the motion, which would be the horizontal one only.
+   subroutine check_host()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(result_t) :: whole
+      type(error_t), allocatable :: error
+
+      case = shaken_vertically(0.65_wp)
+      case%solver%atol = 1.0e-11_wp
+      case%impact%rule = 'table'
+      case%impact%table_theta_dot = [0.05_wp, 0.5_wp]
+      case%impact%table_e = [0.95_wp, 0.8_wp]
+      call simulate(case, whole, error)
+      call checks%no_error(error, 'one run')
+      call create_stepping(wall, case, error)
+      ! the end of the pulse, where a run stops as well
+      call advance_stepping(wall, 1.0_wp, error)
+      call advance_stepping(wall, case%solver%t_end, error)
+      call query_state(wall, state, error)
+      call checks%no_error(error, 'a host')
+      call checks%that(all(abs([state%theta, state%theta_dot] - whole%final_state) <= 0), &
+         'a host gets the bits of one run')
+      call destroy_stepping(wall)
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, [0.0_wp, 1.0_wp], [0.0_wp, 1.0_wp], error)
+      call checks%has_error(error, err_input, '&vertical', 'samples of a host')
+      call destroy_stepping(wall)
+   end subroutine check_host
+
+   !> Samples that mean the same instant are one knot, whatever the last digit of their times.
+   subroutine check_merged_times()
+      real(wp) :: product(100)
+      real(wp) :: quotient(50)
+      integer :: i
+
+      product = [(i*0.1_wp, i=1, 100)]
+      quotient = [(i/5.0_wp, i=1, 50)]
+      call checks%that(any(abs(product(2::2) - quotient) > 0), 'times that differ by round-off')
+      call checks%that(all(abs(merged_times(product, quotient) - product) <= 0), &
+         'the same knots')
+      call checks%that(size(merged_times(product, quotient + 0.05_wp)) == 150, 'knots in between')
+      call checks%that(size(merged_times(quotient(:0), quotient)) == 50, 'one sequence alone')
+   end subroutine check_merged_times
+
+   !> No inertance is the scene without the group.
+   subroutine check_no_inerter()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: limit
+      type(error_t), allocatable :: error
+
+      case = with_inerter(0.0_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'no inertance')
+      deallocate (case%inerter)
+      call simulate(case, limit, error)
+      call checks%close_to(result%u_s_max, limit%u_s_max, 'no inertance', rtol=1.0e-10_wp)
+   end subroutine check_no_inerter
 
    !> c = 0 is the scene without the group.
    subroutine check_no_damping()

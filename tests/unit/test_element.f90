@@ -5,6 +5,7 @@ program test_element
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
       lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
+   use rwmf_case, only: inerter_t
    use scenes, only: rwmf_scene
    implicit none
 
@@ -188,6 +189,16 @@ contains
       call checks%has_error(error, err_input, 'not a finite', 'motion that is no number')
       call respond(element, 1, 50.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
+      case%inerter = inerter_t(1.0_wp)
+      call create_element(element, case, error)
+      call checks%has_error(error, err_input, '&inerter', 'inerters')
+      deallocate (case%inerter)
+      case%impact%rule = 'table'
+      call create_element(element, case, error)
+      call checks%has_error(error, err_input, "rule = 'table'", 'losses by a table')
+      allocate (case%vertical)
+      call create_element(element, case, error)
+      call checks%has_error(error, err_input, '&vertical', 'vertical motion')
       deallocate (case%wall)
       call create_element(element, case, error)
       call checks%has_error(error, err_input, '&wall', 'no wall')

@@ -338,7 +338,7 @@ contains
       case%impact%rule = 'coupled'
       call simulate(case, result, error)
       call checks%no_error(error, 'coupled restitution')
-      call checks%close_to(result%e, restitution_momentum(atan(0.25_wp), 2.5_wp), &
+      call checks%close_to(result%e, restitution_momentum(atan(0.25_wp), 2.5_wp, 0.0_wp), &
          'restitution with the mass of the roof', rtol=1.0e-14_wp)
    end subroutine check_roof_takes_the_impact
 

@@ -197,12 +197,10 @@ def _make_layout(
 
 
 def _own_record(case: Case) -> str:
-    """Checksum of the record that the case names itself."""
-    name = (case.groups.get("motion") or {}).get("file")
-    if name is None:
-        return ""
-    path = Path(case.kernel_source()).parent / str(name)
-    return f"{zlib.crc32(path.read_bytes()):08x}"
+    """Checksums of the records that the case names itself."""
+    names = [(case.groups.get(group) or {}).get("file") for group in ("motion", "vertical")]
+    paths = [Path(case.kernel_source()).parent / str(name) for name in names if name is not None]
+    return "-".join(f"{zlib.crc32(path.read_bytes()):08x}" for path in paths)
 
 
 def _base_entries(case: Case, axes: list[Axis]) -> Entries:

@@ -1,5 +1,6 @@
-!> Rules between groups that occur often, and how a broken rule is reported.
-module rwmf_rule_failures
+!> What the rules between keys and groups have in common: conditions, and messages that name a group
+!> or a key.
+module rwmf_rule_tools
    use rwmf_errors, only: error_t
    use rwmf_given, only: entry_of, group_of, has_group, has_key
    use rwmf_namelist, only: group_t
@@ -65,4 +66,4 @@ contains
       call fail_at_entry(groups(at), groups(at)%entries(entry_of(groups(at), key)), problem, error)
    end subroutine fail_key
 
-end module rwmf_rule_failures
+end module rwmf_rule_tools

@@ -1,0 +1,223 @@
+!> theta'' of each kind of scene, with the terms that it has and no others. `build_equation`
+!> chooses.
+module rwmf_accelerations
+   use rwmf_cable, only: cable_state_t
+   use rwmf_kinds, only: wp
+   use rwmf_kinematics, only: kinematics_t
+   use rwmf_scene, only: equation_t, ground
+   implicit none
+   private
+
+   public :: bare_frame, corner, frame_with_extras, hinged, wall_alone, wall_and_frame, with_extras
+
+contains
+
+   !> Eq. (8), link at the top corner: the commonest scene written out, because a call through a
+   !> pointer would cost as much as its arithmetic.
+   real(wp) function corner(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: phi
+      real(wp) :: phi_dot
+      real(wp) :: lift
+      real(wp) :: c
+
+      phi = equation%side*y(1)
+      phi_dot = equation%side*y(2)
+      call turn(equation, phi, lift, c)
+      associate (p => equation%p, s => equation%sin_alpha - lift)
+         theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
+            + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g_over_R*(s &
+            + cable_now(equation, phi))) + (2*p%gamma + 1)*c*ground_now(equation, t)/p%R) &
+            /(equation%inertia + 4*p%gamma*c**2)
+      end associate
+   end function corner
+
+   !> Wall without frame, Eqs (11) and (12).
+   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: phi
+      real(wp) :: lift
+      real(wp) :: c
+
+      phi = equation%side*y(1)
+      call turn(equation, phi, lift, c)
+      associate (p => equation%p)
+         theta_ddot = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
+            *(equation%sin_alpha - lift + cable_now(equation, phi)))
+      end associate
+   end function wall_alone
+
+   !> The same as `kinematics` says of the top corner: lift = sin(alpha) - sin(alpha - phi) and
+   !> c = cos(alpha - phi).
+   pure subroutine turn(equation, phi, lift, c)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: lift
+      real(wp), intent(out) :: c
+      real(wp) :: half_sine
+      real(wp) :: half_cosine
+
+      half_sine = sin(phi/2)
+      half_cosine = sqrt(1 - half_sine**2)
+      associate (sin_alpha => equation%sin_alpha, cos_alpha => equation%cos_alpha)
+         lift = 2*half_sine*(sin_alpha*half_sine + cos_alpha*half_cosine)
+         c = cos_alpha - 2*half_sine*(cos_alpha*half_sine - sin_alpha*half_cosine)
+      end associate
+   end subroutine turn
+
+   !> Ground acceleration of the interval in force [m/s2]: the line of a record without a call.
+   real(wp) function ground_now(equation, t)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      associate (line => equation%line)
+         if (line%is_straight) then
+            ground_now = line%a_0 + line%slope*(t - line%t_0)
+         else
+            ground_now = ground(equation, t)
+         end if
+      end associate
+   end function ground_now
+
+   !> Moment of the cable over m_w g R [-]: the linear law, or none, without a call.
+   real(wp) function cable_now(equation, phi) result(moment)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(cable_state_t) :: cable
+      real(wp) :: copy
+      !! the rotation stays in its register
+
+      if (equation%has_plain_cable) then
+         moment = (equation%cable%eta_0 + equation%cable%rate*phi)*equation%sin_alpha
+      else
+         copy = phi
+         call equation%cable_law(equation%cable, equation%sin_alpha, copy, equation%side, cable)
+         moment = cable%moment
+      end if
+   end function cable_now
+
+   !> Kinematics of the side in force.
+   subroutine see_side(equation, phi, kin)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(kinematics_t), intent(out) :: kin
+
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%geometry, phi, kin)
+      else
+         call equation%kinematics_negative(equation%geometry, phi, kin)
+      end if
+   end subroutine see_side
+
+   !> Wall, with or without frame, any kinematics and cable law. With the kinematics of Eq. (10) and
+   !> the cable of Eq. (1) it equals Eq. (15a), with those of Eq. (4) Eq. (15b).
+   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t) :: kin
+      real(wp) :: phi
+      real(wp) :: phi_dot
+      real(wp) :: force
+      !! of the frame's spring and damper and the centripetal term, over gamma m_w R [1/s2]
+
+      phi = equation%side*y(1)
+      phi_dot = equation%side*y(2)
+      call see_side(equation, phi, kin)
+      associate (p => equation%p)
+         force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
+         theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
+            + p%g_over_R*(kin%s + cable_now(equation, phi))) &
+            + (p%gamma*kin%lever + kin%c)*ground_now(equation, t)/p%R) &
+            /(equation%inertia + p%gamma*kin%lever*kin%j)
+      end associate
+   end function wall_and_frame
+
+   !> Wall hinged at the middle of its base, with or without frame: `pinned_base` written out.
+   real(wp) function hinged(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: half_sine
+      real(wp) :: sine
+      !! of theta times cos(alpha)
+      real(wp) :: cosine
+      !! likewise
+
+      half_sine = sin(y(1)/2)
+      sine = 2*equation%cos_alpha*half_sine*sqrt(1 - half_sine**2)
+      cosine = equation%cos_alpha*(1 - 2*half_sine**2)
+      associate (p => equation%p)
+         theta_ddot = (p%g_over_R*sine - 4*p%gamma*cosine*(p%two_xi_omega*cosine*y(2) &
+            + sine*(p%omega_squared - y(2)**2)) - (2*p%gamma + 1)*cosine*ground_now(equation, t) &
+            /p%R)/(equation%inertia + 4*p%gamma*cosine**2)
+      end associate
+   end function hinged
+
+   !> Wall, with or without frame, and further effects.
+   real(wp) function with_extras(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t) :: kin
+      real(wp) :: phi
+      real(wp) :: phi_dot
+      real(wp) :: inertia
+      real(wp) :: moment
+      integer :: i
+
+      phi = equation%side*y(1)
+      phi_dot = equation%side*y(2)
+      call see_side(equation, phi, kin)
+      associate (p => equation%p)
+         inertia = equation%inertia + p%gamma*kin%lever*kin%j
+         moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot &
+            + p%omega_squared*kin%u) - p%g_over_R*(kin%s + cable_now(equation, phi)) &
+            - (p%gamma*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
+      end associate
+      do i = 1, size(equation%extras)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
+      end do
+      theta_ddot = equation%side*moment/inertia
+   end function with_extras
+
+   !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
+   real(wp) function frame_with_extras(equation, t, y) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t) :: kin
+      real(wp) :: inertia
+      integer :: i
+
+      kin = kinematics_t(half_sine=0.0_wp, half_cosine=1.0_wp, s=0.0_wp, c=0.0_wp, u=y(1), &
+         j=1.0_wp, k=0.0_wp, k_1=0.0_wp, &
+         lever=1.0_wp, lever_1=0.0_wp)
+      inertia = 1
+      u_ddot = bare_frame(equation, t, y)
+      do i = 1, size(equation%extras)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, u_ddot)
+      end do
+      u_ddot = u_ddot/inertia
+   end function frame_with_extras
+
+   !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
+   real(wp) function bare_frame(equation, t, y) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+
+      associate (p => equation%p)
+         u_ddot = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - ground_now(equation, t)
+      end associate
+   end function bare_frame
+
+end module rwmf_accelerations

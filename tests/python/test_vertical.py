@@ -1,0 +1,352 @@
+"""Vertical ground motion: the weight of the wall follows g + v_g''."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from rwmf import _measure
+from scenes import block, coupled
+from scipy.integrate import solve_ivp
+
+G = 9.81
+ALPHA = math.atan2(0.5, 2.0)
+METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+# the same physics integrated with other numbers
+SAME_PHYSICS = 1e-7
+TIGHT = {"rtol": 1e-10}
+# the pulse of the common scene, for a record instead
+NO_PULSE = dict.fromkeys(("a_max_g", "omega_p"))
+
+
+def _write(path: Path, t: np.ndarray, a: np.ndarray) -> str:
+    """Write a record with two columns [s], [m/s2]."""
+    rows = "".join(f"{x:.17g} {y:.17g}\n" for x, y in zip(t, a, strict=True))
+    path.write_text(rows, encoding="utf-8")
+    return str(path)
+
+
+def _horizontal(folder: Path, dt: float = 1 / 64, scale: float = 1.0) -> dict[str, object]:
+    """Return `&motion` of a decaying sine of 4 m/s2, sampled in steps of 1/1024 m/s2."""
+    t = np.arange(0, 6 + dt / 2, dt)
+    a = np.round(1024 * 4 * np.exp(-t / 3) * np.sin(2 * math.pi * t)) / 1024
+    file = _write(folder / f"h{dt:.6f}_{scale}.txt", t, scale * a)
+    return {"kind": "record", "file": file, "unit": "m/s2"} | NO_PULSE
+
+
+def _vertical(folder: Path, t: np.ndarray, a: np.ndarray, name: str = "v") -> dict[str, object]:
+    return {"file": _write(folder / f"{name}.txt", t, a), "unit": "m/s2"}
+
+
+@pytest.mark.parametrize("formulation", ["published", "symmetric", "exact"])
+@pytest.mark.parametrize("a", [-4.0, 3.0])
+def test_constant_acceleration_is_another_gravity(
+    a: float, formulation: str, tmp_path: Path
+) -> None:
+    """The same run with g' = g + a and the same cable force P = eta m_w g."""
+    common = {
+        "motion": _horizontal(tmp_path),
+        "solver": TIGHT | {"t_end": 6.0},
+        "model": {"formulation": formulation},
+    }
+    forever = np.array([-1.0, 100.0])
+    moved = rwmf.simulate(
+        coupled(vertical=_vertical(tmp_path, forever, np.array([a, a])), **common)
+    )
+    heavier = G + a
+    cable = {"eta_0": 1.0 * G / heavier, "eta_alpha": 5.0 * G / heavier}
+    model = {"formulation": formulation, "g": heavier}
+    other = rwmf.simulate(coupled(cable=cable, **(common | {"model": model})))
+    assert int(moved["impacts"]) > 10
+    for key in ("u_s_max", "theta_max_over_alpha", "theta_dot_max"):
+        assert float(moved[key]) == pytest.approx(float(other[key]), rel=SAME_PHYSICS), key
+    assert int(moved["impacts"]) == int(other["impacts"])
+
+
+def test_hinged_wall() -> None:
+    """A hinged wall leans out: a small swing has the stiffness of the frame less that of weight."""
+    scene = {"wall": {"base": "pinned"}, "cable": None, "impact": None}
+    changes = {"motion": {"a_max_g": 0.01}, "solver": TIGHT}
+    still = rwmf.simulate(coupled(**scene, **changes))
+    moved = rwmf.simulate(coupled(**scene, **changes, vertical={"ratio": 0.0}))
+    assert float(moved["u_s_max"]) == pytest.approx(float(still["u_s_max"]), rel=1e-9)
+
+
+@pytest.mark.parametrize("formulation", ["published", "symmetric", "exact"])
+def test_no_vertical_motion(formulation: str) -> None:
+    model = {"formulation": formulation}
+    still = rwmf.simulate(coupled(model=model))
+    moved = rwmf.simulate(coupled(model=model, vertical={"ratio": 0.0}))
+    assert float(moved["u_s_max"]) == pytest.approx(float(still["u_s_max"]), rel=1e-10)
+    assert "vertical" in moved.attrs["effects"]
+    assert "vertical" not in still.attrs["effects"]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("ratio", [-0.8, 0.65, 1.5])
+@pytest.mark.parametrize("gamma", [None, 5.0])
+def test_lift_off_threshold(gamma: float | None, ratio: float, sign: int) -> None:
+    """At a (1 + 2 gamma) = tan(alpha) (g (1 + eta_0) + ratio a), a > 0, to the left."""
+    eta_0 = 0.0 if gamma is None else 1.0
+    arms = 1 if gamma is None else 1 + 2 * gamma
+    threshold = 0.25 * (1 + eta_0) / (arms - sign * ratio * 0.25)
+    lifts = {}
+    for factor in (1 - 1e-9, 1 + 1e-6):
+        motion = {"kind": "one_sine", "a_max_g": sign * threshold * factor, "omega_p": 6.0}
+        # the half wave of the other sign lifts sooner or later than this one
+        solver = {"t_end": math.pi / 6.0}
+        make = block if gamma is None else coupled
+        case = make(motion=motion, vertical={"ratio": ratio}, solver=solver)
+        lifts[factor] = int(rwmf.simulate(case)["lift_offs"])
+    assert list(lifts.values()) == [0, 1]
+
+
+@pytest.mark.parametrize("quiet", ["motion", "vertical"])
+def test_merged_knots(quiet: str, tmp_path: Path) -> None:
+    """Records of different dt give the bits of one common grid (numbers exact in binary)."""
+    coarse, fine = np.arange(0, 7, 1 / 16), np.arange(0, 7 - 1 / 16 + 1e-9, 1 / 64)
+    rough = np.round(512 * 3 * np.cos(5 * coarse)) / 512
+    smooth = np.round(512 * 3 * np.sin(7 * fine)) / 512
+    a = {"motion": smooth, "vertical": smooth}
+    a[quiet] = rough
+    runs = []
+    for grid in (coarse, fine):
+        t = {"motion": fine, "vertical": fine}
+        t[quiet] = grid
+        values = a | {quiet: np.interp(grid, coarse, rough)}
+        files = {
+            name: _write(tmp_path / f"{name}{grid.size}.txt", t[name], values[name]) for name in t
+        }
+        motion = {"kind": "record", "file": files["motion"], "unit": "m/s2"} | NO_PULSE
+        vertical = {"file": files["vertical"], "unit": "m/s2"}
+        case = coupled(motion=motion, vertical=vertical, solver={"t_end": 8.0})
+        runs.append(rwmf.simulate(case, dt=0.01))
+    assert int(runs[0]["impacts"]) > 10
+    for name in ("theta", "theta_dot", "u_g_ddot", "v_g_ddot"):
+        assert np.array_equal(runs[0][name].values, runs[1][name].values), name
+    assert float(runs[0]["u_s_max"]) == float(runs[1]["u_s_max"])
+
+
+def test_default_end_is_that_of_the_longer_record(tmp_path: Path) -> None:
+    t = np.array([0.0, 9.5])
+    ends = {
+        "both": coupled(
+            motion=_horizontal(tmp_path),
+            vertical=_vertical(tmp_path, t, np.ones(2)),
+            solver={"t_end": None},
+        ),
+        "vertical": block(
+            motion=None, vertical=_vertical(tmp_path, t, np.ones(2)), solver={"t_end": None}
+        ),
+        "short": coupled(
+            motion=_horizontal(tmp_path),
+            vertical=_vertical(tmp_path, t / 10, np.ones(2), "short"),
+            solver={"t_end": None},
+        ),
+    }
+    assert {name: case.solver.t_end for name, case in ends.items()} == {
+        "both": 9.5,
+        "vertical": 9.5,
+        "short": 6.0,
+    }
+
+
+def test_mirror(tmp_path: Path) -> None:
+    """Motion -> -motion under the same vertical motion: -theta, bit for bit."""
+    t = np.arange(0, 7, 0.01)
+    vertical = _vertical(tmp_path, t, 3 * np.sin(11 * t))
+    runs = [
+        rwmf.simulate(
+            coupled(
+                motion=_horizontal(tmp_path, scale=scale), vertical=vertical, solver={"t_end": 8.0}
+            ),
+            dt=0.01,
+        )
+        for scale in (1.0, -1.0)
+    ]
+    assert np.array_equal(runs[0]["theta"].values, -runs[1]["theta"].values)
+
+
+@pytest.mark.parametrize("scale", [4.0, 3.0])
+def test_dynamic_scaling(scale: float) -> None:
+    """Lengths times L and times times sqrt(L), the accelerations the same."""
+    time = math.sqrt(scale)
+    vertical = {"ratio": 0.65}
+    first = rwmf.simulate(coupled(solver=TIGHT, vertical=vertical))
+    second = rwmf.simulate(
+        coupled(
+            wall={"h": 2.0 * scale, "b": 0.5 * scale},
+            frame={"T_s": time},
+            motion={"omega_p": 2 * math.pi / time},
+            solver=TIGHT | {"t_end": 10.0 * time},
+            vertical=vertical,
+        )
+    )
+    assert float(second["u_s_max"]) == pytest.approx(
+        scale * float(first["u_s_max"]), rel=SAME_PHYSICS
+    )
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_energy(method: str, tmp_path: Path) -> None:
+    t = np.arange(0, 6, 0.02)
+    vertical = _vertical(tmp_path, t, 5 * np.sin(9 * t))
+    for scene in ({}, {"wall": {"base": "pinned"}, "cable": None, "impact": None}):
+        run = rwmf.simulate(
+            coupled(
+                motion=_horizontal(tmp_path),
+                vertical=vertical,
+                model={"formulation": "exact"},
+                solver={"t_end": 8.0, "method": method},
+                output={"energy": True},
+                **scene,
+            )
+        )
+        assert abs(float(run["energy_balance_relative"])) < 1e-7
+
+
+def test_methods_agree_with_quadruple_precision(tmp_path: Path) -> None:
+    t = np.arange(0, 6, 0.015)
+    vertical = _vertical(tmp_path, t, 5 * np.sin(9 * t))
+    case = coupled(motion=_horizontal(tmp_path), vertical=vertical, solver={"t_end": 6.0})
+    reference = _measure.solve_reference(case.text, case.kernel_source(), 1e-15, 1e-16)
+    expected = reference.values["u_s_max_m"]
+    assert 0 < reference.differences["u_s_max_m"] < 1e-13
+    for method in METHODS:
+        run = rwmf.simulate(case.replace(solver={"method": method, "rtol": 1e-10}))
+        assert float(run["u_s_max"]) == pytest.approx(expected, rel=1e-8), method
+
+
+def _block_by_scipy(ratio: float, t_end: float) -> float:
+    """Rotation at t_end of a block let go at 0.5 alpha, e = 0.9, by another program [rad]."""
+    R = math.hypot(2.0, 0.5)
+    omega = 2 * math.pi
+
+    def ground(t: float) -> float:
+        return 0.4 * G * math.cos(omega * t) if t < 1 else 0.0
+
+    def rates(t: float, y: np.ndarray, side: int) -> list[float]:
+        arm = ALPHA - side * y[0]
+        weight = G + ratio * ground(t)
+        return [
+            y[1],
+            -0.75 / R * (side * weight * math.sin(arm) + ground(t) * math.cos(arm)),
+        ]
+
+    def base(t: float, y: np.ndarray, side: int) -> float:
+        return y[0] * side
+
+    base.terminal, base.direction = True, -1  # type: ignore[attr-defined]
+    t, y, side = 0.0, [0.5 * ALPHA, 0.0], 1
+    while t < t_end:
+        stop = 1.0 if t < 1 else t_end
+        found = solve_ivp(
+            rates, (t, stop), y, args=(side,), events=base, method="DOP853", rtol=1e-12,
+            atol=1e-14,
+        )  # fmt: skip
+        t, y = float(found.t[-1]), list(found.y[:, -1])
+        if found.status == 1:
+            y, side = [0.0, 0.9 * y[1]], -side
+    return y[0]
+
+
+@pytest.mark.parametrize("ratio", [0.65, -0.65])
+def test_another_program(ratio: float) -> None:
+    motion = {"kind": "one_cosine", "a_max_g": 0.4, "omega_p": 2 * math.pi}
+    case = block(
+        motion=motion,
+        vertical={"ratio": ratio},
+        initial={"theta_over_alpha": 0.5},
+        solver={"t_end": 2.0, "rtol": 1e-11},
+    )
+    run = rwmf.simulate(case, dt=2.0)
+    assert int(run["impacts"]) > 1
+    assert float(run["theta"][-1]) == pytest.approx(_block_by_scipy(ratio, 2.0), rel=1e-8)
+
+
+@pytest.mark.parametrize("eta_0", [0.0, 1.0])
+def test_a_wall_that_jumps_is_refused(eta_0: float, tmp_path: Path) -> None:
+    """Without horizontal motion the wall stays until g (1 + eta_0) + v_g'' = 0, and then jumps."""
+    t, a = np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.0, -4 * G])
+    case = coupled(
+        frame=None,
+        motion=None,
+        cable={"eta_0": eta_0},
+        vertical=_vertical(tmp_path, t, a),
+        solver={"t_end": 3.0},
+    )
+    with pytest.raises(rwmf.RwmfError, match="the wall jumps at t = ") as failure:
+        rwmf.simulate(case)
+    instant = float(str(failure.value).split("t = ")[1].split(" s")[0])
+    assert instant == pytest.approx(1 + (1 + eta_0) / 4, rel=1e-12)
+    stays = rwmf.simulate(case.replace(vertical={"scale": 0.99 * (1 + eta_0) / 4}))
+    assert int(stays["lift_offs"]) == 0
+    assert stays.attrs["warnings"] == []
+
+
+def test_a_wall_that_lands_without_weight_is_refused(tmp_path: Path) -> None:
+    """The weight goes shortly before the wall is back on its base."""
+    free = {"motion": None, "initial": {"theta_over_alpha": 0.5}, "output": {"dt": 5.0}}
+    run = rwmf.simulate(block(**free, solver={"t_end": 5.0}))
+    landing = float(run["event_time"].values[run["event"].values == "impact"][0])
+    t = np.array([0.0, landing - 0.02, landing - 0.019, landing + 1])
+    vertical = _vertical(tmp_path, t, np.array([0.0, 0.0, -2 * G, -2 * G]))
+    with pytest.raises(rwmf.RwmfError, match="the wall jumps at t = ") as failure:
+        rwmf.simulate(block(**free, vertical=vertical, solver={"t_end": 5.0}))
+    instant = float(str(failure.value).split("t = ")[1].split(" s")[0])
+    assert landing < instant < landing + 0.01
+
+
+def test_times_that_differ_by_round_off_are_one_knot(tmp_path: Path) -> None:
+    """3*0.1 is not 0.3 in binary."""
+    t = np.arange(60) / 10
+    a = 3 * np.sin(3 * t)
+    (tmp_path / "column.txt").write_text("".join(f"{x:.17g}\n" for x in a), encoding="utf-8")
+    (tmp_path / "times.txt").write_text(
+        "".join(f"{x:.1f} {y:.17g}\n" for x, y in zip(t, a, strict=True)), encoding="utf-8"
+    )
+    motion = {"kind": "record", "file": str(tmp_path / "times.txt"), "unit": "m/s2"} | NO_PULSE
+    column = {"file": str(tmp_path / "column.txt"), "unit": "m/s2", "dt": 0.1}
+    times = {"file": str(tmp_path / "times.txt"), "unit": "m/s2"}
+    runs = [rwmf.simulate(coupled(motion=motion, vertical=v)) for v in (column, times)]
+    assert float(runs[0]["u_s_max"]) == pytest.approx(float(runs[1]["u_s_max"]), rel=1e-12)
+
+
+def test_a_weight_that_vanishes_is_reported() -> None:
+    run = rwmf.simulate(coupled(vertical={"ratio": 5.1}))
+    assert any("takes all of weight" in warning for warning in run.attrs["warnings"])
+
+
+def test_spectrum_is_that_of_single_runs(tmp_path: Path) -> None:
+    """Also for method fast, which leaves such scenes to dop853."""
+    vertical = {"ratio": -0.65}
+    periods = [0.4, 1.0]
+    for method in ("fast", "dop853"):
+        spectrum = rwmf.spectrum(
+            coupled(vertical=vertical, solver={"method": method}, spectrum={"T_s": periods})
+        )
+        for i, T_s in enumerate(periods):
+            run = rwmf.simulate(
+                coupled(vertical=vertical, solver={"method": "dop853"}, frame={"T_s": T_s})
+            )
+            assert spectrum["u_s_max"].values.ravel()[i] == float(run["u_s_max"])
+
+
+def test_the_record_travels_with_the_case(tmp_path: Path) -> None:
+    (tmp_path / "records").mkdir()
+    t = np.arange(0, 3, 0.01)
+    _write(tmp_path / "records" / "v.txt", t, np.sin(t))
+    text = coupled(motion=None, cable=None).text
+    text += "&vertical file = 'records/v.txt', unit = 'm/s2' /\n"
+    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
+    case = rwmf.Case.from_namelist(tmp_path / "case.nml")
+    (tmp_path / "deep").mkdir()
+    moved = tmp_path / "deep" / "moved.nml"
+    case.to_namelist(moved)
+    again = rwmf.Case.from_namelist(moved)
+    assert Path(moved.parent, str(again.vertical.file)).resolve() == (
+        tmp_path / "records" / "v.txt"
+    )
