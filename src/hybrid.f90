@@ -319,6 +319,7 @@ contains
       if (equation%moves_at_rest) then
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
+            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
             negligible*hybrid%rtol*observer%theta_dot_max)
       else
          rests = may_rest(equation, hybrid%t, abs(after), &
