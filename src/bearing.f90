@@ -23,16 +23,12 @@ contains
       type(cable_state_t) :: cable
       real(wp) :: at_rest(size(y))
       real(wp) :: moment
-      real(wp) :: push
-      !! of the ground: no part of what the wall bears [-]
       integer :: side_in_force
       integer :: side
       integer :: i
 
       if (.not. equation%bears_extras) return
       at_rest = y
-      push = equation%push
-      equation%push = 1
       at_rest(:2) = 0
       side_in_force = equation%side
       do side = -1, 1, 2
@@ -48,11 +44,10 @@ contains
                   equation%added_inertia, moment)
             end do
          end if
-         equation%bearing(side) = -moment*equation%p%R/(equation%p%gamma*push*kin%lever &
+         equation%bearing(side) = -moment*equation%p%R/(equation%p%gamma*equation%push*kin%lever &
             + kin%c)
       end do
       equation%side = side_in_force
-      equation%push = push
    end subroutine find_bearing
 
 end module rwmf_bearing

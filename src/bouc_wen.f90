@@ -66,10 +66,14 @@ contains
    real(wp) function lost_part(equation, y)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      real(wp), parameter :: farthest = 1.26_wp
+      !! |z| of a trial state that no step keeps; its power of 1000 is a number [-]
+      real(wp), parameter :: largest = 1.0e3_wp
+      !! of such powers: the next trial state stays a number as well
 
       associate (law => equation%hysteresis)
          associate (z => y(law%place))
-            lost_part = abs(z)**law%exponent*(1 - law%beta &
+            lost_part = min(min(abs(z), farthest)**law%exponent, largest)*(1 - law%beta &
                + sign(law%beta, equation%course*z))
          end associate
       end associate

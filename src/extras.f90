@@ -11,9 +11,9 @@ module rwmf_extras
       springs_force, &
       springs_power
    use rwmf_scene, only: equation_t, extra_t
-   use rwmf_vertical, only: add_vertical
    use rwmf_storeys, only: add_push, add_storeys, prepare_storeys, push_input, storey_energy, &
       storey_input, storey_power, storey_rates, storey_sizes
+   use rwmf_vertical, only: add_vertical
    implicit none
    private
 
@@ -42,16 +42,6 @@ contains
          call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
             energy=springs_energy, force=springs_force, is_hysteretic=.true.))
       end if
-      if (allocated(case%inerter)) then
-         equation%inertance = case%inerter%inertance_over_m_w
-         call add_extra(equation, extra_t(add=add_inerter, energy=inerter_energy, &
-            force=inerter_force))
-      end if
-      if (allocated(case%vertical)) then
-         equation%has_vertical = .true.
-         equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma)
-         call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
-      end if
       if (allocated(case%yielding) .and. .not. is_bilinear) then
          call prepare_bouc_wen(case, equation)
          call add_extra(equation, extra_t(add=add_bouc_wen, power=bouc_wen_power, &
@@ -59,6 +49,16 @@ contains
             sizes=bouc_wen_sizes))
       end if
       if (allocated(case%storeys)) call add_frame(case, equation)
+      if (allocated(case%inerter)) then
+         equation%inertance = case%inerter%inertance_over_m_w
+         call add_extra(equation, extra_t(add=add_inerter, energy=inerter_energy, &
+            force=inerter_force))
+      end if
+      if (allocated(case%vertical)) then
+         equation%has_vertical = .true.
+         equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma*equation%push)
+         call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
+      end if
    end subroutine choose_extras
 
    !> The storeys of the frame: one mode, which the ground pushes in its own way, or all modes.
@@ -68,7 +68,7 @@ contains
 
       call prepare_storeys(case, equation)
       if (.not. allocated(equation%floors%m)) then
-         call add_extra(equation, extra_t(add=add_push, input=push_input))
+         call add_extra(equation, extra_t(add=add_push, input=push_input, is_motion=.true.))
          return
       end if
       equation%floors%first = equation%n + 1

@@ -150,9 +150,9 @@ contains
          call enter_interval(equation, interval)
       end do
       if (side == 0) return
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
-      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%side = side
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
@@ -320,8 +320,8 @@ contains
       call find_bearing(equation, hybrid%y)
       if (equation%moves_at_rest) then
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
-            largest_factor(hybrid%restitution, &
-            abs(after)), &
+            largest_factor(hybrid%restitution, abs(after)), &
+            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
             negligible*hybrid%rtol*observer%theta_dot_max)
       else
          rests = may_rest(equation, hybrid%t, abs(after), &

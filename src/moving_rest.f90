@@ -216,7 +216,8 @@ contains
    !> As `may_rest` of `rest.f90`, but the pressure changes with the other states. So the chatter
    !> must end within a tenth of their shortest period, and the pressure is reduced by twice what
    !> their present rates make of it in that time, and by a bound on their acceleration.
-   logical function may_rest_moving(equation, t, y, v, e, small_velocity) result(may_rest)
+   logical function may_rest_moving(equation, t, y, v, e, small_angle, small_velocity) &
+      result(may_rest)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -226,6 +227,8 @@ contains
       !! magnitude of the angular velocity after the impact [rad/s]
       real(wp), intent(in) :: e
       !! velocity factor [-]
+      real(wp), intent(in) :: small_angle
+      !! negligible rotation [rad]
       real(wp), intent(in) :: small_velocity
       !! negligible angular velocity [rad/s]
       real(wp) :: press
@@ -240,7 +243,7 @@ contains
       if (press <= 0) return
       gain = inverse_inertia(equation)
       may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
-      if (may_rest .or. e >= 1) return
+      if (may_rest .or. e >= 1 .or. v**2 > 2*press*gain*small_angle) return
       chatter = 4*v/(press*gain*(1 - e))
       if (chatter*equation%quickest > 0.1_wp) return
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return

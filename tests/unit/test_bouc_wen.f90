@@ -155,7 +155,7 @@ contains
          difference(i) = result%u_s_max - sharp%u_s_max
       end do
       call checks%close_to(difference(2)/sharp%u_s_max, 0.0_wp, 'sharp knee, '//name, &
-         atol=3.0e-3_wp)
+         atol=1.0e-5_wp)
       call checks%close_to(difference(1)/difference(2), 4.0_wp, 'order of it, '//name, &
          atol=0.3_wp)
       call checks%close_to(result%residual_displacement, sharp%residual_displacement, &

@@ -306,7 +306,7 @@ contains
       call checks%no_error(error, 'energy of storeys')
       associate (ledger => result%energy)
          call checks%close_to(ledger%final + ledger%viscous + ledger%impact, &
-            ledger%initial + ledger%input, 'energy of storeys', atol=1.0e-8_wp*ledger%input_max)
+            ledger%initial + ledger%input, 'energy of storeys', atol=1.0e-9_wp*ledger%input_max)
       end associate
       if (e > 0.6_wp) return
       call checks%that(any(result%events%kind == event_rest), 'the wall comes to rest')
