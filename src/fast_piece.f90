@@ -158,8 +158,9 @@ contains
       n(1) = h*s
       highest = n(1)
       small = negligible_n*ordinate%rtol*ordinate%v_max
-      ! From rest the slope is zero, and the second derivative of N is what counts.
-      change = abs(n(1)) + h**2*abs(a*(2*c(0, 1)*a + by_v))
+      ! From rest at the threshold both n(1) and a vanish: what counts is how far the forcing takes
+      ! the wall within the part.
+      change = abs(n(1)) + h**2*(abs(a) + sum(abs(forcing(1:))))*abs(2*c(0, 1)*a + by_v)
       do i = 1, 3
          if (h**2*change <= small) exit
          call series(damping, stiffness, h, 0.0_wp, w, forcing + newton_to_powers(n), last, p)
