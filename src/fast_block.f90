@@ -1,13 +1,13 @@
 !> Ordinates of one mass ratio and one width that advance together, with everything that happens to
 !> each of them.
 module rwmf_fast_block
-   use rwmf_fast_flight, only: fall_asleep, pass_events, wake_up
+   use rwmf_fast_flight, only: fall_asleep, pass_events
    use rwmf_fast_grid, only: fast_grid_t
-   use rwmf_fast_law, only: fast_law_t
-   use rwmf_fast_piece, only: end_state_t, ordinate_t
-   use rwmf_fast_series, only: step_weights
-   use rwmf_fast_lanes, only: lane_rate_t, lane_state_t, lanes, weights
+   use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_rate_t, lane_state_t, lanes, &
+      weights, width
    use rwmf_fast_machine, only: advance_lanes
+   use rwmf_fast_ordinate, only: ordinate_t
+   use rwmf_fast_series, only: step_weights
    use rwmf_kinds, only: pi, wp
    implicit none
    private
@@ -16,6 +16,8 @@ module rwmf_fast_block
 
    !> Work space of a block.
    type :: block_t
+      integer :: n
+      !! lanes in use, padded to a multiple of `width`
       type(lane_rate_t) :: rate
       type(lane_state_t) :: now
       type(lane_state_t) :: next
@@ -28,6 +30,8 @@ module rwmf_fast_block
       real(wp) :: difference(lanes, 0:3)
       !! divided differences of N [1/s2]
       type(ordinate_t) :: ordinate(lanes)
+      type(flights_t) :: flights
+      !! of the lanes in which something happens
       integer :: next_wake
       !! first step in which a resting lane lifts off
    end type block_t
@@ -66,13 +70,13 @@ contains
             h = grid%step(number)%h
             call weigh(law, h, block)
          end if
-         call advance_lanes(level, block%rate, grid%step(number), block%awake, block%now, &
+         call advance_lanes(level, block%n, block%rate, grid%step(number), block%awake, block%now, &
             block%next, block%difference, block%v_max, block%event)
-         if (any(block%event > 0) .or. number == block%next_wake) then
-            call attend(law, grid, loud, number, n, block)
+         if (any(block%event(:block%n) > 0) .or. number == block%next_wake) then
+            call attend(level, law, grid, loud, number, n, block)
          end if
          number = number + 1
-         if (.not. any(block%awake > 0)) number = block%next_wake
+         if (.not. any(block%awake(:block%n) > 0)) number = block%next_wake
       end do
       v_max = block%v_max(:n)
       failed = block%ordinate(:n)%failed .or. .not. abs(block%now%v(:n)) < huge(v_max)
@@ -90,21 +94,27 @@ contains
       real(wp) :: omega_s
       integer :: i
 
+      block%n = width*((size(T_s) + width - 1)/width)
       block%rate%m2 = law%m2
       block%rate%m3 = law%m3
       block%v_max = 0
-      do i = 1, lanes
+      block%awake = 0
+      block%now%v = 0
+      block%now%w = 0
+      block%now%n = 0
+      block%now%s = 0
+      block%now%drive = 0
+      do i = 1, block%n
          omega_s = 2*pi/T_s(min(i, size(T_s)))
          block%ordinate(i) = ordinate_t(2*xi_s*omega_s, omega_s**2, rtol, 1, 0.0_wp, 0.0_wp, 0, &
             .true., 0, 0.0_wp, 1, .false.)
          block%rate%damping(i) = block%ordinate(i)%damping
          block%rate%stiffness(i) = block%ordinate(i)%stiffness
          call fall_asleep(law, grid, loud, 1, 0.0_wp, block%ordinate(i))
-         call enter(i, end_state_t(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), block)
          call turn(law, i, block)
       end do
-      block%ordinate(size(T_s) + 1:)%wake_step = size(loud)
-      block%next_wake = minval(block%ordinate%wake_step)
+      block%ordinate(size(T_s) + 1:block%n)%wake_step = size(loud)
+      block%next_wake = minval(block%ordinate(:size(T_s))%wake_step)
    end subroutine begin_block
 
    !> Weights of the step size h.
@@ -115,7 +125,7 @@ contains
       type(block_t), intent(inout) :: block
       integer :: i
 
-      do i = 1, lanes
+      do i = 1, block%n
          associate (one => block%ordinate(i))
             block%rate%weight(i, :) = reshape(step_weights(one%damping*law%m1, &
                one%stiffness*law%m1 + law%m3_1, h), [weights])
@@ -124,7 +134,8 @@ contains
    end subroutine weigh
 
    !> Follow the lanes in which something happens in this step.
-   pure subroutine attend(law, grid, loud, number, n, block)
+   pure subroutine attend(level, law, grid, loud, number, n, block)
+      integer, intent(in) :: level
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: loud(:)
@@ -132,48 +143,53 @@ contains
       integer, intent(in) :: n
       !! lanes in use
       type(block_t), intent(inout) :: block
-      type(end_state_t) :: finish
       integer :: i
-      integer :: side
 
+      call gather(n, block)
+      call pass_events(level, law, grid, loud, number, block%flights, block%ordinate(:n), &
+         block%now)
       do i = 1, n
-         side = block%ordinate(i)%side
-         if (block%event(i) > 0) then
-            finish = end_state_t(block%next%v(i), block%next%w(i), block%next%n(i), &
-               block%next%s(i), block%next%drive(i))
-            block%ordinate(i)%v_max = block%v_max(i)
-            call pass_events(law, grid, loud, number, block%now%v(i), block%now%w(i), &
-               block%difference(i, :), block%ordinate(i), finish)
-         else if (block%ordinate(i)%rests .and. block%ordinate(i)%wake_step == number) then
-            call wake_up(law, grid, loud, number, block%ordinate(i), finish)
-         else
-            cycle
-         end if
-         if (block%ordinate(i)%failed) then
-            block%ordinate(i)%rests = .true.
-            block%ordinate(i)%wake_step = size(loud)
-         end if
-         call enter(i, finish, block)
-         if (block%ordinate(i)%side /= side) call turn(law, i, block)
+         associate (one => block%ordinate(i))
+            block%v_max(i) = max(block%v_max(i), one%v_max)
+            block%awake(i) = merge(0.0_wp, 1.0_wp, one%rests)
+            if (abs(block%rate%side(i) - one%side) > 0) call turn(law, i, block)
+         end associate
       end do
-      block%next_wake = minval(block%ordinate%wake_step, mask=block%ordinate%rests)
+      block%next_wake = minval(block%ordinate(:n)%wake_step, mask=block%ordinate(:n)%rests)
       block%next_wake = min(block%next_wake, size(loud))
    end subroutine attend
 
-   !> Put the state after an event into its lane.
-   pure subroutine enter(i, finish, block)
-      integer, intent(in) :: i
-      type(end_state_t), intent(in) :: finish
+   !> Put the marked lanes in a row.
+   pure subroutine gather(n, block)
+      integer, intent(in) :: n
+      !! lanes in use
       type(block_t), intent(inout) :: block
+      integer :: i
 
-      block%now%v(i) = finish%v
-      block%now%w(i) = finish%w
-      block%now%n(i) = finish%n
-      block%now%s(i) = finish%s
-      block%now%drive(i) = finish%drive
-      block%v_max(i) = block%ordinate(i)%v_max
-      block%awake(i) = merge(0.0_wp, 1.0_wp, block%ordinate(i)%rests)
-   end subroutine enter
+      associate (flights => block%flights, k => block%flights%used)
+         k = 0
+         do i = 1, n
+            if (.not. block%event(i) > 0) cycle
+            k = k + 1
+            block%ordinate(i)%v_max = block%v_max(i)
+            flights%lane(k) = i
+            flights%x(k) = 0
+            flights%span(k) = 1
+            flights%v(k) = block%now%v(i)
+            flights%w(k) = block%now%w(i)
+            flights%side(k) = block%rate%side(i)
+            flights%damping(k) = block%rate%damping(i)
+            flights%stiffness(k) = block%rate%stiffness(i)
+            flights%v_max(k) = block%v_max(i)
+            flights%n_0(k, :) = block%difference(i, :)
+            flights%finish%v(k) = block%next%v(i)
+            flights%finish%w(k) = block%next%w(i)
+            flights%finish%n(k) = block%next%n(i)
+            flights%finish%s(k) = block%next%s(i)
+            flights%finish%drive(k) = block%next%drive(i)
+         end do
+      end associate
+   end subroutine gather
 
    !> Constants of the side on which a lane moves.
    pure subroutine turn(law, i, block)

@@ -7,16 +7,21 @@ module rwmf_fast_machine
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_fast_lanes, only: lane_rate_t, lane_state_t, lanes, step_t, wp
+   use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_rate_t, lane_state_t, lanes, step_t, wp
+   use rwmf_fast_piece, only: depart_flights, follow_flights, locate_events
    use rwmf_fast_step, only: settle_lanes, step_lanes
 #ifdef FAST_LEVELS
+   use FAST_PIECE_V3, only: depart_flights_v3 => depart_flights, &
+      follow_flights_v3 => follow_flights, locate_events_v3 => locate_events
+   use FAST_PIECE_V4, only: depart_flights_v4 => depart_flights, &
+      follow_flights_v4 => follow_flights, locate_events_v4 => locate_events
    use FAST_STEP_V3, only: settle_lanes_v3 => settle_lanes, step_lanes_v3 => step_lanes
    use FAST_STEP_V4, only: settle_lanes_v4 => settle_lanes, step_lanes_v4 => step_lanes
 #endif
    implicit none
    private
 
-   public :: best_level, advance_lanes
+   public :: best_level, advance_lanes, follow, depart, locate
 
 #ifdef FAST_LEVELS
    interface
@@ -40,9 +45,11 @@ contains
    end function best_level
 
    !> One step of all lanes; those in which something may happen are marked and left as they were.
-   pure subroutine advance_lanes(level, rate, step, awake, now, next, difference, v_max, event)
+   pure subroutine advance_lanes(level, n, rate, step, awake, now, next, difference, v_max, event)
       integer, intent(in) :: level
       !! from `best_level`
+      integer, intent(in) :: n
+      !! lanes in use, a multiple of `width`
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: awake(lanes)
@@ -60,16 +67,74 @@ contains
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call step_lanes_v4(rate, step, now, next, difference)
-         call settle_lanes_v4(step%h, awake, next, now, v_max, event)
+         call step_lanes_v4(n, rate, step, now, next, difference)
+         call settle_lanes_v4(n, step%h, awake, next, now, v_max, event)
       case (3)
-         call step_lanes_v3(rate, step, now, next, difference)
-         call settle_lanes_v3(step%h, awake, next, now, v_max, event)
+         call step_lanes_v3(n, rate, step, now, next, difference)
+         call settle_lanes_v3(n, step%h, awake, next, now, v_max, event)
 #endif
       case default
-         call step_lanes(rate, step, now, next, difference)
-         call settle_lanes(step%h, awake, next, now, v_max, event)
+         call step_lanes(n, rate, step, now, next, difference)
+         call settle_lanes(n, step%h, awake, next, now, v_max, event)
       end select
    end subroutine advance_lanes
+
+   !> Series of whole steps whose differences of N are known.
+   pure subroutine follow(level, law, step, flights)
+      integer, intent(in) :: level
+      !! from `best_level`
+      type(fast_law_t), intent(in) :: law
+      type(step_t), intent(in) :: step
+      type(flights_t), intent(inout) :: flights
+
+      select case (level)
+#ifdef FAST_LEVELS
+      case (4)
+         call follow_flights_v4(law, step, flights)
+      case (3)
+         call follow_flights_v3(law, step, flights)
+#endif
+      case default
+         call follow_flights(law, step, flights)
+      end select
+   end subroutine follow
+
+   !> Integrate from the base over a part of the step.
+   pure subroutine depart(level, law, step, flights)
+      integer, intent(in) :: level
+      !! from `best_level`
+      type(fast_law_t), intent(in) :: law
+      type(step_t), intent(in) :: step
+      type(flights_t), intent(inout) :: flights
+
+      select case (level)
+#ifdef FAST_LEVELS
+      case (4)
+         call depart_flights_v4(law, step, flights)
+      case (3)
+         call depart_flights_v3(law, step, flights)
+#endif
+      case default
+         call depart_flights(law, step, flights)
+      end select
+   end subroutine depart
+
+   !> First impact and largest value of the flights.
+   pure subroutine locate(level, flights)
+      integer, intent(in) :: level
+      !! from `best_level`
+      type(flights_t), intent(inout) :: flights
+
+      select case (level)
+#ifdef FAST_LEVELS
+      case (4)
+         call locate_events_v4(flights)
+      case (3)
+         call locate_events_v3(flights)
+#endif
+      case default
+         call locate_events(flights)
+      end select
+   end subroutine locate
 
 end module rwmf_fast_machine

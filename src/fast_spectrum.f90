@@ -7,8 +7,8 @@ module rwmf_fast_spectrum
    use rwmf_control, only: control_t, count_done, is_cancelled
    use rwmf_fast_block, only: run_block
    use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps
-   use rwmf_fast_law, only: build_law, fast_law_t
-   use rwmf_fast_lanes, only: lanes
+   use rwmf_fast_lanes, only: fast_law_t, lanes
+   use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: motion_t
@@ -21,8 +21,11 @@ module rwmf_fast_spectrum
    !! mass ratio below which N is no small remainder [-]
    integer, parameter :: halvings = 5
    !! step sizes: the longest one halved up to so often
-   real(wp), parameter :: fit_range(3) = [0.1_wp, 0.2_wp, 0.3_wp]
+   real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
    !! of |u_s|/(2R) [-]
+   real(wp), parameter :: fit_share = 0.1_wp
+   !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
+   !! (g/R)/(omega_s**2 v), about 10 for flexible frames
 
    !> Ordinates of one mass ratio, width and step size, at most `lanes`.
    type :: task_t
@@ -243,7 +246,7 @@ contains
       !! slenderness [rad]
 
       alpha = atan2(case%wall%b, case%wall%h)
-      is_usable = law%fit_error < max(10*case%solver%rtol, 2.0e-8_wp) .and. law%e > 0 &
+      is_usable = law%fit_error < fit_share*case%solver%rtol .and. law%e > 0 &
          .and. law%v_high < sin(min(case%model%overturning_angle, 1.0_wp)/2)*cos(alpha)
    end function is_usable
 

@@ -21,7 +21,9 @@ module FAST_STEP
 contains
 
    !> Advance all lanes by one step, as if nothing happened in it.
-   pure subroutine step_lanes(rate, step, now, next, difference)
+   pure subroutine step_lanes(n_used, rate, step, now, next, difference)
+      integer, intent(in) :: n_used
+      !! lanes in use, a multiple of `width`
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
       type(lane_state_t), intent(in) :: now
@@ -33,20 +35,21 @@ contains
       real(wp) :: n(lanes)
       real(wp) :: slope(lanes)
 
-      call predict_second(rate, step, now%v, now%w, now%n, now%s, now%drive, slope, difference, &
+      call predict_second(n_used, rate, step, now%v, now%w, now%n, now%s, now%drive, slope, difference, &
          v, w)
-      call remainder(rate, step%f(0) + c_2*step%f(1), v, w, n, next%drive)
-      call predict_third(rate, step, now%v, now%w, n, slope, difference, v, w)
-      call remainder(rate, step%f(0) + c_3*(step%f(1) + (c_3 - c_2)*step%f(2)), v, w, n, &
+      call remainder(n_used, rate, step%f(0) + c_2*step%f(1), v, w, n, next%drive)
+      call predict_third(n_used, rate, step, now%v, now%w, n, slope, difference, v, w)
+      call remainder(n_used, rate, step%f(0) + c_3*(step%f(1) + (c_3 - c_2)*step%f(2)), v, w, n, &
          next%drive)
-      call predict_end(rate, step, now%v, now%w, n, slope, difference, next%v, next%w)
-      call remainder(rate, step%f(0) + step%f(1) + (1 - c_2)*(step%f(2) + (1 - c_3)*step%f(3)), &
+      call predict_end(n_used, rate, step, now%v, now%w, n, slope, difference, next%v, next%w)
+      call remainder(n_used, rate, step%f(0) + step%f(1) + (1 - c_2)*(step%f(2) + (1 - c_3)*step%f(3)), &
          next%v, next%w, next%n, next%drive)
-      call correct_end(rate, step, next%n, next%s, difference, next%v, next%w)
+      call correct_end(n_used, rate, step, next%n, next%s, difference, next%v, next%w)
    end subroutine step_lanes
 
    !> N at the states of all lanes.
-   pure subroutine remainder(rate, f, v, w, n, drive)
+   pure subroutine remainder(n_used, rate, f, v, w, n, drive)
+      integer, intent(in) :: n_used
       type(lane_rate_t), intent(in) :: rate
       real(wp), intent(in) :: f
       !! ground acceleration [m/s2]
@@ -63,7 +66,7 @@ contains
 
       associate (c => rate%coef)
          !$omp simd private(x, q, d_1, d_2, h)
-         do i = 1, lanes
+         do i = 1, n_used
             x = v(i)
             q = c(i, 0, 1) + x*(c(i, 1, 1) + x*(c(i, 2, 1) + x*(c(i, 3, 1) + x*(c(i, 4, 1) &
                + x*(c(i, 5, 1) + x*c(i, 6, 1))))))
@@ -81,7 +84,8 @@ contains
    end subroutine remainder
 
    !> State at c2 from the value and the slope of N at 0.
-   pure subroutine predict_second(rate, step, v_0, w_0, n_0, s_0, drive, slope, d, v, w)
+   pure subroutine predict_second(n_used, rate, step, v_0, w_0, n_0, s_0, drive, slope, d, v, w)
+      integer, intent(in) :: n_used
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: v_0(lanes)
@@ -99,7 +103,7 @@ contains
 
       associate (a => rate%weight, f => step%f)
          !$omp simd private(g_0, g_1, g_2, g_3, ground)
-         do i = 1, lanes
+         do i = 1, n_used
             d(i, 0) = n_0(i) - drive(i)*rate%side(i)*step%jump
             slope(i) = step%h*(s_0(i) - drive(i)*rate%side(i)*step%kink)
             ground = -rate%m2(i)*rate%side(i)
@@ -116,7 +120,8 @@ contains
    end subroutine predict_second
 
    !> State at c3 from the slope at 0 and the values at 0 and c2.
-   pure subroutine predict_third(rate, step, v_0, w_0, n_2, slope, d, v, w)
+   pure subroutine predict_third(n_used, rate, step, v_0, w_0, n_2, slope, d, v, w)
+      integer, intent(in) :: n_used
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: v_0(lanes)
@@ -132,7 +137,7 @@ contains
 
       associate (a => rate%weight, f => step%f)
          !$omp simd private(g_0, g_1, g_2, g_3, ground)
-         do i = 1, lanes
+         do i = 1, n_used
             d(i, 1) = (n_2(i) - d(i, 0))*(1/c_2)
             slope(i) = (d(i, 1) - slope(i))*(1/c_2)
             ground = -rate%m2(i)*rate%side(i)
@@ -149,7 +154,8 @@ contains
    end subroutine predict_third
 
    !> State at 1 from the slope at 0 and the values at 0, c2 and c3.
-   pure subroutine predict_end(rate, step, v_0, w_0, n_3, slope, d, v, w)
+   pure subroutine predict_end(n_used, rate, step, v_0, w_0, n_3, slope, d, v, w)
+      integer, intent(in) :: n_used
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: v_0(lanes)
@@ -165,7 +171,7 @@ contains
 
       associate (a => rate%weight, f => step%f)
          !$omp simd private(g_0, g_1, g_2, g_3, ground)
-         do i = 1, lanes
+         do i = 1, n_used
             d(i, 2) = ((n_3(i) - d(i, 0))*(1/c_3) - d(i, 1))*(1/(c_3 - c_2))
             d(i, 3) = (d(i, 2) - slope(i))*(1/c_3)
             ground = -rate%m2(i)*rate%side(i)
@@ -182,7 +188,8 @@ contains
    end subroutine predict_end
 
    !> Third difference of N with its value at 1, and what it changes.
-   pure subroutine correct_end(rate, step, n_1, s_1, d, v, w)
+   pure subroutine correct_end(n_used, rate, step, n_1, s_1, d, v, w)
+      integer, intent(in) :: n_used
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: n_1(lanes)
@@ -201,7 +208,7 @@ contains
 
       per_h = 1/step%h
       !$omp simd private(third)
-      do i = 1, lanes
+      do i = 1, n_used
          third = (((n_1(i) - d(i, 0)) - d(i, 1))*(1/(1 - c_2)) - d(i, 2))*(1/(1 - c_3))
          v(i) = v(i) + rate%weight(i, 32)*(third - d(i, 3))
          w(i) = w(i) + rate%weight(i, 36)*(third - d(i, 3))
@@ -211,7 +218,8 @@ contains
    end subroutine correct_end
 
    !> Accept the step in the lanes that are awake and where nothing happened, and mark the others.
-   pure subroutine settle_lanes(h, awake, next, now, v_max, event)
+   pure subroutine settle_lanes(n_used, h, awake, next, now, v_max, event)
+      integer, intent(in) :: n_used
       real(wp), intent(in) :: h
       !! [s]
       real(wp), intent(in) :: awake(lanes)
@@ -231,7 +239,7 @@ contains
       integer :: i
 
       !$omp simd private(room, from_0, from_1)
-      do i = 1, lanes
+      do i = 1, n_used
          room = margin*h*abs(now%w(i) - next%w(i))
          from_0 = now%v(i) + h*now%w(i)
          from_1 = next%v(i) - h*next%w(i)
@@ -243,7 +251,7 @@ contains
          event(i) = event(i)*awake(i)
       end do
       !$omp simd private(accepted)
-      do i = 1, lanes
+      do i = 1, n_used
          accepted = awake(i) > event(i)
          now%v(i) = merge(next%v(i), now%v(i), accepted)
          now%w(i) = merge(next%w(i), now%w(i), accepted)

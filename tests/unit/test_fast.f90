@@ -6,7 +6,8 @@ program test_fast
    use rwmf_errors, only: error_t
    use rwmf_fast_block, only: run_block
    use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps
-   use rwmf_fast_law, only: build_law, fast_law_t
+   use rwmf_fast_lanes, only: fast_law_t
+   use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_spectrum, only: run_fast
    use rwmf_kinds, only: wp
