@@ -14,6 +14,10 @@ module rwmf_fast_block
 
    public :: run_block
 
+   real(wp), parameter :: error_share = 0.2_wp
+   !! of what the last evaluation of N changes remains as an error: at most half of this in random
+   !! scenes that are not more sensitive than the motion
+
    !> Work space of a block.
    type :: block_t
       integer :: n
@@ -27,6 +31,8 @@ module rwmf_fast_block
       !! 1: something may happen in the step
       real(wp) :: v_max(lanes)
       !! [-]
+      real(wp) :: worst(lanes)
+      !! doubt when `v_max` was reached [1/s]
       real(wp) :: difference(lanes, 0:3)
       !! divided differences of N [1/s2]
       type(ordinate_t) :: ordinate(lanes)
@@ -39,7 +45,8 @@ module rwmf_fast_block
 contains
 
    !> Peaks of up to `lanes` periods.
-   pure subroutine run_block(law, grid, loud, T_s, xi_s, rtol, level, v_max, failed)
+   pure subroutine run_block(law, grid, loud, T_s, xi_s, rtol, level, v_max, failed, &
+      error)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: loud(:)
@@ -56,6 +63,8 @@ contains
       !! (n) largest |u_s|/(2R) [-]
       logical, intent(out) :: failed(:)
       !! (n) left to the general kernel
+      real(wp), intent(out) :: error(:)
+      !! (n) estimate of the relative error of v_max [-]
       type(block_t) :: block
       real(wp) :: h
       integer :: number
@@ -71,7 +80,7 @@ contains
             call weigh(law, h, block)
          end if
          call advance_lanes(level, block%n, block%rate, grid%step(number), block%awake, block%now, &
-            block%next, block%difference, block%v_max, block%event)
+            block%next, block%difference, block%v_max, block%worst, block%event)
          if (any(block%event(:block%n) > 0) .or. number == block%next_wake) then
             call attend(level, law, grid, loud, number, n, block)
          end if
@@ -79,6 +88,7 @@ contains
          if (.not. any(block%awake(:block%n) > 0)) number = block%next_wake
       end do
       v_max = block%v_max(:n)
+      error = error_share*block%worst(:n)/max(tiny(h), block%ordinate(:n)%w_max)
       failed = block%ordinate(:n)%failed .or. .not. abs(block%now%v(:n)) < huge(v_max)
    end subroutine run_block
 
@@ -104,6 +114,8 @@ contains
       block%now%n = 0
       block%now%s = 0
       block%now%drive = 0
+      block%now%doubt = 0
+      block%worst = 0
       do i = 1, block%n
          omega_s = 2*pi/T_s(min(i, size(T_s)))
          block%ordinate(i) = ordinate_t(2*xi_s*omega_s, omega_s**2, rtol, 1, 0.0_wp, 0.0_wp, 0, &
@@ -127,6 +139,7 @@ contains
 
       do i = 1, block%n
          associate (one => block%ordinate(i))
+            block%rate%keep(i) = max(0.0_wp, 1 - 0.5_wp*h*one%damping*law%m1)
             block%rate%weight(i, :) = reshape(step_weights(one%damping*law%m1, &
                one%stiffness*law%m1 + law%m3_1, h), [weights])
          end associate
@@ -143,19 +156,36 @@ contains
       integer, intent(in) :: n
       !! lanes in use
       type(block_t), intent(inout) :: block
-      integer :: i
+      integer :: touched(lanes)
+      !! numbers of the lanes in question
+      integer :: i, k, m
+      logical :: wakes
 
       call gather(n, block)
-      call pass_events(level, law, grid, loud, number, block%flights, block%ordinate(:n), &
-         block%now)
-      do i = 1, n
+      m = block%flights%used
+      touched(:m) = block%flights%lane(:m)
+      wakes = number == block%next_wake
+      if (wakes) then
+         do i = 1, n
+            if (.not. block%ordinate(i)%rests .or. block%ordinate(i)%wake_step /= number) cycle
+            m = m + 1
+            touched(m) = i
+         end do
+      end if
+      call pass_events(level, law, grid, loud, number, wakes, block%flights, &
+         block%ordinate(:n), block%now)
+      do k = 1, m
+         i = touched(k)
          associate (one => block%ordinate(i))
-            block%v_max(i) = max(block%v_max(i), one%v_max)
+            if (one%v_max > block%v_max(i)) block%worst(i) = block%now%doubt(i)
+            block%v_max(i) = one%v_max
             block%awake(i) = merge(0.0_wp, 1.0_wp, one%rests)
+            if (one%rests) block%next_wake = min(block%next_wake, one%wake_step)
             if (abs(block%rate%side(i) - one%side) > 0) call turn(law, i, block)
          end associate
       end do
-      block%next_wake = minval(block%ordinate(:n)%wake_step, mask=block%ordinate(:n)%rests)
+      if (wakes) block%next_wake = minval(block%ordinate(:n)%wake_step, &
+         mask=block%ordinate(:n)%rests)
       block%next_wake = min(block%next_wake, size(loud))
    end subroutine attend
 

@@ -44,7 +44,7 @@ contains
    end subroutine fall_asleep
 
    !> Follow the lanes in which something happens to the end of the step, or to rest.
-   pure subroutine pass_events(level, law, grid, loud, number, flights, ordinate, now)
+   pure subroutine pass_events(level, law, grid, loud, number, wakes, flights, ordinate, now)
       integer, intent(in) :: level
       !! instruction set
       type(fast_law_t), intent(in) :: law
@@ -53,6 +53,8 @@ contains
       !! from `loud_steps`
       integer, intent(in) :: number
       !! of the step
+      logical, intent(in) :: wakes
+      !! a resting lane may lift off in it
       type(flights_t), intent(inout) :: flights
       !! in: the lanes in motion at its beginning
       type(ordinate_t), intent(inout) :: ordinate(:)
@@ -64,14 +66,14 @@ contains
          if (flights%used > 0) then
             call pad(flights)
             call follow(level, law, step, flights)
-            call locate(level, flights)
+            call locate(level, 0, flights)
+            call judge(law, grid, loud, number, flights, ordinate, now)
          end if
-         call judge(law, grid, loud, number, flights, ordinate, now)
-         call wake_up(number, flights, ordinate)
+         if (wakes) call wake_up(number, flights, ordinate)
          do while (flights%used > 0)
             call pad(flights)
             call depart(level, law, step, flights)
-            call locate(level, flights)
+            call locate(level, 1, flights)
             call judge(law, grid, loud, number, flights, ordinate, now)
          end do
       end associate
@@ -241,7 +243,7 @@ contains
       i = flights%lane(k)
       x = min(flights%x(k) + flights%span(k)*flights%y(k), last_x)
       w = -flights%w_hit(k)/(flights%span(k)*grid%step(number)%h)
-      call bounce(law, grid, number, x, w, ordinate)
+      call bounce(law, grid, loud, number, x, w, ordinate)
       w = law%e*w
       if (ordinate%failed) then
          call give_up(i, size(loud), ordinate, now)
@@ -277,9 +279,10 @@ contains
    end subroutine shorten
 
    !> Impact with the rate w towards the base.
-   pure subroutine bounce(law, grid, number, x, w, ordinate)
+   pure subroutine bounce(law, grid, loud, number, x, w, ordinate)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
+      integer, intent(in) :: loud(:)
       integer, intent(in) :: number
       real(wp), intent(in) :: x
       real(wp), intent(in) :: w
@@ -290,7 +293,7 @@ contains
       ordinate%failed = .not. w > 0 .or. ordinate%impacts > most_impacts
       ordinate%side = -ordinate%side
       ordinate%w_max = max(ordinate%w_max, w)
-      ordinate%rests = comes_to_rest(law, grid, number, x, law%e*w, ordinate)
+      ordinate%rests = comes_to_rest(law, grid, loud, number, x, law%e*w, ordinate)
    end subroutine bounce
 
 end module rwmf_fast_flight

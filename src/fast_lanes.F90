@@ -14,7 +14,7 @@ module rwmf_fast_lanes
 #endif
    !! as in rwmf_kinds; this module uses no other, so that the vectorised loops, which are compiled
    !! with flags of their own, need nothing else
-   integer, parameter :: lanes = 32
+   integer, parameter :: lanes = 64
    !! ordinates that advance together, a multiple of `width`
    integer, parameter :: width = 8
    !! flights are padded to a multiple of this: the widest instructions hold so many
@@ -43,6 +43,8 @@ module rwmf_fast_lanes
       !! rate of N [1/s3]
       real(wp) :: drive(lanes)
       !! v D2: what the ground acceleration contributes to -N [1/m]
+      real(wp) :: doubt(lanes)
+      !! what the last evaluation of N changed in the rate; as `now`: summed up and damped [1/s]
    end type lane_state_t
 
    !> Constants of the lanes; those of the side change at impacts.
@@ -60,6 +62,8 @@ module rwmf_fast_lanes
       real(wp) :: coef(lanes, 0:degree, curves)
       !! polynomials of the side
       real(wp) :: weight(lanes, weights)
+      real(wp) :: keep(lanes)
+      !! what the damping leaves of an error after the step [-]
    end type lane_rate_t
 
    !> Ground motion in one step.
@@ -125,8 +129,10 @@ module rwmf_fast_lanes
       !! negligible change of v by N [-]
       real(wp) :: n_0(lanes, 0:3)
       !! divided differences of N [1/s2]
-      real(wp) :: p(lanes, 0:terms)
-      !! v in powers of the position y in the part
+      real(wp) :: h(lanes)
+      !! length [s]
+      real(wp) :: p(lanes, 0:terms + 1)
+      !! v in powers of the position y in the part; the last one is zero, so that v/y is p(:, 1:)
       type(lane_state_t) :: finish
       !! at the end of the part, as if nothing happened
       real(wp) :: y(lanes)

@@ -45,7 +45,7 @@ contains
    end function best_level
 
    !> One step of all lanes; those in which something may happen are marked and left as they were.
-   pure subroutine advance_lanes(level, n, rate, step, awake, now, next, difference, v_max, event)
+   pure subroutine advance_lanes(level, n, rate, step, awake, now, next, difference, v_max, worst, event)
       integer, intent(in) :: level
       !! from `best_level`
       integer, intent(in) :: n
@@ -61,6 +61,8 @@ contains
       !! divided differences of N [1/s2]
       real(wp), intent(inout) :: v_max(lanes)
       !! [-]
+      real(wp), intent(inout) :: worst(lanes)
+      !! doubt when `v_max` was reached [1/s]
       real(wp), intent(out) :: event(lanes)
       !! 1: something may happen in the step
 
@@ -68,14 +70,17 @@ contains
 #ifdef FAST_LEVELS
       case (4)
          call step_lanes_v4(n, rate, step, now, next, difference)
-         call settle_lanes_v4(n, step%h, awake, next, now, v_max, event)
+         call settle_lanes_v4(n, step%h, awake, rate%keep, next, now, v_max, worst, &
+            event)
       case (3)
          call step_lanes_v3(n, rate, step, now, next, difference)
-         call settle_lanes_v3(n, step%h, awake, next, now, v_max, event)
+         call settle_lanes_v3(n, step%h, awake, rate%keep, next, now, v_max, worst, &
+            event)
 #endif
       case default
          call step_lanes(n, rate, step, now, next, difference)
-         call settle_lanes(n, step%h, awake, next, now, v_max, event)
+         call settle_lanes(n, step%h, awake, rate%keep, next, now, v_max, worst, &
+            event)
       end select
    end subroutine advance_lanes
 
@@ -120,20 +125,22 @@ contains
    end subroutine depart
 
    !> First impact and largest value of the flights.
-   pure subroutine locate(level, flights)
+   pure subroutine locate(level, first, flights)
       integer, intent(in) :: level
       !! from `best_level`
+      integer, intent(in) :: first
+      !! 0: all start in the air, 1: all start on the base
       type(flights_t), intent(inout) :: flights
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call locate_events_v4(flights)
+         call locate_events_v4(first, flights)
       case (3)
-         call locate_events_v3(flights)
+         call locate_events_v3(first, flights)
 #endif
       case default
-         call locate_events(flights)
+         call locate_events(first, flights)
       end select
    end subroutine locate
 

@@ -8,8 +8,8 @@
 #define FAST_PIECE rwmf_fast_piece
 #endif
 module FAST_PIECE
-   use rwmf_fast_lanes, only: c_2, c_3, curves, degree, fast_law_t, flights_t, lane_state_t, &
-      lanes, step_t, terms, wp
+   use rwmf_fast_lanes, only: c_2, c_3, curves, degree, fast_law_t, flights_t, lanes, step_t, &
+      terms, width, wp
    implicit none
    private
 
@@ -17,8 +17,6 @@ module FAST_PIECE
 
    !> What a part needs beside its series.
    type :: part_t
-      real(wp) :: h(lanes)
-      !! [s]
       real(wp) :: d(lanes)
       !! damping of the linear equation times h [-]
       real(wp) :: k(lanes)
@@ -67,7 +65,7 @@ contains
       call choose_side(law, flights, part)
       call begin_remainder(flights, part)
       do i = 1, 3
-         if (.not. any(part%change(:flights%n) > flights%small(:flights%n))) exit
+         if (largest(flights%n, part%change, flights%small) <= 0) exit
          call sum_series(flights, part)
          call end_at(node(i), part, flights)
          call refine(i, part, flights)
@@ -77,11 +75,25 @@ contains
       call end_slope(part, flights)
    end subroutine depart_flights
 
+   !> Largest difference of two rows.
+   pure real(wp) function largest(n, a, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(lanes)
+      real(wp), intent(in) :: b(lanes)
+      integer :: i
+
+      largest = -huge(largest)
+      !$omp simd reduction(max: largest)
+      do i = 1, n
+         largest = max(largest, a(i) - b(i))
+      end do
+   end function largest
+
    !> Constants of the linear equation and its forcing, without N.
    pure subroutine force_parts(law, step, flights, part)
       type(fast_law_t), intent(in) :: law
       type(step_t), intent(in) :: step
-      type(flights_t), intent(in) :: flights
+      type(flights_t), intent(inout) :: flights
       type(part_t), intent(inout) :: part
       real(wp) :: p_0, p_1, p_2, p_3, x, r, square
       integer :: i
@@ -94,9 +106,9 @@ contains
       do i = 1, flights%n
          x = flights%x(i)
          r = flights%span(i)
-         part%h(i) = r*step%h
-         square = part%h(i)*part%h(i)
-         part%d(i) = flights%damping(i)*law%m1*part%h(i)
+         flights%h(i) = r*step%h
+         square = flights%h(i)*flights%h(i)
+         part%d(i) = flights%damping(i)*law%m1*flights%h(i)
          part%k(i) = (flights%stiffness(i)*law%m1 + law%m3_1)*square
          part%f(i, 0) = p_0 + x*(p_1 + x*(p_2 + x*p_3))
          part%f(i, 1) = r*(p_1 + x*(2*p_2 + x*3*p_3))
@@ -124,13 +136,13 @@ contains
          do i = 1, flights%n
             d = part%d(i)
             k = part%k(i)
-            square = part%h(i)*part%h(i)
+            square = flights%h(i)*flights%h(i)
             f_0 = part%g(i, 0) + square*n(i, 0)
             f_1 = part%g(i, 1) + square*(n(i, 1) - c_2*n(i, 2) + c_2*c_3*n(i, 3))
             f_2 = part%g(i, 2) + square*(n(i, 2) - n(i, 3))
             f_3 = part%g(i, 3) + square*n(i, 3)
             p_0 = flights%v(i)
-            p_1 = part%h(i)*flights%w(i)
+            p_1 = flights%h(i)*flights%w(i)
             p_2 = ((f_0 - k*p_0) - d*p_1)*(1/2.0_wp)
             p_3 = ((f_1 - k*p_1) - d*(2*p_2))*(1/6.0_wp)
             p_4 = ((f_2 - k*p_2) - d*(3*p_3))*(1/12.0_wp)
@@ -154,6 +166,7 @@ contains
             p(i, 10) = p_10
             p(i, 11) = p_11
             p(i, 12) = (k*p_10 + d*(11*p_11))*(-1/132.0_wp)
+            p(i, 13) = 0
          end do
       end associate
    end subroutine sum_series
@@ -161,7 +174,7 @@ contains
    !> Polynomials and their derivatives at x, summed in pairs: short chains of operations.
    pure subroutine state_at(n, p, x, value, rate)
       integer, intent(in) :: n
-      real(wp), intent(in) :: p(lanes, 0:terms)
+      real(wp), intent(in) :: p(lanes, 0:*)
       real(wp), intent(in) :: x(lanes)
       real(wp), intent(out) :: value(lanes)
       real(wp), intent(out) :: rate(lanes)
@@ -188,16 +201,18 @@ contains
       type(fast_law_t), intent(in) :: law
       type(flights_t), intent(in) :: flights
       type(part_t), intent(inout) :: part
-      integer :: i, j, k
+      integer :: first, i, j, k
 
-      do k = 1, curves
-         do j = 0, degree
-            associate (left => law%coef(j, k, 1), right => law%coef(j, k, 2))
+      do first = 1, flights%n, width
+         do k = 1, curves
+            do j = 0, degree
+               ! A loop of known length costs one instruction here, others ten times as much.
                !$omp simd
-               do i = 1, flights%n
-                  part%c(i, j, k) = merge(left, right, flights%side(i) > 0)
+               do i = first, first + width - 1
+                  part%c(i, j, k) = merge(law%coef(j, k, 1), law%coef(j, k, 2), &
+                     flights%side(i) > 0)
                end do
-            end associate
+            end do
          end do
       end do
    end subroutine choose_side
@@ -217,13 +232,13 @@ contains
          !$omp simd private(a, by_v, w, square, reach)
          do i = 1, flights%n
             w = flights%w(i)
-            square = part%h(i)*part%h(i)
+            square = flights%h(i)*flights%h(i)
             n(i, 0) = c(i, 0, 1)*w*w
-            a = part%g(i, 0)/square + n(i, 0) - part%d(i)/part%h(i)*w
+            a = part%g(i, 0)/square + n(i, 0) - part%d(i)/flights%h(i)*w
             by_v = -c(i, 0, 2)*flights%damping(i)*w - c(i, 0, 3)*flights%side(i)*part%f(i, 0) &
                - c(i, 0, 4)
             part%slope(i) = w*(c(i, 1, 1)*w*w + 2*c(i, 0, 1)*a + by_v)
-            n(i, 1) = part%h(i)*part%slope(i)
+            n(i, 1) = flights%h(i)*part%slope(i)
             n(i, 2) = 0
             n(i, 3) = 0
             part%highest(i) = n(i, 1)
@@ -252,7 +267,7 @@ contains
          !$omp simd
          do i = 1, flights%n
             finish%v(i) = v(i)
-            finish%w(i) = rate(i)/part%h(i)
+            finish%w(i) = rate(i)/flights%h(i)
          end do
       end associate
       call remainder(y, part, flights)
@@ -297,7 +312,7 @@ contains
       real(wp) :: first, second, third
       integer :: i
 
-      associate (n => flights%n_0, value => flights%finish%n, h => part%h)
+      associate (n => flights%n_0, value => flights%finish%n, h => flights%h)
          select case (node)
          case (1)
             !$omp simd private(first, second)
@@ -346,7 +361,7 @@ contains
       associate (n => flights%n_0)
          !$omp simd private(slope)
          do i = 1, flights%n
-            slope = (n(i, 1) + slope_2*n(i, 2) + slope_3*n(i, 3))/part%h(i)
+            slope = (n(i, 1) + slope_2*n(i, 2) + slope_3*n(i, 3))/flights%h(i)
             flights%finish%s(i) = merge(part%slope(i), slope, flights%span(i) < short)
          end do
       end associate
@@ -354,70 +369,43 @@ contains
 
    !> First return to v = 0 and the largest v before it.
    !>
-   !> A flight that starts on the base is asked for v/y (or v/y**2), which does not vanish there.
-   pure subroutine locate_events(flights)
+   !> A flight that starts on the base is asked for v/y, which does not vanish there.
+   pure subroutine locate_events(first, flights)
+      integer, intent(in) :: first
+      !! 0: all start in the air, 1: all start on the base with a velocity
       type(flights_t), intent(inout) :: flights
-      real(wp) :: r(lanes, 0:terms)
       real(wp) :: whole(lanes)
       !! 1
-      real(wp) :: at_end(lanes)
-      real(wp) :: slope(lanes)
+      real(wp) :: plain(lanes)
+      !! 1: an impact, as it should be
       real(wp) :: v(lanes)
+      real(wp) :: slope
+      !! of v or v/y at the end
       integer :: i
 
-      call lift_series(flights, r)
-      do i = 1, flights%n
-         whole(i) = 1
-      end do
-      call state_at(flights%n, r, whole, at_end, slope)
-      !$omp simd
-      do i = 1, flights%n
-         flights%hits(i) = merge(1.0_wp, 0.0_wp, at_end(i) <= 0)
-         ! It dips: falls at the beginning, rises at the end. Or it begins with nothing at all.
-         flights%is_odd(i) = merge(1.0_wp, 0.0_wp, min(at_end(i), min(-r(i, 1), slope(i))) > 0)
-         flights%is_odd(i) = merge(1.0_wp, flights%is_odd(i), max(at_end(i), r(i, 0)) <= 0)
-         slope(i) = flights%hits(i)*(1 - flights%is_odd(i))
-      end do
-      call find_roots(flights%n, r, whole, at_end, slope, flights%y)
-      call state_at(flights%n, flights%p, flights%y, v, flights%w_hit)
+      associate (p => flights%p, at_end => flights%finish%v)
+         !$omp simd private(slope)
+         do i = 1, flights%n
+            whole(i) = 1
+            slope = flights%h(i)*flights%finish%w(i) - first*at_end(i)
+            flights%hits(i) = merge(1.0_wp, 0.0_wp, at_end(i) <= 0)
+            ! It dips: falls at the beginning, rises at the end. Or it begins with nothing at all.
+            flights%is_odd(i) = merge(1.0_wp, 0.0_wp, &
+               min(at_end(i), min(-p(i, first + 1), slope)) > 0)
+            flights%is_odd(i) = merge(flights%is_odd(i), 1.0_wp, p(i, first) > 0)
+            plain(i) = flights%hits(i)*(1 - flights%is_odd(i))
+         end do
+         call find_roots(flights%n, p(1, first), whole, at_end, plain, flights%y)
+         call state_at(flights%n, p, flights%y, v, flights%w_hit)
+      end associate
       call find_peaks(flights)
    end subroutine locate_events
-
-   !> v, v/y or v/y**2: without the root at the beginning of the part.
-   pure subroutine lift_series(flights, r)
-      type(flights_t), intent(in) :: flights
-      real(wp), intent(out) :: r(lanes, 0:terms)
-      real(wp) :: once
-      !! positive for a start in the air
-      real(wp) :: twice
-      !! positive for one with a velocity
-      real(wp) :: other
-      integer :: i, j
-
-      do j = 0, terms - 2
-         !$omp simd private(once, twice, other)
-         do i = 1, flights%n
-            once = flights%p(i, 0)
-            twice = flights%p(i, 1)
-            other = merge(flights%p(i, j + 1), flights%p(i, j + 2), twice > 0)
-            r(i, j) = merge(flights%p(i, j), other, once > 0)
-         end do
-      end do
-      !$omp simd private(once, twice, other)
-      do i = 1, flights%n
-         once = flights%p(i, 0)
-         twice = flights%p(i, 1)
-         other = merge(flights%p(i, terms), 0.0_wp, twice > 0)
-         r(i, terms - 1) = merge(flights%p(i, terms - 1), other, once > 0)
-         r(i, terms) = merge(flights%p(i, terms), 0.0_wp, once > 0)
-      end do
-   end subroutine lift_series
 
    !> Roots of functions that are positive at 0 and negative at `high`: Newton's method from the
    !> parabola through both ends, halving where it would leave.
    pure subroutine find_roots(n, r, high_start, at_high, wanted, x)
       integer, intent(in) :: n
-      real(wp), intent(in) :: r(lanes, 0:terms)
+      real(wp), intent(in) :: r(lanes, 0:*)
       real(wp), intent(in) :: high_start(lanes)
       real(wp), intent(in) :: at_high(lanes)
       !! values there
@@ -431,10 +419,8 @@ contains
       real(wp) :: bend, fall, next, steep
       integer :: i, iteration
 
-      if (.not. any(wanted(:n) > 0)) then
-         x(:n) = high_start(:n)
-         return
-      end if
+      x(:n) = high_start(:n)
+      if (.not. any_of(n, wanted)) return
       !$omp simd private(bend, fall, next)
       do i = 1, n
          fall = r(i, 1)*high_start(i)
@@ -465,9 +451,24 @@ contains
             active(i) = merge(active(i), 0.0_wp, abs(next - x(i)) > near*abs(next))
             x(i) = next
          end do
-         if (.not. any(active(:n) > 0)) exit
+         if (.not. any_of(n, active)) exit
       end do
    end subroutine find_roots
+
+   !> Is one of the marks set?
+   pure logical function any_of(n, mark)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: mark(lanes)
+      real(wp) :: total
+      integer :: i
+
+      total = 0
+      !$omp simd reduction(max: total)
+      do i = 1, n
+         total = max(total, mark(i))
+      end do
+      any_of = total > 0
+   end function any_of
 
    !> Largest v of the flights that may bring a new maximum.
    pure subroutine find_peaks(flights)
@@ -485,13 +486,10 @@ contains
             wanted(i) = max(p(i, 0) + 1.5_wp*p(i, 1)*flights%y(i) - flights%v_max(i), p(i, 2))
             wanted(i) = merge(1.0_wp, 0.0_wp, min(wanted(i), -flights%w_hit(i)) > 0)
             wanted(i) = wanted(i)*(1 - flights%is_odd(i))
-            ! Upwards without a velocity at the beginning: too rare for these loops.
-            flights%is_odd(i) = merge(1.0_wp, flights%is_odd(i), &
-               max(abs(p(i, 1)), flights%w_hit(i)) <= 0)
             wanted(i) = merge(wanted(i), 0.0_wp, p(i, 1) > 0)
             flights%peak(i) = 0
          end do
-         if (.not. any(wanted(:flights%n) > 0)) return
+         if (.not. any_of(flights%n, wanted)) return
          do j = 0, terms - 1
             !$omp simd
             do i = 1, flights%n

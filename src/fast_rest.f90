@@ -64,9 +64,11 @@ contains
    !> 2 F w/(p_min (1 - e)) together, and none rises above (F w)**2/(2 p_min). If that is within the
    !> span looked at and below the maximum so far, the true motion has come to rest by then and has
    !> changed nothing.
-   pure logical function comes_to_rest(law, grid, number, x, w, ordinate) result(rests)
+   pure logical function comes_to_rest(law, grid, loud, number, x, w, ordinate) result(rests)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
+      integer, intent(in) :: loud(:)
+      !! from `loud_steps`
       integer, intent(in) :: number
       !! of the step
       real(wp), intent(in) :: x
@@ -92,6 +94,10 @@ contains
          press*64*spacing(grid%t(number)))
       if (rests .or. law%e >= 1 .or. w**2 > 2*press*ordinate%v_max) return
       chatter = room*2*w/(press*(1 - law%e))
+      if (loud(number) < loud(number + 1)) return
+      if (loud(number) <= size(grid%t)) then
+         if (grid%t(number) + x*grid%step(number)%h + chatter > grid%t(loud(number))) return
+      end if
       call press_over(law, grid, number, x, chatter, press, growth)
       if (press <= 0) return
       top = (growth*w)**2/(2*press)

@@ -21,7 +21,7 @@ contains
       real(wp) :: v
       logical :: hits
 
-      p = flights%p(k, :)
+      p = flights%p(k, :terms)
       call find_impact(p, flights%y(k), hits, failed)
       if (failed) return
       flights%hits(k) = merge(1.0_wp, 0.0_wp, hits)

@@ -27,6 +27,24 @@ module rwmf_fast_spectrum
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
    !! (g/R)/(omega_s**2 v), about 10 for flexible frames
 
+   !> What all tasks share.
+   type :: scope_t
+      type(case_t) :: case
+      type(control_t) :: control
+      integer :: instructions
+      !! from `best_level`
+      real(wp), allocatable :: T_s(:)
+      !! (n_T) [s]
+      real(wp), allocatable :: gamma(:)
+      !! (n_gamma) [-]
+      real(wp), allocatable :: b(:)
+      !! (n_b) [m]
+      type(fast_grid_t) :: grid(0:halvings + 1)
+      !! by halvings of the step
+      type(fast_law_t), allocatable :: law(:, :)
+      !! (n_gamma, n_b) on the narrowest range
+   end type scope_t
+
    !> Ordinates of one mass ratio, width and step size, at most `lanes`.
    type :: task_t
       integer :: j
@@ -59,34 +77,55 @@ contains
       !! (n_T, n_gamma, n_b) [m]
       logical, intent(out) :: is_done(:, :, :)
       !! (n_T, n_gamma, n_b)
-      type(fast_grid_t) :: grid(0:halvings)
-      type(fast_law_t) :: law(size(gamma), size(b))
+      type(scope_t) :: scope
       type(task_t), allocatable :: task(:)
-      integer :: level
       integer :: i
 
       is_done = .false.
       if (.not. is_supported(case)) return
-      do i = 0, halvings
-         if (any(levels(case, T_s) == i)) call build_grid(motion, case%solver%t_end, &
-            longest_step(case)/2.0_wp**i, grid(i))
-      end do
+      call prepare(case, motion, threads, T_s, gamma, b, scope)
+      scope%control = control
       task = list_tasks(case, T_s, gamma, b)
-      level = best_level()
-      do i = 1, size(law)
-         associate (j => mod(i - 1, size(gamma)) + 1, k => (i - 1)/size(gamma) + 1)
-            call build_law(scene_of(case, gamma(j), b(k)), fit_range(1), law(j, k))
-         end associate
-      end do
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
       do i = 1, size(task)
          if (.not. is_cancelled(control)) then
-            call run_task(case, grid(task(i)%level), law(task(i)%j, task(i)%k), task(i), level, &
-               control, T_s, gamma, b, u_s_max, is_done)
+            call run_group(scope, 1, 0, task(i), task(i)%member(:task(i)%n), u_s_max, is_done)
          end if
       end do
       !$omp end parallel do
    end subroutine run_fast
+
+   !> Everything that is computed once: grids of steps, laws.
+   subroutine prepare(case, motion, threads, T_s, gamma, b, scope)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: threads
+      real(wp), intent(in) :: T_s(:)
+      real(wp), intent(in) :: gamma(:)
+      real(wp), intent(in) :: b(:)
+      type(scope_t), intent(out) :: scope
+      integer :: i
+
+      scope%case = scene_of(case, case%frame%gamma, case%wall%b)
+      scope%case%solver = case%solver
+      scope%instructions = best_level()
+      scope%T_s = T_s
+      scope%gamma = gamma
+      scope%b = b
+      allocate (scope%law(size(gamma), size(b)))
+      do i = 0, halvings + 1
+         if (any(levels(case, T_s) == i) .or. any(levels(case, T_s) + 1 == i)) then
+            call build_grid(motion, case%solver%t_end, longest_step(case)/2.0_wp**i, scope%grid(i))
+         end if
+      end do
+      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) if (size(b) > 8)
+      do i = 1, size(scope%law)
+         associate (j => mod(i - 1, size(gamma)) + 1, k => (i - 1)/size(gamma) + 1)
+            call build_law(scene_of(case, gamma(j), b(k)), fit_range(1), scope%law(j, k))
+         end associate
+      end do
+      !$omp end parallel do
+   end subroutine prepare
 
    !> Scenes that start at rest, with impacts that bounce, and no second run asked for.
    pure logical function is_supported(case)
@@ -191,52 +230,52 @@ contains
       end do
    end function sorted
 
-   !> One block, with ever wider fits for the ordinates that leave the first one.
-   subroutine run_task(case, grid, first_law, task, level, control, T_s, gamma, b, u_s_max, &
-      is_done)
-      type(case_t), intent(in) :: case
-      type(fast_grid_t), intent(in) :: grid
-      type(fast_law_t), intent(in) :: first_law
-      !! on the narrowest range
+   !> Ordinates of one task; those that leave the fit are repeated on a wider one, those whose
+   !> estimated error is too large once on the halved step. What is not done then is left to the
+   !> general kernel.
+   recursive subroutine run_group(scope, range, halving, task, member, u_s_max, is_done)
+      type(scope_t), intent(in) :: scope
+      integer, intent(in) :: range
+      !! of the fit
+      integer, intent(in) :: halving
+      !! of the task's step
       type(task_t), intent(in) :: task
-      integer, intent(in) :: level
-      !! instruction set
-      type(control_t), intent(in) :: control
-      real(wp), intent(in) :: T_s(:)
-      real(wp), intent(in) :: gamma(:)
-      real(wp), intent(in) :: b(:)
+      integer, intent(in) :: member(:)
+      !! (n) indices of the periods
       real(wp), intent(inout) :: u_s_max(:, :, :)
       logical, intent(inout) :: is_done(:, :, :)
       type(fast_law_t) :: law
-      real(wp) :: v_max(lanes)
-      logical :: failed(lanes)
-      logical :: good(lanes)
-      integer :: left(lanes)
-      integer :: n, i, range
+      real(wp) :: v_max(size(member))
+      real(wp) :: error(size(member))
+      logical :: failed(size(member))
+      logical :: is_wide(size(member))
+      logical :: is_poor(size(member))
+      integer :: i
 
-      n = task%n
-      left(:n) = task%member(:n)
-      law = first_law
-      do range = 1, size(fit_range)
-         if (range > 1) then
-            call build_law(scene_of(case, gamma(task%j), b(task%k)), fit_range(range), law)
-         end if
-         if (.not. is_usable(case, law)) return
-         call run_block(law, grid, loud_steps(grid, law%threshold), T_s(left(:n)), &
-            case%frame%xi_s, case%solver%rtol, level, v_max(:n), failed(:n))
-         good(:n) = .not. failed(:n) .and. v_max(:n) <= law%v_high
-         do i = 1, n
-            if (.not. good(i)) cycle
-            u_s_max(left(i), task%j, task%k) = law%length*v_max(i)
-            is_done(left(i), task%j, task%k) = .true.
-            call count_done(control)
-         end do
-         i = count(.not. good(:n))
-         left(:i) = pack(left(:n), .not. good(:n))
-         n = i
-         if (n == 0) return
+      if (size(member) == 0 .or. range > size(fit_range) .or. halving > 1) return
+      if (range == 1) then
+         law = scope%law(task%j, task%k)
+      else
+         call build_law(scene_of(scope%case, scope%gamma(task%j), scope%b(task%k)), &
+            fit_range(range), law)
+      end if
+      if (.not. is_usable(scope%case, law)) return
+      associate (grid => scope%grid(task%level + halving))
+         call run_block(law, grid, loud_steps(grid, law%threshold), scope%T_s(member), &
+            scope%case%frame%xi_s, scope%case%solver%rtol, scope%instructions, v_max, failed, &
+            error)
+      end associate
+      is_wide = failed .or. .not. v_max <= law%v_high
+      is_poor = .not. is_wide .and. error > scope%case%solver%rtol
+      do i = 1, size(member)
+         if (is_wide(i) .or. is_poor(i)) cycle
+         u_s_max(member(i), task%j, task%k) = law%length*v_max(i)
+         is_done(member(i), task%j, task%k) = .true.
+         call count_done(scope%control)
       end do
-   end subroutine run_task
+      call run_group(scope, range + 1, halving, task, pack(member, is_wide), u_s_max, is_done)
+      call run_group(scope, range, halving + 1, task, pack(member, is_poor), u_s_max, is_done)
+   end subroutine run_group
 
    !> Does the fit hold what the tolerance asks, and end before the wall overturns?
    pure logical function is_usable(case, law)

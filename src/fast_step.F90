@@ -44,7 +44,7 @@ contains
       call predict_end(n_used, rate, step, now%v, now%w, n, slope, difference, next%v, next%w)
       call remainder(n_used, rate, step%f(0) + step%f(1) + (1 - c_2)*(step%f(2) + (1 - c_3)*step%f(3)), &
          next%v, next%w, next%n, next%drive)
-      call correct_end(n_used, rate, step, next%n, next%s, difference, next%v, next%w)
+      call correct_end(n_used, rate, step, next%n, next%s, difference, next%v, next%w, next%doubt)
    end subroutine step_lanes
 
    !> N at the states of all lanes.
@@ -188,7 +188,7 @@ contains
    end subroutine predict_end
 
    !> Third difference of N with its value at 1, and what it changes.
-   pure subroutine correct_end(n_used, rate, step, n_1, s_1, d, v, w)
+   pure subroutine correct_end(n_used, rate, step, n_1, s_1, d, v, w, doubt)
       integer, intent(in) :: n_used
       type(lane_rate_t), intent(in) :: rate
       type(step_t), intent(in) :: step
@@ -198,18 +198,25 @@ contains
       real(wp), intent(inout) :: d(lanes, 0:3)
       real(wp), intent(inout) :: v(lanes)
       real(wp), intent(inout) :: w(lanes)
+      real(wp), intent(out) :: doubt(lanes)
+      !! what the last evaluation of N changes in the rate [1/s]
       real(wp), parameter :: slope_2 = 2 - c_2
       !! of x (x - c2) at 1
       real(wp), parameter :: slope_3 = (1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2)
       !! of x (x - c2)(x - c3) at 1
       real(wp) :: third
       real(wp) :: per_h
+      real(wp) :: share
       integer :: i
 
       per_h = 1/step%h
+      ! A jump of the acceleration changes the slope of N in a way that the prediction leaves out; the
+      ! change of N then says nothing about what is wrong after it.
+      share = merge(0.0_wp, 1.0_wp, abs(step%jump) > 0)
       !$omp simd private(third)
       do i = 1, n_used
          third = (((n_1(i) - d(i, 0)) - d(i, 1))*(1/(1 - c_2)) - d(i, 2))*(1/(1 - c_3))
+         doubt(i) = share*abs(rate%weight(i, 36)*(third - d(i, 3)))
          v(i) = v(i) + rate%weight(i, 32)*(third - d(i, 3))
          w(i) = w(i) + rate%weight(i, 36)*(third - d(i, 3))
          d(i, 3) = third
@@ -218,16 +225,20 @@ contains
    end subroutine correct_end
 
    !> Accept the step in the lanes that are awake and where nothing happened, and mark the others.
-   pure subroutine settle_lanes(n_used, h, awake, next, now, v_max, event)
+   pure subroutine settle_lanes(n_used, h, awake, keep, next, now, v_max, worst, event)
       integer, intent(in) :: n_used
       real(wp), intent(in) :: h
       !! [s]
       real(wp), intent(in) :: awake(lanes)
       !! 1 in motion, 0 at rest
+      real(wp), intent(in) :: keep(lanes)
+      !! what the damping leaves of an error after the step [-]
       type(lane_state_t), intent(in) :: next
       type(lane_state_t), intent(inout) :: now
       real(wp), intent(inout) :: v_max(lanes)
       !! [-]
+      real(wp), intent(inout) :: worst(lanes)
+      !! doubt when `v_max` was reached [1/s]
       real(wp), intent(out) :: event(lanes)
       !! 1: an impact or a new maximum is possible within the step
       real(wp), parameter :: margin = 0.25_wp
@@ -235,6 +246,7 @@ contains
       real(wp) :: room
       real(wp) :: from_0
       real(wp) :: from_1
+      real(wp) :: higher
       logical :: accepted
       integer :: i
 
@@ -250,7 +262,7 @@ contains
             max(from_0, from_1) - room) < 0))
          event(i) = event(i)*awake(i)
       end do
-      !$omp simd private(accepted)
+      !$omp simd private(accepted, higher)
       do i = 1, n_used
          accepted = awake(i) > event(i)
          now%v(i) = merge(next%v(i), now%v(i), accepted)
@@ -258,7 +270,10 @@ contains
          now%n(i) = merge(next%n(i), now%n(i), accepted)
          now%s(i) = merge(next%s(i), now%s(i), accepted)
          now%drive(i) = merge(next%drive(i), now%drive(i), accepted)
-         v_max(i) = merge(max(v_max(i), next%v(i)), v_max(i), accepted)
+         now%doubt(i) = merge(keep(i)*now%doubt(i) + next%doubt(i), now%doubt(i), accepted)
+         higher = merge(next%v(i), 0.0_wp, accepted)
+         worst(i) = merge(now%doubt(i), worst(i), higher > v_max(i))
+         v_max(i) = max(v_max(i), higher)
       end do
    end subroutine settle_lanes
 

@@ -215,6 +215,7 @@ contains
       type(fast_law_t) :: law
       real(wp) :: peak(size(periods), size(levels))
       logical :: failed(size(periods))
+      real(wp) :: error(size(periods))
       integer :: i
 
       case = shaken_scene('exact')
@@ -223,7 +224,7 @@ contains
       call build_law(case, 0.2_wp, law)
       do i = 1, size(levels)
          call run_block(law, grid, loud_steps(grid, law%threshold), periods, case%frame%xi_s, &
-            case%solver%rtol, min(levels(i), best_level()), peak(:, i), failed)
+            case%solver%rtol, min(levels(i), best_level()), peak(:, i), failed, error)
          call checks%that(.not. any(failed), 'levels: nothing failed')
       end do
       call checks%that(all(abs(peak(:, 2) - peak(:, 1)) <= 0), 'levels: AVX2')
