@@ -4,6 +4,7 @@
 !> each one's outcome is judged. What goes on after an impact is put in a row with the others again,
 !> until nothing is left.
 module rwmf_fast_flight
+   use rwmf_fast_energy, only: is_over
    use rwmf_fast_grid, only: fast_grid_t, ground_at
    use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_state_t, step_t, width
    use rwmf_fast_machine, only: depart, follow, locate
@@ -294,6 +295,8 @@ contains
       ordinate%side = -ordinate%side
       ordinate%w_max = max(ordinate%w_max, w)
       ordinate%rests = comes_to_rest(law, grid, loud, number, x, law%e*w, ordinate)
+      ! Not at rest yet, but nothing larger will come.
+      if (number >= grid%quiet) ordinate%rests = ordinate%rests .or. is_over(law, ordinate, law%e*w)
    end subroutine bounce
 
 end module rwmf_fast_flight

@@ -19,6 +19,8 @@ module rwmf_fast_grid
       !! (steps)
       real(wp), allocatable :: t(:)
       !! (steps) beginnings [s]
+      integer :: quiet
+      !! first step from which on the ground stands still
    end type fast_grid_t
 
 contains
@@ -37,6 +39,10 @@ contains
       allocate (grid%step(number), grid%t(number))
       call walk(motion, t_end, h_max, grid, number)
       call find_kinks(grid)
+      do number = size(grid%step), 1, -1
+         if (any(abs(grid%step(number)%f) > 0)) exit
+      end do
+      grid%quiet = number + 1
    end subroutine build_grid
 
    !> Count the steps, and store them once there is room for them.
