@@ -1,6 +1,7 @@
 !> Ordinates of one mass ratio and one width that advance together, with everything that happens to
 !> each of them.
 module rwmf_fast_block
+   use rwmf_control, only: control_t, is_cancelled
    use rwmf_fast_flight, only: fall_asleep, pass_events
    use rwmf_fast_grid, only: fast_grid_t
    use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_rate_t, lane_state_t, lanes, &
@@ -14,6 +15,8 @@ module rwmf_fast_block
 
    public :: run_block
 
+   integer, parameter :: check_every = 256
+   !! steps between two looks at the caller's stop flag
    real(wp), parameter :: error_share = 0.2_wp
    !! of what the last evaluation of N changes remains as an error: at most half of this in random
    !! scenes that are not more sensitive than the motion
@@ -45,8 +48,9 @@ module rwmf_fast_block
 contains
 
    !> Peaks of up to `lanes` periods.
-   pure subroutine run_block(law, grid, loud, T_s, xi_s, rtol, level, v_max, failed, &
+   subroutine run_block(control, law, grid, loud, T_s, xi_s, rtol, level, v_max, failed, &
       error)
+      type(control_t), intent(in) :: control
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: loud(:)
@@ -85,11 +89,18 @@ contains
             call attend(level, law, grid, loud, number, n, block)
          end if
          number = number + 1
+         if (mod(number, check_every) == 0) then
+            if (is_cancelled(control)) exit
+         end if
          if (.not. any(block%awake(:block%n) > 0)) number = block%next_wake
       end do
       v_max = block%v_max(:n)
-      error = error_share*block%worst(:n)/max(tiny(h), block%ordinate(:n)%w_max)
-      failed = block%ordinate(:n)%failed .or. .not. abs(block%now%v(:n)) < huge(v_max)
+      associate (one => block%ordinate(:n))
+         error = error_share*block%worst(:n) &
+            /max(tiny(h), one%w_max, sqrt(one%stiffness)*v_max)
+         failed = one%failed .or. .not. abs(block%now%v(:n)) < huge(v_max)
+      end associate
+      if (is_cancelled(control)) failed = .true.
    end subroutine run_block
 
    !> All at rest; lanes without an ordinate stay there.

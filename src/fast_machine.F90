@@ -8,20 +8,25 @@ module rwmf_fast_machine
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
    use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_rate_t, lane_state_t, lanes, step_t, wp
-   use rwmf_fast_piece, only: depart_flights, follow_flights, locate_events
-   use rwmf_fast_step, only: settle_lanes, step_lanes
+   use rwmf_fast_locate, only: locate_events
+   use rwmf_fast_piece, only: depart_flights, follow_flights
+   use rwmf_fast_step, only: settle_lanes, step_frames, step_lanes
 #ifdef FAST_LEVELS
+   use FAST_LOCATE_V3, only: locate_events_v3 => locate_events
    use FAST_PIECE_V3, only: depart_flights_v3 => depart_flights, &
-      follow_flights_v3 => follow_flights, locate_events_v3 => locate_events
+      follow_flights_v3 => follow_flights
+   use FAST_LOCATE_V4, only: locate_events_v4 => locate_events
    use FAST_PIECE_V4, only: depart_flights_v4 => depart_flights, &
-      follow_flights_v4 => follow_flights, locate_events_v4 => locate_events
-   use FAST_STEP_V3, only: settle_lanes_v3 => settle_lanes, step_lanes_v3 => step_lanes
-   use FAST_STEP_V4, only: settle_lanes_v4 => settle_lanes, step_lanes_v4 => step_lanes
+      follow_flights_v4 => follow_flights
+   use FAST_STEP_V3, only: settle_lanes_v3 => settle_lanes, step_frames_v3 => step_frames, &
+      step_lanes_v3 => step_lanes
+   use FAST_STEP_V4, only: settle_lanes_v4 => settle_lanes, step_frames_v4 => step_frames, &
+      step_lanes_v4 => step_lanes
 #endif
    implicit none
    private
 
-   public :: best_level, advance_lanes, follow, depart, locate
+   public :: best_level, instruction_set, advance_lanes, advance_frames, follow, depart, locate
 
 #ifdef FAST_LEVELS
    interface
@@ -44,8 +49,27 @@ contains
 #endif
    end function best_level
 
+   !> Name of the instructions that method 'fast' uses on this processor.
+   function instruction_set() result(name)
+      character(9) :: name
+      !! 'x86-64', 'x86-64-v3' (AVX2), 'x86-64-v4' (AVX-512); elsewhere 'generic'
+
+      name = 'generic'
+#ifdef FAST_LEVELS
+      select case (best_level())
+      case (4)
+         name = 'x86-64-v4'
+      case (3)
+         name = 'x86-64-v3'
+      case default
+         name = 'x86-64'
+      end select
+#endif
+   end function instruction_set
+
    !> One step of all lanes; those in which something may happen are marked and left as they were.
-   pure subroutine advance_lanes(level, n, rate, step, awake, now, next, difference, v_max, worst, event)
+   pure subroutine advance_lanes(level, n, rate, step, awake, now, next, difference, v_max, &
+      worst, event)
       integer, intent(in) :: level
       !! from `best_level`
       integer, intent(in) :: n
@@ -143,5 +167,36 @@ contains
          call locate_events(first, flights)
       end select
    end subroutine locate
+
+   !> One step of bare frames.
+   pure subroutine advance_frames(level, n, h, f, weight, u, w, u_max, event)
+      integer, intent(in) :: level
+      !! from `best_level`
+      integer, intent(in) :: n
+      !! lanes in use, a multiple of `width`
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp), intent(in) :: f(0:3)
+      !! as in `step_t` [m/s2]
+      real(wp), intent(in) :: weight(lanes, 12)
+      real(wp), intent(inout) :: u(lanes, 2)
+      !! [m]
+      real(wp), intent(inout) :: w(lanes, 2)
+      !! [m/s]
+      real(wp), intent(inout) :: u_max(lanes)
+      !! [m]
+      real(wp), intent(out) :: event(lanes)
+
+      select case (level)
+#ifdef FAST_LEVELS
+      case (4)
+         call step_frames_v4(n, h, f, weight, u, w, u_max, event)
+      case (3)
+         call step_frames_v3(n, h, f, weight, u, w, u_max, event)
+#endif
+      case default
+         call step_frames(n, h, f, weight, u, w, u_max, event)
+      end select
+   end subroutine advance_frames
 
 end module rwmf_fast_machine

@@ -9,9 +9,9 @@ module rwmf_fast_series
    implicit none
    private
 
-   public :: state_at, newton_to_powers, step_weights, find_root
+   public :: series_terms, series, state_at, newton_to_powers, step_weights, find_root
 
-   integer, parameter :: terms = 15
+   integer, parameter :: series_terms = 15
    !! highest power kept
 
 contains
@@ -30,9 +30,10 @@ contains
       !! z'(0) per second
       real(wp), intent(in) :: forcing(0:3)
       !! coefficients of F in powers of x, per second squared
-      real(wp), intent(out) :: p(0:terms)
+      real(wp), intent(out) :: p(0:series_terms)
       integer :: j
-      real(wp), parameter :: inverse(0:terms - 2) = [(1/real((j + 1)*(j + 2), wp), j=0, terms - 2)]
+      real(wp), parameter :: inverse(0:series_terms - 2) = [(1/real((j + 1)*(j + 2), wp), &
+         j=0, series_terms - 2)]
       real(wp) :: d
       real(wp) :: k
       integer :: i
@@ -44,7 +45,7 @@ contains
       do i = 0, 3
          p(i + 2) = (h**2*forcing(i) - (d*(i + 1)*p(i + 1) + k*p(i)))*inverse(i)
       end do
-      do i = 4, terms - 2
+      do i = 4, series_terms - 2
          p(i + 2) = -(d*(i + 1)*p(i + 1) + k*p(i))*inverse(i)
       end do
    end subroutine series
@@ -99,7 +100,7 @@ contains
       !! [s]
       real(wp) :: weight(12, 3)
       real(wp), parameter :: node(3) = [c_2, c_3, 1.0_wp]
-      real(wp) :: p(0:terms, 6)
+      real(wp) :: p(0:series_terms, 6)
       real(wp) :: mode(0:3)
       integer :: i
       integer :: j

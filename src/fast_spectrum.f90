@@ -6,10 +6,11 @@ module rwmf_fast_spectrum
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t, count_done, is_cancelled
    use rwmf_fast_block, only: run_block
-   use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps
+   use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps, pulse_step
    use rwmf_fast_lanes, only: fast_law_t, lanes
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
+   use rwmf_fast_order, only: group_t, list_groups
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: motion_t
    implicit none
@@ -45,17 +46,13 @@ module rwmf_fast_spectrum
       !! (n_gamma, n_b) on the narrowest range
    end type scope_t
 
-   !> Ordinates of one mass ratio, width and step size, at most `lanes`.
+   !> A group of periods for one mass ratio and one width.
    type :: task_t
       integer :: j
       !! index of the mass ratio
       integer :: k
       !! index of the width
-      integer :: level
-      !! halvings of the step
-      integer :: n
-      integer :: member(lanes)
-      !! indices of the periods
+      type(group_t) :: group
    end type task_t
 
 contains
@@ -63,7 +60,7 @@ contains
    !> Compute what the fast method can; `is_done` tells the rest from it.
    subroutine run_fast(case, motion, threads, control, T_s, gamma, b, u_s_max, is_done)
       type(case_t), intent(in) :: case
-      !! with wall, frame and `&spectrum`
+      !! with wall and frame, supported by `rwmf_fast_support`
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
@@ -82,14 +79,14 @@ contains
       integer :: i
 
       is_done = .false.
-      if (.not. is_supported(case)) return
       call prepare(case, motion, threads, T_s, gamma, b, scope)
       scope%control = control
       task = list_tasks(case, T_s, gamma, b)
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
       do i = 1, size(task)
          if (.not. is_cancelled(control)) then
-            call run_group(scope, 1, 0, task(i), task(i)%member(:task(i)%n), u_s_max, is_done)
+            call run_group(scope, 1, 0, task(i), task(i)%group%member(:task(i)%group%n), u_s_max, &
+               is_done)
          end if
       end do
       !$omp end parallel do
@@ -115,7 +112,8 @@ contains
       allocate (scope%law(size(gamma), size(b)))
       do i = 0, halvings + 1
          if (any(levels(case, T_s) == i) .or. any(levels(case, T_s) + 1 == i)) then
-            call build_grid(motion, case%solver%t_end, longest_step(case)/2.0_wp**i, scope%grid(i))
+            call build_grid(case, motion, case%solver%t_end, longest_step(case)/2.0_wp**i, &
+               scope%grid(i))
          end if
       end do
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) if (size(b) > 8)
@@ -127,27 +125,11 @@ contains
       !$omp end parallel do
    end subroutine prepare
 
-   !> Scenes that start at rest, with impacts that bounce, and no second run asked for.
-   pure logical function is_supported(case)
-      type(case_t), intent(in) :: case
-
-      is_supported = allocated(case%wall) .and. allocated(case%frame) &
-         .and. .not. allocated(case%initial) .and. .not. allocated(case%solver%accuracy) &
-         .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
-         .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
-      if (is_supported) is_supported = case%wall%base == 'rocking'
-   end function is_supported
-
-   !> Longest step [s]: a fraction of the wall's own time, and of the period of a pulse, whose
-   !> acceleration is a cubic in a step.
+   !> Longest step [s]: a fraction of the wall's own time.
    pure real(wp) function longest_step(case) result(h)
       type(case_t), intent(in) :: case
 
-      h = 0.024_wp*sqrt(case%wall%h/case%model%g)
-      h = h*fineness(case)
-      if (.not. allocated(case%motion)) return
-      if (allocated(case%motion%omega_p)) h = min(h, 0.06_wp/case%motion%omega_p)
-      if (allocated(case%motion%T_p)) h = min(h, 0.01_wp*case%motion%T_p)
+      h = min(fineness(case)*0.024_wp*sqrt(case%wall%h/case%model%g), pulse_step(case))
    end function longest_step
 
    !> What the tolerance makes of the step: the scheme converges with its third power.
@@ -157,50 +139,26 @@ contains
       fineness = min(2.0_wp, (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
    end function fineness
 
-   !> Group the ordinates by mass ratio, width and step, in the order of their periods.
+   !> The groups of periods for every mass ratio and width.
    pure function list_tasks(case, T_s, gamma, b) result(task)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: T_s(:)
       real(wp), intent(in) :: gamma(:)
       real(wp), intent(in) :: b(:)
       type(task_t), allocatable :: task(:)
-      integer :: order(size(T_s))
-      integer :: level(size(T_s))
-      integer :: j, k, l, n
+      type(group_t), allocatable :: group(:)
+      integer :: i, j, k
 
-      order = sorted(T_s)
-      level = levels(case, T_s)
+      group = list_groups(T_s, levels(case, T_s), halvings)
       allocate (task(0))
-      do k = 1, size(b)
-         do j = 1, size(gamma)
-            if (gamma(j) < least_gamma) cycle
-            ! The expensive ones first, so that no thread is left alone with one at the end.
-            do l = halvings, 0, -1
-               do n = 1, count(level == l), lanes
-                  task = [task, task_of(j, k, l, n, order, level)]
-               end do
+      do i = 1, size(group)
+         do k = 1, size(b)
+            do j = 1, size(gamma)
+               if (gamma(j) >= least_gamma) task = [task, task_t(j, k, group(i))]
             end do
          end do
       end do
    end function list_tasks
-
-   pure type(task_t) function task_of(j, k, l, first, order, level) result(task)
-      integer, intent(in) :: j
-      integer, intent(in) :: k
-      integer, intent(in) :: l
-      integer, intent(in) :: first
-      !! number of the task's first period within its level
-      integer, intent(in) :: order(:)
-      integer, intent(in) :: level(:)
-      integer :: members(size(order))
-
-      members(:count(level == l)) = pack(order, level(order) == l)
-      task%j = j
-      task%k = k
-      task%level = l
-      task%n = min(lanes, count(level == l) - first + 1)
-      task%member(:task%n) = members(first:first + task%n - 1)
-   end function task_of
 
    !> Halvings that a period calls for; one more than there are: no step is short enough.
    pure elemental integer function levels(case, T_s)
@@ -214,21 +172,6 @@ contains
       levels = max(0, ceiling(log(2*pi*longest_step(case)/(T_s*angle))/log(2.0_wp)))
       levels = min(levels, halvings + 1)
    end function levels
-
-   !> Indices of a list in rising order.
-   pure function sorted(x) result(order)
-      real(wp), intent(in) :: x(:)
-      integer :: order(size(x))
-      integer :: i, j
-
-      do i = 1, size(x)
-         do j = i, 2, -1
-            if (x(order(j - 1)) <= x(i)) exit
-            order(j) = order(j - 1)
-         end do
-         order(max(1, j)) = i
-      end do
-   end function sorted
 
    !> Ordinates of one task; those that leave the fit are repeated on a wider one, those whose
    !> estimated error is too large once on the halved step. What is not done then is left to the
@@ -260,10 +203,11 @@ contains
             fit_range(range), law)
       end if
       if (.not. is_usable(scope%case, law)) return
-      associate (grid => scope%grid(task%level + halving))
-         call run_block(law, grid, loud_steps(grid, law%threshold), scope%T_s(member), &
-            scope%case%frame%xi_s, scope%case%solver%rtol, scope%instructions, v_max, failed, &
-            error)
+      associate (grid => scope%grid(task%group%level + halving))
+         if (.not. allocated(grid%step)) return
+         call run_block(scope%control, law, grid, loud_steps(grid, law%threshold), &
+            scope%T_s(member), scope%case%frame%xi_s, scope%case%solver%rtol, &
+            scope%instructions, v_max, failed, error)
       end associate
       is_wide = failed .or. .not. v_max <= law%v_high
       is_poor = .not. is_wide .and. error > scope%case%solver%rtol

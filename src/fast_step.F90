@@ -16,7 +16,7 @@ module FAST_STEP
    implicit none
    private
 
-   public :: step_lanes, settle_lanes
+   public :: step_lanes, settle_lanes, step_frames
 
 contains
 
@@ -35,14 +35,15 @@ contains
       real(wp) :: n(lanes)
       real(wp) :: slope(lanes)
 
-      call predict_second(n_used, rate, step, now%v, now%w, now%n, now%s, now%drive, slope, difference, &
-         v, w)
+      call predict_second(n_used, rate, step, now%v, now%w, now%n, now%s, now%drive, slope, &
+         difference, v, w)
       call remainder(n_used, rate, step%f(0) + c_2*step%f(1), v, w, n, next%drive)
       call predict_third(n_used, rate, step, now%v, now%w, n, slope, difference, v, w)
       call remainder(n_used, rate, step%f(0) + c_3*(step%f(1) + (c_3 - c_2)*step%f(2)), v, w, n, &
          next%drive)
       call predict_end(n_used, rate, step, now%v, now%w, n, slope, difference, next%v, next%w)
-      call remainder(n_used, rate, step%f(0) + step%f(1) + (1 - c_2)*(step%f(2) + (1 - c_3)*step%f(3)), &
+      call remainder(n_used, rate, &
+         step%f(0) + step%f(1) + (1 - c_2)*(step%f(2) + (1 - c_3)*step%f(3)), &
          next%v, next%w, next%n, next%drive)
       call correct_end(n_used, rate, step, next%n, next%s, difference, next%v, next%w, next%doubt)
    end subroutine step_lanes
@@ -210,8 +211,8 @@ contains
       integer :: i
 
       per_h = 1/step%h
-      ! A jump of the acceleration changes the slope of N in a way that the prediction leaves out; the
-      ! change of N then says nothing about what is wrong after it.
+      ! A jump of the acceleration changes the slope of N in a way that the prediction leaves out;
+      ! the change of N then says nothing about what is wrong after it.
       share = merge(0.0_wp, 1.0_wp, abs(step%jump) > 0)
       !$omp simd private(third)
       do i = 1, n_used
@@ -276,5 +277,43 @@ contains
          v_max(i) = max(v_max(i), higher)
       end do
    end subroutine settle_lanes
+
+   !> One step of bare frames, u'' = - d u' - k u - f: a linear recursion, exact for a cubic f.
+   pure subroutine step_frames(n_used, h, f, weight, u, w, u_max, event)
+      integer, intent(in) :: n_used
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp), intent(in) :: f(0:3)
+      !! ground acceleration as in `step_t` [m/s2]
+      real(wp), intent(in) :: weight(lanes, 12)
+      !! what u, u' and the modes of -f contribute to u and to u', as in `lane_rate_t` for node 1
+      real(wp), intent(inout) :: u(lanes, 2)
+      !! in: (:, 1) at the beginning; out: (:, 1) at the end, (:, 2) at the beginning [m]
+      real(wp), intent(inout) :: w(lanes, 2)
+      !! rates [m/s]
+      real(wp), intent(inout) :: u_max(lanes)
+      !! largest |u| on the ends of steps, and where `event` was heeded [m]
+      real(wp), intent(out) :: event(lanes)
+      !! 1: between the ends |u| may be larger than `u_max`
+      real(wp) :: reach
+      integer :: i
+
+      associate (a => weight)
+         !$omp simd private(reach)
+         do i = 1, n_used
+            u(i, 2) = u(i, 1)
+            w(i, 2) = w(i, 1)
+            u(i, 1) = a(i, 1)*u(i, 2) + a(i, 2)*w(i, 2) - (a(i, 5)*f(0) + a(i, 6)*f(1) &
+               + a(i, 7)*f(2) + a(i, 8)*f(3))
+            w(i, 1) = a(i, 3)*u(i, 2) + a(i, 4)*w(i, 2) - (a(i, 9)*f(0) + a(i, 10)*f(1) &
+               + a(i, 11)*f(2) + a(i, 12)*f(3))
+            u_max(i) = max(u_max(i), abs(u(i, 1)))
+            ! A parabola rises above its ends by at most an eighth of this; twice as much is room.
+            reach = 0.25_wp*h*(abs(w(i, 1)) + abs(w(i, 2)))
+            reach = max(abs(u(i, 1)), abs(u(i, 2))) + reach - u_max(i)
+            event(i) = merge(1.0_wp, 0.0_wp, min(reach, -w(i, 1)*w(i, 2)) > 0)
+         end do
+      end associate
+   end subroutine step_frames
 
 end module FAST_STEP

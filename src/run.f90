@@ -8,7 +8,7 @@ module rwmf_run
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum
    use rwmf_kinds, only: i8, wp
-   use rwmf_methods, only: new_stepper
+   use rwmf_methods, only: new_stepper, run_method
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
    use rwmf_rest, only: inverse_inertia
@@ -125,7 +125,7 @@ contains
       size_found = [max(observer%theta_max, -observer%theta_min), observer%theta_dot_max]
       call fill_result(case, equation, hybrid, observer, result)
       result%steps = stepper%steps
-      result%method = case%solver%method
+      result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
    end subroutine integrate
 

@@ -19,7 +19,16 @@ from rwmf._kernel import rwmf_python_cost as cost_kernel  # noqa: F401 (for _mea
 from rwmf._reference import rwmf_reference as reference_kernel  # noqa: F401 (for _measure)
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
-__all__ = ["Run", "Sweep", "describe", "schema", "start_simulation", "start_spectrum", "version"]
+__all__ = [
+    "Run",
+    "Sweep",
+    "describe",
+    "instruction_set",
+    "schema",
+    "start_simulation",
+    "start_spectrum",
+    "version",
+]
 
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
@@ -41,6 +50,17 @@ def version() -> str:
         For example ``'0.1.0'``.
     """
     return _fetch_text(_kernel.version)
+
+
+def instruction_set() -> str:
+    """Instructions that method ``fast`` uses on this processor.
+
+    Returns
+    -------
+    str
+        For example ``'x86-64-v4'``.
+    """
+    return _fetch_text(_kernel.instruction_set)
 
 
 def schema() -> list[list[str]]:

@@ -220,11 +220,12 @@ contains
 
       case = shaken_scene('exact')
       motion = motion_from_case(case)
-      call build_grid(motion, case%solver%t_end, 0.005_wp, grid)
+      call build_grid(case, motion, case%solver%t_end, 0.005_wp, grid)
       call build_law(case, 0.2_wp, law)
       do i = 1, size(levels)
-         call run_block(law, grid, loud_steps(grid, law%threshold), periods, case%frame%xi_s, &
-            case%solver%rtol, min(levels(i), best_level()), peak(:, i), failed, error)
+         call run_block(control_t(), law, grid, loud_steps(grid, law%threshold), periods, &
+            case%frame%xi_s, case%solver%rtol, min(levels(i), best_level()), &
+            peak(:, i), failed, error)
          call checks%that(.not. any(failed), 'levels: nothing failed')
       end do
       call checks%that(all(abs(peak(:, 2) - peak(:, 1)) <= 0), 'levels: AVX2')
