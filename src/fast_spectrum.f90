@@ -168,7 +168,7 @@ contains
       real(wp) :: angle
       !! omega_s h allowed [rad]
 
-      angle = 0.35_wp*fineness(case)
+      angle = 0.5_wp*fineness(case)
       levels = max(0, ceiling(log(2*pi*longest_step(case)/(T_s*angle))/log(2.0_wp)))
       levels = min(levels, halvings + 1)
    end function levels
