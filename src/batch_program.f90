@@ -2,8 +2,8 @@
 program rwmf_batch
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
-      error_t, read_case_file, result_t, simulate, spectrum_t, version, write_result, &
-      write_spectrum
+      error_t, instruction_set, read_case_file, result_t, simulate, spectrum_t, version, &
+      write_result, write_spectrum
    use rwmf_atomic_file, only: check_folder, join_path
    use rwmf_command_line, only: command_line_t, path_t, read_command_line, usage
    use rwmf_errors, only: add_context, fail
@@ -26,7 +26,7 @@ program rwmf_batch
       write (output_unit, '(a)') usage()
       status = 0
    else if (command_line%version) then
-      write (output_unit, '(a)') 'rwmf '//version
+      write (output_unit, '(a)') 'rwmf '//version//' ('//trim(instruction_set())//')'
       status = 0
    else
       call run_batch(command_line, status)

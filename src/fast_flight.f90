@@ -1,27 +1,28 @@
-!> What happens to one ordinate inside a step: impacts, peaks, rest and lift-off.
+!> What happens to the lanes inside a step: impacts, peaks, rest and lift-off.
 !>
-!> In a step the solution is that of a linear equation with a cubic forcing, whose Taylor series is
-!> exact: events are located on it, to round-off, and no further evaluation of N is needed. After an
-!> impact the rest of the step is integrated like a step of its own.
+!> The flights of all lanes concerned are integrated and searched together (`fast_piece.F90`); here
+!> each one's outcome is judged. What goes on after an impact is put in a row with the others again,
+!> until nothing is left.
 module rwmf_fast_flight
+   use rwmf_fast_energy, only: is_over
    use rwmf_fast_grid, only: fast_grid_t, ground_at
-   use rwmf_fast_law, only: fast_law_t
-   use rwmf_fast_piece, only: depart, end_state_t, linear_damping, linear_stiffness, ordinate_t, &
-      weight_of_wall
+   use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_state_t, step_t, width
+   use rwmf_fast_machine, only: depart, follow, locate
+   use rwmf_fast_ordinate, only: ordinate_t
    use rwmf_fast_rest, only: comes_to_rest, find_wake
-   use rwmf_fast_series, only: find_root, newton_to_powers, series, state_at, terms, terms_needed
-   use rwmf_fast_lanes, only: step_t
+   use rwmf_fast_search, only: search_again
    use rwmf_kinds, only: wp
    implicit none
    private
 
-   public :: pass_events, wake_up, fall_asleep
+   public :: pass_events, fall_asleep
 
    integer, parameter :: most_impacts = 200000
    !! of one ordinate: beyond, the general kernel has the better rules
-
-   real(wp), parameter :: negligible = 0.01_wp
-   !! part of the tolerance below which a motion may be put to rest
+   real(wp), parameter :: negligible_n = 1.0e-4_wp
+   !! part of the tolerance below which a change of v by N is left out
+   real(wp), parameter :: last_x = 1 - 1.0e-13_wp
+   !! an impact on the very end of a step leaves a last part that is only formally one
 
 contains
 
@@ -43,243 +44,246 @@ contains
       call find_wake(law, grid, loud, ordinate%wake_step, ordinate%wake_x, ordinate%wake_side)
    end subroutine fall_asleep
 
-   !> Lift off in this step and follow the motion to its end.
-   pure subroutine wake_up(law, grid, loud, number, ordinate, finish)
+   !> Follow the lanes in which something happens to the end of the step, or to rest.
+   pure subroutine pass_events(level, law, grid, loud, number, wakes, flights, ordinate, now)
+      integer, intent(in) :: level
+      !! instruction set
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: loud(:)
-      integer, intent(in) :: number
-      !! of the step, `wake_step` of the ordinate
-      type(ordinate_t), intent(inout) :: ordinate
-      type(end_state_t), intent(out) :: finish
-      real(wp) :: p(0:terms)
-      integer :: last
-      real(wp) :: x
-
-      x = min(ordinate%wake_x, 1 - 1.0e-13_wp)
-      call lift_off(law, grid%step(number), x, ordinate, last, p, finish)
-      call pass_pieces(law, grid, loud, number, x, ordinate, last, p, finish)
-   end subroutine wake_up
-
-   !> A step in which something happens, from its beginning.
-   pure subroutine pass_events(law, grid, loud, number, v, w, difference, ordinate, finish)
-      type(fast_law_t), intent(in) :: law
-      type(fast_grid_t), intent(in) :: grid
-      integer, intent(in) :: loud(:)
+      !! from `loud_steps`
       integer, intent(in) :: number
       !! of the step
-      real(wp), intent(in) :: v
-      !! at its beginning [-]
-      real(wp), intent(in) :: w
-      !! [1/s]
-      real(wp), intent(in) :: difference(0:3)
-      !! divided differences of N [1/s2]
-      type(ordinate_t), intent(inout) :: ordinate
-      type(end_state_t), intent(inout) :: finish
-      !! in: of the step as if nothing happened; out: at its end
-      real(wp) :: p(0:terms)
-      integer :: last
-      !! highest power of the series
+      logical, intent(in) :: wakes
+      !! a resting lane may lift off in it
+      type(flights_t), intent(inout) :: flights
+      !! in: the lanes in motion at its beginning
+      type(ordinate_t), intent(inout) :: ordinate(:)
+      !! (lanes)
+      type(lane_state_t), intent(inout) :: now
+      !! out: at its end, for these lanes and those that wake in it
 
       associate (step => grid%step(number))
-         last = terms_needed(linear_damping(ordinate, law), linear_stiffness(ordinate, law), step%h)
-         call series(linear_damping(ordinate, law), linear_stiffness(ordinate, law), step%h, v, w, &
-            newton_to_powers(difference - law%m2*ordinate%side*step%f - weight_of_wall(law)), &
-            last, p)
+         if (flights%used > 0) then
+            call pad(flights)
+            call follow(level, law, step, flights)
+            call locate(level, 0, flights)
+            call judge(law, grid, loud, number, flights, ordinate, now)
+         end if
+         if (wakes) call wake_up(number, flights, ordinate)
+         do while (flights%used > 0)
+            call pad(flights)
+            call depart(level, law, step, flights)
+            call locate(level, 1, flights)
+            call judge(law, grid, loud, number, flights, ordinate, now)
+         end do
       end associate
-      call pass_pieces(law, grid, loud, number, 0.0_wp, ordinate, last, p, finish)
    end subroutine pass_events
 
-   !> Flight after flight to the end of the step, or to rest.
-   pure subroutine pass_pieces(law, grid, loud, number, x_start, ordinate, last, p, finish)
+   !> Fill up to whole vectors.
+   pure subroutine pad(flights)
+      type(flights_t), intent(inout) :: flights
+      integer :: k
+
+      flights%n = width*((flights%used + width - 1)/width)
+      do k = flights%used + 1, flights%n
+         call copy_flight(1, k, flights)
+      end do
+   end subroutine pad
+
+   pure subroutine copy_flight(from, to, flights)
+      integer, intent(in) :: from
+      integer, intent(in) :: to
+      type(flights_t), intent(inout) :: flights
+
+      flights%lane(to) = flights%lane(from)
+      flights%x(to) = flights%x(from)
+      flights%span(to) = flights%span(from)
+      flights%v(to) = flights%v(from)
+      flights%w(to) = flights%w(from)
+      flights%side(to) = flights%side(from)
+      flights%damping(to) = flights%damping(from)
+      flights%stiffness(to) = flights%stiffness(from)
+      flights%v_max(to) = flights%v_max(from)
+      flights%small(to) = flights%small(from)
+      flights%n_0(to, :) = flights%n_0(from, :)
+   end subroutine copy_flight
+
+   !> Add the lanes that lift off in this step.
+   pure subroutine wake_up(number, flights, ordinate)
+      integer, intent(in) :: number
+      type(flights_t), intent(inout) :: flights
+      type(ordinate_t), intent(inout) :: ordinate(:)
+      integer :: i
+
+      do i = 1, size(ordinate)
+         if (.not. ordinate(i)%rests .or. ordinate(i)%wake_step /= number) cycle
+         ordinate(i)%rests = .false.
+         ordinate(i)%side = ordinate(i)%wake_side
+         call start_flight(i, min(ordinate(i)%wake_x, last_x), 0.0_wp, ordinate(i), flights)
+      end do
+   end subroutine wake_up
+
+   !> Put a flight that starts on the base in the row.
+   pure subroutine start_flight(lane, x, w, ordinate, flights)
+      integer, intent(in) :: lane
+      real(wp), intent(in) :: x
+      !! [-]
+      real(wp), intent(in) :: w
+      !! [1/s]
+      type(ordinate_t), intent(in) :: ordinate
+      type(flights_t), intent(inout) :: flights
+
+      flights%used = flights%used + 1
+      associate (k => flights%used)
+         flights%lane(k) = lane
+         flights%x(k) = x
+         flights%span(k) = 1 - x
+         flights%v(k) = 0
+         flights%w(k) = w
+         flights%side(k) = ordinate%side
+         flights%damping(k) = ordinate%damping
+         flights%stiffness(k) = ordinate%stiffness
+         flights%v_max(k) = ordinate%v_max
+         flights%small(k) = negligible_n*ordinate%rtol*ordinate%v_max
+         flights%n_0(k, :) = 0
+      end associate
+   end subroutine start_flight
+
+   !> Draw the conclusions from what the flights met; those that go on move to the front.
+   pure subroutine judge(law, grid, loud, number, flights, ordinate, now)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: loud(:)
       integer, intent(in) :: number
-      real(wp), intent(in) :: x_start
-      !! position at which the series begins [-]
-      type(ordinate_t), intent(inout) :: ordinate
-      integer, intent(inout) :: last
-      !! highest power of the series
-      real(wp), intent(inout) :: p(0:terms)
-      !! v in powers of the position in the rest of the step
-      type(end_state_t), intent(inout) :: finish
-      real(wp) :: x
-      real(wp) :: span
-      !! what the series covers [-]
-      real(wp) :: w
-      !! rate at an impact [1/s]
-      logical :: hits
+      type(flights_t), intent(inout) :: flights
+      type(ordinate_t), intent(inout) :: ordinate(:)
+      type(lane_state_t), intent(inout) :: now
+      integer :: used
+      integer :: k
 
-      x = x_start
-      span = 1 - x
-      do
-         call look_for_impact(grid%step(number)%h, ordinate, p(:last), span, x, w, hits)
-         if (ordinate%failed) return
-         if (.not. hits) exit
-         call bounce(law, grid, number, x, w, ordinate)
-         if (ordinate%failed) return
-         if (ordinate%rests) then
-            call fall_asleep(law, grid, loud, number, x, ordinate)
-            finish = end_state_t(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
-            if (ordinate%wake_step /= number) return
-            x = min(ordinate%wake_x, 1 - 1.0e-13_wp)
-            span = 1 - x
-            call lift_off(law, grid%step(number), x, ordinate, last, p, finish)
-         else
-            call fly(law, grid%step(number), x, law%e*w, ordinate, span, last, p, finish)
-         end if
+      used = flights%used
+      flights%used = 0
+      do k = 1, used
+         associate (one => ordinate(flights%lane(k)))
+            if (flights%is_odd(k) > 0) call search_again(k, flights, one%failed)
+            one%v_max = max(one%v_max, flights%peak(k))
+            if (one%failed) then
+               call give_up(flights%lane(k), size(loud), one, now)
+            else if (flights%hits(k) > 0) then
+               call hit(law, grid, loud, number, k, one, flights, now)
+            else if (flights%span(k) < 1 - flights%x(k)) then
+               ! It was followed for as long as the flight was expected to take.
+               call start_flight(flights%lane(k), flights%x(k), flights%w(k), one, flights)
+            else
+               one%v_max = max(one%v_max, flights%finish%v(k))
+               call land(k, flights, now)
+            end if
+         end associate
       end do
-      ordinate%v_max = max(ordinate%v_max, finish%v)
-   end subroutine pass_pieces
+   end subroutine judge
 
-   !> Impact and peak within a series; x and w move to the impact.
-   pure subroutine look_for_impact(h, ordinate, p, span, x, w, hits)
-      real(wp), intent(in) :: h
-      !! of the step [s]
+   !> State of a lane at the end of the step.
+   pure subroutine land(k, flights, now)
+      integer, intent(in) :: k
+      type(flights_t), intent(in) :: flights
+      type(lane_state_t), intent(inout) :: now
+
+      associate (i => flights%lane(k), finish => flights%finish)
+         now%v(i) = finish%v(k)
+         now%w(i) = finish%w(k)
+         now%n(i) = finish%n(k)
+         now%s(i) = finish%s(k)
+         now%drive(i) = finish%drive(k)
+      end associate
+   end subroutine land
+
+   !> No motion.
+   pure subroutine stop_lane(i, now)
+      integer, intent(in) :: i
+      type(lane_state_t), intent(inout) :: now
+
+      now%v(i) = 0
+      now%w(i) = 0
+      now%n(i) = 0
+      now%s(i) = 0
+      now%drive(i) = 0
+   end subroutine stop_lane
+
+   !> Leave an ordinate to the general kernel.
+   pure subroutine give_up(i, never, ordinate, now)
+      integer, intent(in) :: i
+      !! lane
+      integer, intent(in) :: never
+      !! a step beyond the last one
       type(ordinate_t), intent(inout) :: ordinate
-      real(wp), contiguous, intent(in) :: p(0:)
-      real(wp), intent(in) :: span
-      real(wp), intent(inout) :: x
-      real(wp), intent(out) :: w
-      !! towards the base [1/s]
-      logical, intent(out) :: hits
-      real(wp) :: v
-      real(wp) :: y
+      type(lane_state_t), intent(inout) :: now
 
-      w = 0
-      call find_impact(p, y, hits, ordinate%failed)
-      if (ordinate%failed) return
-      call state_at(p, y, v, w)
-      if (w < 0 .and. p(1) >= 0) call note_peak(p, y, ordinate)
-      if (.not. hits) return
-      w = -w/(span*h)
-      ! An impact on the very end of a step leaves a last piece that is only formally one.
-      x = min(x + span*y, 1 - 1.0e-13_wp)
-   end subroutine look_for_impact
+      ordinate%failed = .true.
+      ordinate%rests = .true.
+      ordinate%wake_step = never
+      call stop_lane(i, now)
+   end subroutine give_up
 
-   !> The flight that follows an impact: over the time that it is expected to take, or to the end of
-   !> the step.
-   pure subroutine fly(law, step, x, w, ordinate, span, last, p, finish)
+   !> A flight ends on the base: another one begins, or the wall rests.
+   pure subroutine hit(law, grid, loud, number, k, ordinate, flights, now)
+      type(fast_law_t), intent(in) :: law
+      type(fast_grid_t), intent(in) :: grid
+      integer, intent(in) :: loud(:)
+      integer, intent(in) :: number
+      integer, intent(in) :: k
+      !! number of the flight
+      type(ordinate_t), intent(inout) :: ordinate
+      type(flights_t), intent(inout) :: flights
+      type(lane_state_t), intent(inout) :: now
+      real(wp) :: x
+      real(wp) :: w
+      !! rate after the impact [1/s]
+      integer :: i
+
+      i = flights%lane(k)
+      x = min(flights%x(k) + flights%span(k)*flights%y(k), last_x)
+      w = -flights%w_hit(k)/(flights%span(k)*grid%step(number)%h)
+      call bounce(law, grid, loud, number, x, w, ordinate)
+      w = law%e*w
+      if (ordinate%failed) then
+         call give_up(i, size(loud), ordinate, now)
+      else if (ordinate%rests) then
+         call fall_asleep(law, grid, loud, number, x, ordinate)
+         call stop_lane(i, now)
+         if (ordinate%wake_step /= number) return
+         ordinate%rests = .false.
+         ordinate%side = ordinate%wake_side
+         call start_flight(i, min(ordinate%wake_x, last_x), 0.0_wp, ordinate, flights)
+      else
+         call start_flight(i, x, w, ordinate, flights)
+         call shorten(law, grid%step(number), flights)
+      end if
+   end subroutine hit
+
+   !> A flight after an impact is followed over the time that it is expected to take only, when
+   !> that is much less than the rest of the step.
+   pure subroutine shorten(law, step, flights)
       type(fast_law_t), intent(in) :: law
       type(step_t), intent(in) :: step
-      real(wp), intent(in) :: x
-      real(wp), intent(in) :: w
-      !! away from the base [1/s]
-      type(ordinate_t), intent(in) :: ordinate
-      real(wp), intent(out) :: span
-      !! what the series covers [-]
-      integer, intent(out) :: last
-      real(wp), intent(out) :: p(0:terms)
-      type(end_state_t), intent(inout) :: finish
+      type(flights_t), intent(inout) :: flights
       real(wp) :: pull
       !! towards the base [1/s2]
 
-      pull = law%m3 + law%m2*ordinate%side*ground_at(step, x) + linear_damping(ordinate, law)*w
-      if (2.5_wp*w < 0.5_wp*(1 - x)*step%h*pull) then
-         span = 2.5_wp*w/(pull*step%h)
-         call depart(ordinate, law, step, x, span, w, last, p, finish)
-         if (finish%v < 0) return
-      end if
-      span = 1 - x
-      call depart(ordinate, law, step, x, span, w, last, p, finish)
-   end subroutine fly
-
-   !> Begin to move from rest at the position x of a step.
-   pure subroutine lift_off(law, step, x, ordinate, last, p, finish)
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: x
-      !! [-]
-      type(ordinate_t), intent(inout) :: ordinate
-      integer, intent(out) :: last
-      real(wp), intent(inout) :: p(0:terms)
-      type(end_state_t), intent(inout) :: finish
-
-      ordinate%rests = .false.
-      ordinate%side = ordinate%wake_side
-      call depart(ordinate, law, step, x, 1 - x, 0.0_wp, last, p, finish)
-   end subroutine lift_off
-
-   !> First return to v = 0 after the beginning of a series.
-   !>
-   !> A flight that starts on the base is asked for v/y (or v/y**2), which does not vanish there.
-   pure subroutine find_impact(p, y, hits, failed)
-      real(wp), contiguous, intent(in) :: p(0:)
-      real(wp), intent(out) :: y
-      !! position of the impact; 1 without one [-]
-      logical, intent(out) :: hits
-      logical, intent(inout) :: failed
-      integer :: first
-
-      first = 0
-      if (p(0) <= 0) first = 1
-      if (p(0) <= 0 .and. p(1) <= 0) first = 2
-      y = 1
-      hits = .false.
-      if (sum(p(first:)) <= 0) then
-         failed = first == 2 .or. .not. p(first) > 0
-         if (failed) return
-         hits = .true.
-         call find_root(p(first:), 0.0_wp, 1.0_wp, y)
-      else if (first < 2 .and. p(first + 1) < 0) then
-         call find_dip(p(first:), y, hits)
-      end if
-   end subroutine find_impact
-
-   !> Does a function that falls at 0 and is positive at 1 become negative between?
-   pure subroutine find_dip(r, y, hits)
-      real(wp), contiguous, intent(in) :: r(0:)
-      real(wp), intent(out) :: y
-      logical, intent(out) :: hits
-      real(wp) :: lowest
-      real(wp) :: value
-      real(wp) :: slope
-
-      y = 1
-      hits = .false.
-      call state_at(r, 1.0_wp, value, slope)
-      if (slope <= 0) return
-      call find_root(derivative(r), 0.0_wp, 1.0_wp, lowest)
-      call state_at(r, lowest, value, slope)
-      hits = value < 0
-      if (hits) call find_root(r, 0.0_wp, lowest, y)
-   end subroutine find_dip
-
-   pure function derivative(r) result(slope)
-      real(wp), intent(in) :: r(0:)
-      real(wp) :: slope(0:size(r) - 2)
-      integer :: i
-
-      do i = 0, size(r) - 2
-         slope(i) = (i + 1)*r(i + 1)
-      end do
-   end function derivative
-
-   !> Keep the largest v before the position y, where v falls.
-   pure subroutine note_peak(p, y, ordinate)
-      real(wp), contiguous, intent(in) :: p(0:)
-      real(wp), intent(in) :: y
-      type(ordinate_t), intent(inout) :: ordinate
-      real(wp) :: x
-      real(wp) :: v
-      real(wp) :: slope
-
-      ! A cheap bound: most peaks are far below the largest one.
-      if (p(1) > 0 .and. p(0) + 1.5_wp*p(1)*y < ordinate%v_max .and. p(2) < 0) return
-      if (p(1) > 0) then
-         call find_root(derivative(p), 0.0_wp, y, x)
-      else
-         call find_root(derivative(p(1:)), 0.0_wp, y, x)
-      end if
-      call state_at(p, x, v, slope)
-      ordinate%v_max = max(ordinate%v_max, v)
-   end subroutine note_peak
+      associate (k => flights%used)
+         pull = law%m3 + law%m2*flights%side(k)*ground_at(step, flights%x(k)) &
+            + law%m1*flights%damping(k)*flights%w(k)
+         if (2.5_wp*flights%w(k) < 0.5_wp*flights%span(k)*step%h*pull) then
+            flights%span(k) = 2.5_wp*flights%w(k)/(pull*step%h)
+         end if
+      end associate
+   end subroutine shorten
 
    !> Impact with the rate w towards the base.
-   pure subroutine bounce(law, grid, number, x, w, ordinate)
+   pure subroutine bounce(law, grid, loud, number, x, w, ordinate)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
+      integer, intent(in) :: loud(:)
       integer, intent(in) :: number
       real(wp), intent(in) :: x
       real(wp), intent(in) :: w
@@ -290,8 +294,9 @@ contains
       ordinate%failed = .not. w > 0 .or. ordinate%impacts > most_impacts
       ordinate%side = -ordinate%side
       ordinate%w_max = max(ordinate%w_max, w)
-      ordinate%rests = comes_to_rest(law, grid, number, x, law%e*w, &
-         negligible*ordinate%rtol*ordinate%v_max, negligible*ordinate%rtol*ordinate%w_max)
+      ordinate%rests = comes_to_rest(law, grid, loud, number, x, law%e*w, ordinate)
+      ! Not at rest yet, but nothing larger will come.
+      if (number >= grid%quiet) ordinate%rests = ordinate%rests .or. is_over(law, ordinate, law%e*w)
    end subroutine bounce
 
 end module rwmf_fast_flight

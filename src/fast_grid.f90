@@ -4,14 +4,19 @@
 !> is monotone within a step. In a step it is the cubic through its values on Lobatto's nodes, which
 !> is exact for a record.
 module rwmf_fast_grid
+   use rwmf_case, only: case_t
    use rwmf_fast_lanes, only: c_2, c_3, step_t
-   use rwmf_kinds, only: wp
-   use rwmf_motion, only: acceleration, interval_at, interval_end, motion_t, peak_acceleration, &
+   use rwmf_kinds, only: pi, wp
+   use rwmf_motion, only: acceleration, fastest_rate, interval_at, interval_end, motion_t, &
+      peak_acceleration, &
       turning_point
    implicit none
    private
 
-   public :: fast_grid_t, build_grid, ground_at, ground_end, loud_steps
+   public :: fast_grid_t, build_grid, ground_at, ground_end, loud_steps, pulse_step
+
+   integer, parameter :: most_steps = 1000000
+   !! of a grid: 64 MB
 
    !> Steps from 0 to the end of the simulation.
    type :: fast_grid_t
@@ -19,12 +24,16 @@ module rwmf_fast_grid
       !! (steps)
       real(wp), allocatable :: t(:)
       !! (steps) beginnings [s]
+      integer :: quiet
+      !! first step from which on the ground stands still
    end type fast_grid_t
 
 contains
 
-   !> Cut [0, t_end] into steps of at most h_max.
-   pure subroutine build_grid(motion, t_end, h_max, grid)
+   !> Cut [0, t_end] into steps of at most h_max. When that makes more steps than the case allows,
+   !> or than memory should hold, `step` stays unallocated: there is no grid.
+   pure subroutine build_grid(case, motion, t_end, h_max, grid)
+      type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t_end
       !! [s]
@@ -34,10 +43,28 @@ contains
       integer :: number
 
       call walk(motion, t_end, h_max, grid, number)
+      if (number > min(most_steps, case%solver%max_steps)) return
       allocate (grid%step(number), grid%t(number))
       call walk(motion, t_end, h_max, grid, number)
       call find_kinks(grid)
+      do number = size(grid%step), 1, -1
+         if (any(abs(grid%step(number)%f) > 0)) exit
+      end do
+      grid%quiet = number + 1
    end subroutine build_grid
+
+   !> Longest step for which a cubic is as good as the pulse of a case [s].
+   pure real(wp) function pulse_step(case, motion) result(h)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      real(wp) :: share
+
+      h = huge(h)
+      if (.not. fastest_rate(motion) > 0) return
+      ! The error of the cubic falls with the fourth power of the step.
+      share = 0.01_wp*min(1.0_wp, (case%solver%rtol/1.0e-9_wp)**0.25_wp)
+      h = share*2*pi/fastest_rate(motion)
+   end function pulse_step
 
    !> Count the steps, and store them once there is room for them.
    pure subroutine walk(motion, t_end, h_max, grid, number)

@@ -15,41 +15,15 @@
 module rwmf_fast_law
    use, intrinsic :: iso_fortran_env, only: real128
    use rwmf_case, only: case_t
-   use rwmf_fast_lanes, only: degree
+   use rwmf_fast_lanes, only: curves, degree, fast_law_t
    use rwmf_kinds, only: wp
    use rwmf_run, only: restitution
    implicit none
    private
 
-   public :: fast_law_t, build_law
+   public :: build_law
 
    integer, parameter :: qp = real128
-   integer, parameter :: curves = 4
-   !! Q, D1, D2, H
-
-   !> What all periods of one mass ratio and one width share.
-   type :: fast_law_t
-      real(wp) :: m1
-      !! M1(0) [-]
-      real(wp) :: m2
-      !! M2(0) [1/m]
-      real(wp) :: m3
-      !! M3(0) [1/s2]
-      real(wp) :: m3_1
-      !! slope of M3 at 0, mean of both sides [1/s2]
-      real(wp) :: coef(0:degree, curves, 2)
-      !! coefficients of Q, D1, D2 [1/m], H [1/s2] in powers of v; theta > 0 and theta < 0
-      real(wp) :: threshold
-      !! ground acceleration that lifts the resting wall [m/s2]
-      real(wp) :: e
-      !! velocity factor at impact [-]
-      real(wp) :: length
-      !! 2R [m]
-      real(wp) :: v_high
-      !! end of the fit [-]
-      real(wp) :: fit_error
-      !! largest error of the polynomials, relative to the acceleration that they contribute to [-]
-   end type fast_law_t
 
    !> Scene in quadruple precision.
    type :: scene_t

@@ -1,7 +1,8 @@
 !> Rest and lift-off in the steps of the fast spectra; the rules are those of `rwmf_rest`.
 module rwmf_fast_rest
    use rwmf_fast_grid, only: fast_grid_t, ground_at, ground_end
-   use rwmf_fast_law, only: fast_law_t
+   use rwmf_fast_lanes, only: fast_law_t
+   use rwmf_fast_ordinate, only: ordinate_t
    use rwmf_fast_series, only: find_root, newton_to_powers
    use rwmf_kinds, only: wp
    implicit none
@@ -11,6 +12,8 @@ module rwmf_fast_rest
 
    real(wp), parameter :: beyond = 1 + 4*epsilon(1.0_wp)
    !! the drive exceeds the threshold by more than round-off
+   real(wp), parameter :: negligible = 0.01_wp
+   !! part of the tolerance below which a velocity may be dropped
 
 contains
 
@@ -51,59 +54,113 @@ contains
       side = merge(-1, 1, f > 0)
    end subroutine find_wake
 
-   !> May the wall be put to rest after an impact? See `may_rest` of `rwmf_rest`.
-   pure logical function comes_to_rest(law, grid, number, x, w, small_v, small_w) result(rests)
+   !> May the wall be put to rest after an impact?
+   !>
+   !> Yes, if what is left of the velocity is negligible while the motion presses the wall down
+   !> (`may_rest` of `rwmf_rest`). Yes as well, whatever the velocity, if the chatter ends by itself
+   !> in time: under a pressure p(t) >= p_min > 0 a flight returns with at most sqrt(p_1/p_0) of its
+   !> velocity, p_0 and p_1 the least and the largest pressure in it, so that impact number n leaves
+   !> at most F w e**n with F = exp(V/2), V the total variation of ln(p); the flights take at most
+   !> 2 F w/(p_min (1 - e)) together, and none rises above (F w)**2/(2 p_min). If that is within the
+   !> span looked at and below the maximum so far, the true motion has come to rest by then and has
+   !> changed nothing.
+   pure logical function comes_to_rest(law, grid, loud, number, x, w, ordinate) result(rests)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
+      integer, intent(in) :: loud(:)
+      !! from `loud_steps`
       integer, intent(in) :: number
       !! of the step
       real(wp), intent(in) :: x
       !! position in it [-]
       real(wp), intent(in) :: w
       !! rate of v after the impact [1/s]
-      real(wp), intent(in) :: small_v
-      !! negligible displacement over 2R [-]
-      real(wp), intent(in) :: small_w
-      !! negligible rate [1/s]
+      type(ordinate_t), intent(in) :: ordinate
+      real(wp), parameter :: room = 3
+      !! span looked at over the time that a steady pressure would need
       real(wp) :: press
       !! deceleration of v [1/s2]
       real(wp) :: chatter
       !! [s]
+      real(wp) :: growth
+      !! F [-]
+      real(wp) :: top
+      !! bound of v [-]
 
       rests = .false.
       press = law%m2*(law%threshold - abs(ground_at(grid%step(number), x)))
       if (press <= 0) return
-      rests = w <= max(small_w, press*64*spacing(grid%t(number)))
-      if (rests .or. law%e >= 1 .or. w**2 > 2*press*small_v) return
-      ! Twice the time that the present pressure allows leaves room for a smaller one meanwhile.
-      chatter = 4*w/(press*(1 - law%e))
-      press = least_pressure(law, grid, number, x, chatter)
-      rests = press > 0 .and. 2*w <= press*(1 - law%e)*chatter
+      rests = w <= max(negligible*ordinate%rtol*ordinate%w_max, &
+         press*64*spacing(grid%t(number)))
+      if (rests .or. law%e >= 1 .or. w**2 > 2*press*ordinate%v_max) return
+      chatter = room*2*w/(press*(1 - law%e))
+      if (loud(number) < loud(number + 1)) return
+      if (loud(number) <= size(grid%t)) then
+         if (grid%t(number) + x*grid%step(number)%h + chatter > grid%t(loud(number))) return
+      end if
+      call press_over(law, grid, number, x, chatter, press, growth)
+      if (press <= 0) return
+      top = (growth*w)**2/(2*press)
+      press = press - hindrance(law, ordinate, growth*w, top)
+      rests = 2*growth*w <= press*(1 - law%e)*chatter .and. top <= 0.5_wp*ordinate%v_max
    end function comes_to_rest
 
-   !> Smallest deceleration of v from a position on for a time; the acceleration of the ground is
-   !> monotone within a step.
-   pure real(wp) function least_pressure(law, grid, number, x, span) result(press)
+   !> Bound of what delays the return of flights that are no faster than w and no higher than v,
+   !> beside a weaker pressure [1/s2]; the stiffness only hastens it.
+   pure real(wp) function hindrance(law, ordinate, w, v)
+      type(fast_law_t), intent(in) :: law
+      type(ordinate_t), intent(in) :: ordinate
+      real(wp), intent(in) :: w
+      !! [1/s]
+      real(wp), intent(in) :: v
+      !! [-]
+      real(wp) :: c(4)
+
+      c = maxval(abs(law%coef(0, :, :)), dim=2)
+      hindrance = law%m1*ordinate%damping*w + 2*(c(1)*w**2 + v*(c(2)*(ordinate%damping*w &
+         + ordinate%stiffness*v) + c(3)*law%threshold + c(4) + abs(law%m3_1)))
+   end function hindrance
+
+   !> Smallest deceleration of v from a position on for a time, and how much it lets velocities
+   !> grow; the acceleration of the ground is monotone within a step.
+   pure subroutine press_over(law, grid, number, x, span, press, growth)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: number
       real(wp), intent(in) :: x
       real(wp), intent(in) :: span
       !! [s]
-      real(wp) :: largest
+      real(wp), intent(inout) :: press
+      !! in: at the position; out: not positive when the wall is let go [1/s2]
+      real(wp), intent(out) :: growth
+      !! F of `comes_to_rest` [-]
       real(wp) :: t_end
+      real(wp) :: least, f, f_last, variation
       integer :: i
 
       t_end = grid%t(number) + x*grid%step(number)%h + span
-      largest = abs(ground_at(grid%step(number), x))
+      f_last = ground_at(grid%step(number), x)
+      least = law%threshold - abs(f_last)
+      variation = 0
       do i = number, size(grid%step)
          associate (step => grid%step(i))
-            if (i > number) largest = max(largest, abs(step%f(0)))
-            largest = max(largest, abs(ground_at(step, min(1.0_wp, (t_end - grid%t(i))/step%h))))
-            if (largest >= law%threshold .or. grid%t(i) + step%h >= t_end) exit
+            if (i > number) then
+               variation = variation + abs(step%f(0) - f_last)
+               f_last = step%f(0)
+               least = min(least, law%threshold - abs(f_last))
+            end if
+            f = ground_at(step, min(1.0_wp, (t_end - grid%t(i))/step%h))
+            variation = variation + abs(f - f_last)
+            f_last = f
+            least = min(least, law%threshold - abs(f))
+            if (least <= 0 .or. variation > 4*least .or. grid%t(i) + step%h >= t_end) exit
          end associate
       end do
-      press = law%m2*(law%threshold - largest)
-   end function least_pressure
+      press = 0
+      growth = 1
+      if (least <= 0 .or. variation > 4*least) return
+      press = law%m2*least
+      growth = exp(variation/(2*least))
+   end subroutine press_over
 
 end module rwmf_fast_rest

@@ -9,37 +9,15 @@ module rwmf_fast_series
    implicit none
    private
 
-   public :: terms, terms_needed, series, state_at, newton_to_powers, shifted
-   public :: step_weights, find_root
+   public :: series_terms, series, state_at, newton_to_powers, step_weights, find_root
 
-   integer, parameter :: terms = 15
-   !! highest power ever kept
+   integer, parameter :: series_terms = 15
+   !! highest power kept
 
 contains
 
-   !> Highest power that is above round-off in a step h, at most `terms`.
-   pure integer function terms_needed(damping, stiffness, h) result(last)
-      real(wp), intent(in) :: damping
-      !! d [1/s]
-      real(wp), intent(in) :: stiffness
-      !! k [1/s2]
-      real(wp), intent(in) :: h
-      !! [s]
-      real(wp), parameter :: round_off = 1.0e-17_wp
-      integer :: j
-      real(wp), parameter :: reach(6:terms) = [((round_off*gamma(j + 1.0_wp))**(1/real(j, wp)), &
-         j=6, terms)]
-      !! largest angle for which the term of a power is round-off
-      real(wp) :: angle
-
-      angle = h*(abs(damping) + sqrt(abs(stiffness)))
-      do last = 5, terms - 1
-         if (angle < reach(last + 1)) exit
-      end do
-   end function terms_needed
-
    !> Coefficients of z in powers of x = t/h.
-   pure subroutine series(damping, stiffness, h, z, rate, forcing, last, p)
+   pure subroutine series(damping, stiffness, h, z, rate, forcing, p)
       real(wp), intent(in) :: damping
       !! d [1/s]
       real(wp), intent(in) :: stiffness
@@ -52,11 +30,10 @@ contains
       !! z'(0) per second
       real(wp), intent(in) :: forcing(0:3)
       !! coefficients of F in powers of x, per second squared
-      integer, intent(in) :: last
-      !! highest power
-      real(wp), intent(out) :: p(0:last)
+      real(wp), intent(out) :: p(0:series_terms)
       integer :: j
-      real(wp), parameter :: inverse(0:terms - 2) = [(1/real((j + 1)*(j + 2), wp), j=0, terms - 2)]
+      real(wp), parameter :: inverse(0:series_terms - 2) = [(1/real((j + 1)*(j + 2), wp), &
+         j=0, series_terms - 2)]
       real(wp) :: d
       real(wp) :: k
       integer :: i
@@ -68,7 +45,7 @@ contains
       do i = 0, 3
          p(i + 2) = (h**2*forcing(i) - (d*(i + 1)*p(i + 1) + k*p(i)))*inverse(i)
       end do
-      do i = 4, last - 2
+      do i = 4, series_terms - 2
          p(i + 2) = -(d*(i + 1)*p(i + 1) + k*p(i))*inverse(i)
       end do
    end subroutine series
@@ -113,19 +90,6 @@ contains
       p = [d(0), d(1) - c_2*d(2) + c_2*c_3*d(3), d(2) - d(3), d(3)]
    end function newton_to_powers
 
-   !> A cubic of x as a cubic of y, x = x_0 + r y.
-   pure function shifted(p, x_0, r) result(q)
-      real(wp), intent(in) :: p(0:3)
-      real(wp), intent(in) :: x_0
-      real(wp), intent(in) :: r
-      real(wp) :: q(0:3)
-
-      q(0) = p(0) + x_0*(p(1) + x_0*(p(2) + x_0*p(3)))
-      q(1) = r*(p(1) + x_0*(2*p(2) + x_0*3*p(3)))
-      q(2) = r**2*(p(2) + x_0*3*p(3))
-      q(3) = r**3*p(3)
-   end function shifted
-
    !> Weights of a step as `rwmf_fast_step` orders them.
    pure function step_weights(damping, stiffness, h) result(weight)
       real(wp), intent(in) :: damping
@@ -136,17 +100,17 @@ contains
       !! [s]
       real(wp) :: weight(12, 3)
       real(wp), parameter :: node(3) = [c_2, c_3, 1.0_wp]
-      real(wp) :: p(0:terms, 6)
+      real(wp) :: p(0:series_terms, 6)
       real(wp) :: mode(0:3)
       integer :: i
       integer :: j
 
-      call series(damping, stiffness, h, 1.0_wp, 0.0_wp, [real(wp) :: 0, 0, 0, 0], terms, p(:, 1))
-      call series(damping, stiffness, h, 0.0_wp, 1.0_wp, [real(wp) :: 0, 0, 0, 0], terms, p(:, 2))
+      call series(damping, stiffness, h, 1.0_wp, 0.0_wp, [real(wp) :: 0, 0, 0, 0], p(:, 1))
+      call series(damping, stiffness, h, 0.0_wp, 1.0_wp, [real(wp) :: 0, 0, 0, 0], p(:, 2))
       do j = 0, 3
          mode = 0
          mode(j) = 1
-         call series(damping, stiffness, h, 0.0_wp, 0.0_wp, newton_to_powers(mode), terms, &
+         call series(damping, stiffness, h, 0.0_wp, 0.0_wp, newton_to_powers(mode), &
             p(:, 3 + j))
       end do
       do i = 1, 3

@@ -12,17 +12,37 @@ module rwmf_methods
    implicit none
    private
 
-   public :: new_stepper
+   public :: new_stepper, run_method, spectrum_method
 
 contains
+
+   !> The method of a single run: what 'auto' means there.
+   pure function run_method(method) result(name)
+      character(*), intent(in) :: method
+      !! as the case gives it
+      character(16) :: name
+
+      name = method
+      if (method == 'auto') name = 'adams'
+   end function run_method
+
+   !> The method of a spectrum: what 'auto' means there.
+   pure function spectrum_method(method) result(name)
+      character(*), intent(in) :: method
+      !! as the case gives it
+      character(16) :: name
+
+      name = method
+      if (method == 'auto') name = 'fast'
+   end function spectrum_method
 
    !> The integrator that `&solver method` names.
    subroutine new_stepper(method, stepper)
       character(*), intent(in) :: method
-      !! 'adams', 'bdf', 'erk54', 'dop853', 'extrapolation' or 'fast'
+      !! 'auto', 'adams', 'bdf', 'erk54', 'dop853', 'extrapolation' or 'fast'
       class(stepper_t), allocatable, intent(out) :: stepper
 
-      select case (method)
+      select case (run_method(method))
       case ('dop853', 'fast')
          ! A single run has no lanes.
          allocate (dop853_t :: stepper)

@@ -15,6 +15,7 @@ module rwmf_python
    use rwmf_case, only: case_t
    use rwmf_case_writer, only: describe_case
    use rwmf_errors, only: error_t
+   use rwmf_fast_machine, only: kernel_instructions => instruction_set
    use rwmf_handles, only: find_run, find_sweep, join_status, keep_run, keep_sweep, &
       make_control, put_error, put_text, read_source, run_t, sweep_t
    use rwmf_inventory, only: inventory_text
@@ -41,6 +42,15 @@ contains
 
       call put_text(kernel_version, buffer, length)
    end subroutine version
+
+   !> Instructions that method 'fast' uses on this processor.
+   subroutine instruction_set(n, buffer, length)
+      integer(c_int), intent(in) :: n
+      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int), intent(out) :: length
+
+      call put_text(trim(kernel_instructions()), buffer, length)
+   end subroutine instruction_set
 
    !> The table of groups and keys, one key a line.
    subroutine schema(n, buffer, length)

@@ -12,7 +12,7 @@ module rwmf_run
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_memory, only: yield_displacement
    use rwmf_memory_query, only: frame_residual, prestress_loss, tendon_is_broken
-   use rwmf_methods, only: new_stepper
+   use rwmf_methods, only: new_stepper, run_method
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
    use rwmf_observer_forces, only: force_extremes
@@ -132,7 +132,7 @@ contains
       size_found = [max(observer%theta_max, -observer%theta_min), observer%theta_dot_max]
       call fill_result(case, equation, hybrid, observer, result)
       result%steps = stepper%steps
-      result%method = case%solver%method
+      result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
    end subroutine integrate
 

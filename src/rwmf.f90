@@ -47,6 +47,7 @@ module rwmf
    use rwmf_errors, only: err_input, err_interrupt, err_numerical, error_t
    ! kinds of the real and integer components
    use rwmf_kinds, only: i8, wp
+   use rwmf_fast_machine, only: instruction_set
    use rwmf_version, only: version
    implicit none
    private
@@ -64,6 +65,6 @@ module rwmf
    public :: write_result, write_spectrum
    public :: control_t
    public :: error_t, err_input, err_interrupt, err_numerical
-   public :: wp, i8, version
+   public :: wp, i8, version, instruction_set
 
 end module rwmf

@@ -14,8 +14,8 @@ module rwmf_schema
    !! pulses with a velocity amplitude
    character(*), parameter :: pulse_kinds = velocity_kinds//' ricker ricker_antisymmetric'
    !! kinds of motion that are pulses
-   character(*), parameter :: all_methods = 'adams bdf erk54 dop853 extrapolation fast'
-   !! integrators
+   character(*), parameter :: all_methods = 'auto adams bdf erk54 dop853 extrapolation fast'
+   !! integrators; `rwmf_methods` says what 'auto' is
 
    character(*), parameter :: any_real = 'any finite number'
    character(*), parameter :: positive = '> 0'
@@ -179,7 +179,8 @@ contains
          optional_key('model', 'g', 'real', 'm/s2', '9.81', positive, 'gravity'), &
          optional_key('model', 'overturning_angle', 'real', 'rad', 'pi/2', '(0, pi/2]', &
             'rotation at which the wall counts as overturned'), &
-         optional_key('solver', 'method', 'choice', '', 'adams', all_methods, 'integrator'), &
+         optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
+            'integrator; auto: fast for the ordinates of a spectrum, adams for other runs'), &
          optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '(0, 0.1]', 'relative tolerance'), &
          optional_key('solver', 'accuracy', 'real', '-', '', '(0, 0.1]', &
             'relative error of u_s_max (no frame: theta_max) asked instead of rtol'), &

@@ -4,8 +4,11 @@ module rwmf_spectrum
    use rwmf_case, only: case_t, spectrum_spec_t
    use rwmf_control, only: control_t, count_done, is_cancelled
    use rwmf_errors, only: err_input, err_interrupt, err_numerical, error_t, fail
+   use rwmf_fast_frame, only: run_frames
    use rwmf_fast_spectrum, only: run_fast
+   use rwmf_fast_support, only: is_supported
    use rwmf_kinds, only: i8, wp
+   use rwmf_methods, only: spectrum_method
    use rwmf_motion, only: motion_from_case, motion_t
    use rwmf_result, only: result_t
    use rwmf_simulation, only: simulate_under
@@ -145,7 +148,7 @@ contains
       integer(i8) :: evaluations
       integer :: i
 
-      if (case%solver%method == 'fast' .and. allocated(case%wall)) then
+      if (spectrum_method(case%solver%method) == 'fast') then
          call run_lanes(case, motion, control, spectrum)
       end if
       evaluations = 0_i8
@@ -164,10 +167,17 @@ contains
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(spectrum_t), intent(inout) :: spectrum
-      logical :: is_done(size(spectrum%T_s), size(spectrum%gamma), size(spectrum%b))
+      logical :: is_done(size(spectrum%T_s), size(spectrum%u_s_max, 2), size(spectrum%u_s_max, 3))
 
-      call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
-         spectrum%b, spectrum%u_s_max, is_done)
+      is_done = .false.
+      if (.not. is_supported(case)) return
+      if (allocated(case%wall)) then
+         call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
+            spectrum%b, spectrum%u_s_max, is_done)
+      else
+         call run_frames(case, motion, spectrum%threads, control, spectrum%T_s, &
+            spectrum%u_s_max(:, 1, 1), is_done(:, 1, 1))
+      end if
       where (is_done) spectrum%status = 'ok'
    end subroutine run_lanes
 
@@ -227,6 +237,7 @@ contains
       if (allocated(case%initial)) scene%initial = case%initial
       scene%model = case%model
       scene%solver = case%solver
+      scene%solver%method = trim(spectrum_method(case%solver%method))
    end subroutine copy_scene
 
 end module rwmf_spectrum

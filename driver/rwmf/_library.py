@@ -23,6 +23,7 @@ __all__ = [
     "Run",
     "Sweep",
     "describe",
+    "instruction_set",
     "inventory",
     "schema",
     "start_simulation",
@@ -50,6 +51,17 @@ def version() -> str:
         For example ``'0.1.0'``.
     """
     return _fetch_text(_kernel.version)
+
+
+def instruction_set() -> str:
+    """Instructions that method ``fast`` uses on this processor.
+
+    Returns
+    -------
+    str
+        For example ``'x86-64-v4'``.
+    """
+    return _fetch_text(_kernel.instruction_set)
 
 
 def schema() -> list[list[str]]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 
 import rwmf
 from rwmf import animate_command, commands, cost_command
+from rwmf._library import instruction_set
 from rwmf.errors import Interrupted, RwmfError
 from rwmf.reproduce import command as reproduce_command
 from rwmf.studies.commands import add_parsers as add_studies
@@ -60,7 +61,8 @@ def make_parser() -> argparse.ArgumentParser:
         description="Dynamic response of post-tensioned rocking wall-moment frames.",
         epilog="example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png",
     )
-    parser.add_argument("--version", action="version", version=f"rwmf {rwmf.__version__}")
+    version = f"rwmf {rwmf.__version__} ({instruction_set()})"
+    parser.add_argument("--version", action="version", version=version)
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for add in (_add_run, _add_spectrum, _add_cost, _add_check, _add_records):
         add(subparsers)

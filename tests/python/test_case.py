@@ -44,7 +44,7 @@ def test_absent_groups_are_none() -> None:
 
 def test_defaults_come_from_the_kernel() -> None:
     case = rwmf.Case.from_text(TEXT)
-    assert case.solver.method == "adams"
+    assert case.solver.method == "auto"
     assert case.solver.rtol == 1e-9
     assert "rtol" not in case.solver.given
     assert "t_end" in case.solver.given

@@ -100,8 +100,15 @@ def test_thread_count_and_order(elcentro: Path) -> None:
         assert rwmf.spectrum(case, **grid, threads=threads)["u_s_max"].equals(first["u_s_max"])
     backwards = rwmf.spectrum(case, **(grid | {"T_s": periods[::-1]}))
     assert np.array_equal(backwards["u_s_max"].values[..., ::-1], first["u_s_max"].values)
-    alone = rwmf.simulate(case.replace(frame={"T_s": 1.4, "gamma": 5.0}))
-    assert float(alone["u_s_max"]) == float(first["u_s_max"].sel(T_s=1.4, gamma=5.0, b=0.5))
+    alone = rwmf.spectrum(case, T_s=1.4, gamma=5.0, b=0.5)
+    assert alone["u_s_max"].item() == float(first["u_s_max"].sel(T_s=1.4, gamma=5.0, b=0.5))
+
+
+def test_ordinate_is_a_run_of_its_method(elcentro: Path) -> None:
+    """An ordinate of a method that is not `fast` has the bits of a single run."""
+    case = coupled(motion=record(elcentro), solver={"t_end": 8.0, "method": "adams"})
+    ordinate = rwmf.spectrum(case, T_s=1.4, gamma=5.0)["u_s_max"].item()
+    assert ordinate == float(rwmf.simulate(case.replace(frame={"T_s": 1.4, "gamma": 5.0})).u_s_max)
 
 
 def test_namelist_grid_and_list_agree() -> None:

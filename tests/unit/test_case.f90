@@ -45,7 +45,7 @@ contains
       call checks%close_to(case%model%g, real(9.81_dp, wp), 'g')
       call checks%close_to(case%model%overturning_angle, pi/2, 'overturning angle', &
          rtol=epsilon(1.0_wp) + real(epsilon(1.0_dp), wp))
-      call checks%that(case%solver%method == 'adams', 'method')
+      call checks%that(case%solver%method == 'auto', 'method')
       call checks%close_to(case%solver%rtol, real(1.0e-9_dp, wp), 'rtol')
       call checks%that(case%solver%max_steps == 50000000, 'max_steps')
       call checks%that(.not. (case%solver%verify .or. allocated(case%solver%atol) &
@@ -176,7 +176,7 @@ contains
       call refuse('&solver max_steps = 0 /', 'must be an integer >= 1')
       call refuse('&solver max_steps = 1.5 /', 'must be an integer >= 1')
       call refuse('&solver max_steps = 3000000000 /', 'must be an integer >= 1')
-      call refuse('&solver method = ''rk4'' /', "must be 'adams', 'bdf', 'erk54'")
+      call refuse('&solver method = ''rk4'' /', "must be 'auto', 'adams', 'bdf', 'erk54'")
       call refuse('&solver method = adams /', 'in quotes')
       call refuse('&solver method = ''adams bdf'' /', "method = 'adams bdf'")
       call refuse('&model overturning_angle = 1.6 /', 'must be a number in (0, pi/2] [rad]')

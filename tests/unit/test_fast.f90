@@ -6,7 +6,8 @@ program test_fast
    use rwmf_errors, only: error_t
    use rwmf_fast_block, only: run_block
    use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps
-   use rwmf_fast_law, only: build_law, fast_law_t
+   use rwmf_fast_lanes, only: fast_law_t
+   use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_spectrum, only: run_fast
    use rwmf_kinds, only: wp
@@ -232,15 +233,17 @@ contains
       type(fast_law_t) :: law
       real(wp) :: peak(size(periods), size(levels))
       logical :: failed(size(periods))
+      real(wp) :: error(size(periods))
       integer :: i
 
       case = shaken_scene('exact')
       motion = motion_from_case(case)
-      call build_grid(motion, case%solver%t_end, 0.005_wp, grid)
+      call build_grid(case, motion, case%solver%t_end, 0.005_wp, grid)
       call build_law(case, 0.2_wp, law)
       do i = 1, size(levels)
-         call run_block(law, grid, loud_steps(grid, law%threshold), periods, case%frame%xi_s, &
-            case%solver%rtol, min(levels(i), best_level()), peak(:, i), failed)
+         call run_block(control_t(), law, grid, loud_steps(grid, law%threshold), periods, &
+            case%frame%xi_s, case%solver%rtol, min(levels(i), best_level()), &
+            peak(:, i), failed, error)
          call checks%that(.not. any(failed), 'levels: nothing failed')
       end do
       call checks%that(all(abs(peak(:, 2) - peak(:, 1)) <= 0), 'levels: AVX2')

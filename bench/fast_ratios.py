@@ -1,0 +1,89 @@
+"""Method `fast` on a machine that is busy with other work: processor time, and errors of figures.
+
+    .venv/bin/python bench/fast_ratios.py
+
+The cost of an ordinate is the processor time of a spectrum less that of the same spectrum under a
+motion too small to lift the wall (which leaves reading, fits and tables out), the smallest of five.
+El Centro, the wall of the paper, e = 0.9, one thread. `adams` is given every tenth period. The
+errors are those of all ordinates of the shipped Figs 12 and 13 against `dop853` at rtol 1e-13.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import rwmf
+import spectra
+
+INPUTS = Path(__file__).resolve().parent.parent / "inputs"
+GAMMAS = (5.0, 1800.0)
+BANDS = ((0.05, 0.2), (0.2, 0.5), (0.3, 3.0), (0.05, 3.0))
+FIGURES = (
+    "fig12_one_sine",
+    "fig12_one_cosine",
+    "fig13_elcentro_slender_wall",
+    "fig13_elcentro_squat_wall",
+)
+PUBLISHED, RTOLS = ("published", "exact"), (1e-7, 1e-8, 1e-9)
+
+Array = npt.NDArray[np.float64]
+
+
+def _cpu(case: rwmf.Case, T_s: Array, gamma: float, repeats: int) -> float:
+    """Smallest processor time of a spectrum [s]."""
+    best = math.inf
+    for _ in range(repeats):
+        started = time.process_time()
+        rwmf.spectrum(case, T_s=T_s, gamma=gamma, threads=1)
+        best = min(best, time.process_time() - started)
+    return best
+
+
+def _cost(method: str, rtol: float, T_s: Array, gamma: float, repeats: int) -> float:
+    """Processor time of an ordinate [us]."""
+    case = spectra._case(method, rtol)
+    still = case.replace(motion={"scale": 1e-9})
+    whole = _cpu(case, T_s, gamma, repeats)
+    return 1e6 * (whole - _cpu(still, T_s, gamma, repeats)) / T_s.size
+
+
+def _print_costs() -> None:
+    """Print the cost by band, and the ratio to `adams`."""
+    print("| T_s | gamma | fast 1e-7, us of processor time | adams 1e-8 | ratio |")
+    print("|---|---|---|---|---|")
+    for low, high in BANDS:
+        T_s = np.linspace(low, high, 200)
+        for gamma in GAMMAS:
+            fast = _cost("fast", 1e-7, T_s, gamma, 5)
+            adams = _cost("adams", 1e-8, T_s[::10], gamma, 1)
+            print(
+                f"| {low:g}-{high:g} | {gamma:g} | {fast:.1f} | {adams:.0f} | {adams / fast:.0f} |"
+            )
+
+
+def _print_errors() -> None:
+    """Print the largest errors of the shipped figures."""
+    print("\n| figure | formulation | rtol | largest error | above rtol | general kernel |")
+    print("|---|---|---|---|---|---|")
+    for name in FIGURES:
+        for formulation in PUBLISHED:
+            case = rwmf.Case.from_namelist(INPUTS / f"{name}.nml")
+            case = case.replace(model={"formulation": formulation})
+            truth = rwmf.spectrum(case.replace(solver={"method": "dop853", "rtol": 1e-13}))
+            for rtol in RTOLS:
+                found = rwmf.spectrum(case.replace(solver={"method": "fast", "rtol": rtol}))
+                error = np.abs(found.u_s_max.values / truth.u_s_max.values - 1)
+                print(
+                    f"| {name} | {formulation} | {rtol:.0e} | {error.max():.1e} "
+                    f"| {(error > rtol).sum()} of {error.size} "
+                    f"| {'some' if found.attrs['rhs_evaluations'] else 'none'} |"
+                )
+
+
+if __name__ == "__main__":
+    _print_costs()
+    _print_errors()

@@ -1,0 +1,103 @@
+!> Flights that the vectorised search leaves alone: those that dip, or start with nothing.
+module rwmf_fast_search
+   use rwmf_fast_lanes, only: flights_t, terms
+   use rwmf_fast_series, only: find_root, state_at
+   use rwmf_kinds, only: wp
+   implicit none
+   private
+
+   public :: search_again
+
+contains
+
+   !> Impact and peak of one flight, as `locate_events` finds them in plain ones.
+   pure subroutine search_again(k, flights, failed)
+      integer, intent(in) :: k
+      !! number of the flight
+      type(flights_t), intent(inout) :: flights
+      logical, intent(inout) :: failed
+      !! no clean crossing
+      real(wp) :: p(0:terms)
+      real(wp) :: v
+      logical :: hits
+
+      p = flights%p(k, :terms)
+      call find_impact(p, flights%y(k), hits, failed)
+      if (failed) return
+      flights%hits(k) = merge(1.0_wp, 0.0_wp, hits)
+      call state_at(p, flights%y(k), v, flights%w_hit(k))
+      if (flights%w_hit(k) < 0 .and. p(1) >= 0) call find_peak(p, flights%y(k), flights%peak(k))
+   end subroutine search_again
+
+   !> First return to v = 0 after the beginning of a series.
+   !>
+   !> A flight that starts on the base is asked for v/y (or v/y**2), which does not vanish there.
+   pure subroutine find_impact(p, y, hits, failed)
+      real(wp), contiguous, intent(in) :: p(0:)
+      real(wp), intent(out) :: y
+      !! position of the impact; 1 without one [-]
+      logical, intent(out) :: hits
+      logical, intent(inout) :: failed
+      integer :: first
+
+      first = 0
+      if (p(0) <= 0) first = 1
+      if (p(0) <= 0 .and. p(1) <= 0) first = 2
+      y = 1
+      hits = .false.
+      if (sum(p(first:)) <= 0) then
+         failed = first == 2 .or. .not. p(first) > 0
+         if (failed) return
+         hits = .true.
+         call find_root(p(first:), 0.0_wp, 1.0_wp, y)
+      else if (first < 2 .and. p(first + 1) < 0) then
+         call find_dip(p(first:), y, hits)
+      end if
+   end subroutine find_impact
+
+   !> Does a function that falls at 0 and is positive at 1 become negative between?
+   pure subroutine find_dip(r, y, hits)
+      real(wp), contiguous, intent(in) :: r(0:)
+      real(wp), intent(out) :: y
+      logical, intent(out) :: hits
+      real(wp) :: lowest
+      real(wp) :: value
+      real(wp) :: slope
+
+      y = 1
+      hits = .false.
+      call state_at(r, 1.0_wp, value, slope)
+      if (slope <= 0) return
+      call find_root(derivative(r), 0.0_wp, 1.0_wp, lowest)
+      call state_at(r, lowest, value, slope)
+      hits = value < 0
+      if (hits) call find_root(r, 0.0_wp, lowest, y)
+   end subroutine find_dip
+
+   pure function derivative(r) result(slope)
+      real(wp), intent(in) :: r(0:)
+      real(wp) :: slope(0:size(r) - 2)
+      integer :: i
+
+      do i = 0, size(r) - 2
+         slope(i) = (i + 1)*r(i + 1)
+      end do
+   end function derivative
+
+   !> Largest v before the position y, where v falls.
+   pure subroutine find_peak(p, y, peak)
+      real(wp), contiguous, intent(in) :: p(0:)
+      real(wp), intent(in) :: y
+      real(wp), intent(out) :: peak
+      real(wp) :: x
+      real(wp) :: slope
+
+      if (p(1) > 0) then
+         call find_root(derivative(p), 0.0_wp, y, x)
+      else
+         call find_root(derivative(p(1:)), 0.0_wp, y, x)
+      end if
+      call state_at(p, x, peak, slope)
+   end subroutine find_peak
+
+end module rwmf_fast_search

