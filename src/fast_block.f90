@@ -18,8 +18,8 @@ module rwmf_fast_block
    integer, parameter :: check_every = 256
    !! steps between two looks at the caller's stop flag
    real(wp), parameter :: error_share = 0.2_wp
-   !! of what the last evaluation of N changes remains as an error: at most half of this in random
-   !! scenes that are not more sensitive than the motion
+   !! of what the last evaluation of N changes is taken for an error; found with random scenes,
+   !! on the sum before it was damped and read at the peak
 
    !> Work space of a block.
    type :: block_t

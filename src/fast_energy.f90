@@ -55,13 +55,11 @@ contains
          m_1 = 0
          m_3 = 0
          integral_q = 0
-         associate (c => law%coef(:, :, side))
-            do j = degree, 0, -1
-               m_1 = m_1*v + c(j, 2)
-               m_3 = m_3*v + c(j, 4)
-               integral_q = integral_q*v + c(j, 1)/(j + 1)
-            end do
-         end associate
+         do j = degree, 0, -1
+            m_1 = m_1*v + law%coef(j, 2, side)
+            m_3 = m_3*v + law%coef(j, 4, side)
+            integral_q = integral_q*v + law%coef(j, 1, side)/(j + 1)
+         end do
          m_1 = law%m1 + v*m_1
          m_3 = law%m3 + v*(law%m3_1 + m_3)
          work = work + weight(i)*(m_1*stiffness*v + m_3)*exp(-2*v*integral_q)

@@ -107,6 +107,8 @@ contains
       flights%v_max(to) = flights%v_max(from)
       flights%small(to) = flights%small(from)
       flights%n_0(to, :) = flights%n_0(from, :)
+      flights%finish%v(to) = flights%finish%v(from)
+      flights%finish%w(to) = flights%finish%w(from)
    end subroutine copy_flight
 
    !> Add the lanes that lift off in this step.

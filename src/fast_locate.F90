@@ -74,9 +74,9 @@ contains
          bend = at_high(i) - r(i, 0) - fall
          ! the root with the same sign as the secant's, without cancellation
          bend = sqrt(max(0.0_wp, fall*fall - 4*bend*r(i, 0))) - fall
-         next = 2*r(i, 0)/merge(bend, 1.0_wp, bend > 0)
-         next = merge(next, 0.5_wp, bend > 0)
-         next = merge(next, 0.5_wp, next < 1)
+         ! elsewhere than in the bracket, or without a root, from its middle
+         next = 2*r(i, 0)/merge(bend, 1.0_wp, bend > 2*abs(r(i, 0)))
+         next = merge(next, 0.5_wp, bend > 2*abs(r(i, 0)))
          next = high_start(i)*merge(next, 0.5_wp, next > 0)
          low(i) = 0
          high(i) = high_start(i)
