@@ -233,18 +233,26 @@ def test_equal_response_of_a_linear_frame(name: str) -> None:
 
 @pytest.mark.parametrize("name", PULSES)
 def test_boundaries_of_overturning(name: str) -> None:
-    """Above and below a boundary the wall does what the map says, also when one waits longer."""
+    """Half way to its neighbours the wall does what the map says, also when one waits longer.
+
+    Many impacts make the boundaries of C_7 a dust, in which nothing can be foretold: looked at is
+    the boundary of staying that stands most alone.
+    """
     alpha = 0.25
     wall = {"b": 2 * math.tan(alpha)}
     case = block(wall=wall, motion=_motion(name, a_max_g=0.5, v_p=None), solver=QUICK)
     found = studies.overturning_map(case, [2.0], np.linspace(1, 12, 12), tolerance=1e-4)
-    assert found.sizes["boundary"] > 0
-    at = found.isel(boundary=0)
+    gaps = np.diff([1.0, *found["boundary_amplitude"].values, 12.0])
+    room = np.minimum(gaps[:-1], gaps[1:])
+    stays_on_one_side = (found["below"].values < 0) != (found["above"].values < 0)
+    chosen = int(np.argmax(np.where(stays_on_one_side, room, 0.0)))
+    at, step = found.isel(boundary=chosen), 0.5 * float(room[chosen])
+    assert step > 1e-3
     T_p = 2 * math.pi / (2.0 * found.attrs["p_rad_s"])
-    for step, outcome in ((-2e-3, int(at["below"])), (2e-3, int(at["above"]))):
-        a_max_g = (float(at["boundary_amplitude"]) + step) * alpha
+    for side, outcome in ((-step, int(at["below"])), (step, int(at["above"]))):
+        a_max_g = (float(at["boundary_amplitude"]) + side) * alpha
         pulse = {"a_max_g": a_max_g, "T_p": T_p}
-        run = rwmf.simulate(case.replace(motion=pulse, solver={"t_end": 60.0}))
+        run = rwmf.simulate(case.replace(motion=pulse, solver={"t_end": 60.0, "rtol": 1e-10}))
         assert bool(run["overturned"]) == (outcome >= 0)
 
 
