@@ -1,6 +1,6 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
-   use rwmf_effect_rules, only: check_impact, check_vertical
+   use rwmf_effect_rules, only: check_impact, check_published, check_vertical, check_yielding
    use rwmf_errors, only: err_input, error_t, fail
    use rwmf_given, only: get_list, has_group, has_key, integer_of, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
@@ -28,6 +28,8 @@ contains
       if (.not. allocated(error)) call check_frame(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
       if (.not. allocated(error)) call check_base(groups, error)
+      if (.not. allocated(error)) call check_published(groups, error)
+      if (.not. allocated(error)) call check_yielding(groups, error)
       if (.not. allocated(error)) call check_link(groups, error)
       if (.not. allocated(error)) call check_cable(groups, error)
       if (.not. allocated(error)) call check_motion(groups, error)

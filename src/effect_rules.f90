@@ -1,14 +1,14 @@
-!> Rules of the impact and of the vertical ground motion.
+!> Rules of the impact, of the vertical ground motion, and of effects that exclude each other.
 module rwmf_effect_rules
    use rwmf_errors, only: error_t
-   use rwmf_given, only: get_list, has_group, has_key, text_of
+   use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
    use rwmf_rule_tools, only: check_one_of, fail_group, fail_key
    implicit none
    private
 
-   public :: check_impact, check_vertical
+   public :: check_impact, check_published, check_vertical, check_yielding
 
 contains
 
@@ -85,7 +85,7 @@ contains
             //kind//"': a pulse takes a ratio; sample it as a record to add a record", error)
       else if (kind == 'none') then
          call fail_key(groups, 'vertical', 'ratio', 'must not be given without a horizontal ' &
-            //'motion, which it multiplies', error)
+            //'&motion, which it multiplies', error)
       else
          do i = 1, size(record_keys)
             if (.not. has_key(groups, 'vertical', trim(record_keys(i)))) cycle
@@ -95,5 +95,56 @@ contains
          end do
       end if
    end subroutine check_vertical
+
+   !> What the printed form of Eq. (15) cannot be combined with. For theta < 0 it has no energy: its
+   !> frame moves with one corner and pushes at another, and its cable loosens while it stretches.
+   !>
+   !> Dampers and vertical motion are forces on the wall alone, which it takes as any other form does.
+   !> Link and cable have rules of their own in `rwmf_case_rules`.
+   subroutine check_published(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(8), parameter :: excluded(*) = [character(8) :: 'fuse', 'yielding', 'inerter']
+      character(60), parameter :: reasons(size(excluded)) = [character(60) :: &
+         'what fuses dissipate would not be what the wall has lost', &
+         'the work on the frame would not be what it dissipates', &
+         'the kinetic energy that it adds belongs to no conserved sum']
+      integer :: i
+
+      if (.not. has_group(groups, 'wall')) return
+      if (text_of(groups, 'wall', 'base') /= 'rocking') return
+      if (text_of(groups, 'model', 'formulation') /= 'published') return
+      do i = 1, size(excluded)
+         if (.not. has_group(groups, trim(excluded(i)))) cycle
+         call fail_group(groups, trim(excluded(i)), "must not be given with &model formulation = " &
+            //"'published' (its default), which has no energy for theta < 0 ("//trim(reasons(i)) &
+            //"); 'symmetric' and 'exact' allow it", error)
+         return
+      end do
+   end subroutine check_published
+
+   !> The springs of the frame are those of its period and mass: without mass nothing yields.
+   subroutine check_yielding(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(8), parameter :: places(2) = [character(8) :: 'frame', 'spectrum']
+      character(*), parameter :: problem = 'must be > 0 with &yielding (a frame without mass has ' &
+         //'no stiffness, and nothing yields)'
+      real(wp), allocatable :: gamma(:)
+      integer :: i
+
+      if (.not. has_group(groups, 'yielding')) return
+      do i = 1, size(places)
+         if (.not. has_key(groups, trim(places(i)), 'gamma')) cycle
+         if (places(i) == 'frame') then
+            gamma = [real_of(groups, 'frame', 'gamma')]
+         else
+            call get_list(groups, 'spectrum', 'gamma', gamma)
+         end if
+         if (all(gamma > 0)) cycle
+         call fail_key(groups, trim(places(i)), 'gamma', problem, error)
+         return
+      end do
+   end subroutine check_yielding
 
 end module rwmf_effect_rules
