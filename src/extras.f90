@@ -1,18 +1,18 @@
 !> Effects beyond wall, frame and cable: which of them a case calls for, and what they have in
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
+   use rwmf_branches, only: add_fuses, add_springs, add_yielding
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: add_springs, choose_springs, springs_energy, springs_force, &
-      springs_power
+   use rwmf_memory, only: choose_springs, springs_energy, springs_force, springs_power
    use rwmf_scene, only: equation_t, extra_t
    use rwmf_vertical, only: add_vertical
    implicit none
    private
 
-   public :: choose_extras, rates_of_all, extra_sizes, extra_energy, extra_power
+   public :: choose_extras, are_lines, rates_of_all, extra_sizes, extra_energy, extra_power
 
 contains
 
@@ -32,6 +32,10 @@ contains
       if (allocated(case%fuse) .or. allocated(case%yielding)) then
          call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
             energy=springs_energy, force=springs_force, is_hysteretic=.true.))
+         associate (extra => equation%extras(size(equation%extras)))
+            if (.not. allocated(case%yielding)) extra%add => add_fuses
+            if (.not. allocated(case%fuse)) extra%add => add_yielding
+         end associate
       end if
       if (allocated(case%inerter)) then
          equation%inertance = case%inerter%inertance_over_m_w
@@ -44,6 +48,21 @@ contains
          call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
       end if
    end subroutine choose_extras
+
+   !> Are all further effects those that `corner_with_lines` and `frame_with_lines` have written out?
+   !> Not a component of `extra_t`, whose size of 64 bytes all loops over effects profit from.
+   pure logical function are_lines(equation)
+      type(equation_t), intent(in) :: equation
+      integer :: i
+
+      are_lines = .true.
+      do i = 1, size(equation%extras)
+         associate (extra => equation%extras(i))
+            if (associated(extra%add, add_yielding) .or. associated(extra%add, add_vertical)) cycle
+            are_lines = .false.
+         end associate
+      end do
+   end function are_lines
 
    !> Append an effect; its states come after those that are there.
    subroutine add_extra(equation, extra)

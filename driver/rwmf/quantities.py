@@ -40,6 +40,7 @@ _ALWAYS = [
     Quantity("u_s_m", "u_s", "m", "displacement of the frame"),
     Quantity("u_s_dot_m_s", "u_s_dot", "m/s", "velocity of the frame"),
     Quantity("u_g_ddot_m_s2", "u_g_ddot", "m/s2", "ground acceleration"),
+    Quantity("v_g_ddot_m_s2", "v_g_ddot", "m/s2", "vertical ground acceleration"),
     Quantity(
         "cable_force_over_m_w_g", "cable_force_over_m_w_g", "1", "cable force over weight of wall"
     ),

@@ -28,9 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
-    ("first", "second"), _PAIRS, ids=[f"{a.name}-{b.name}" for a, b in _PAIRS]
-)
+@pytest.mark.parametrize(("first", "second"), _PAIRS, ids=[f"{a.name}-{b.name}" for a, b in _PAIRS])
 def test_pair(first: pairs.Effect, second: pairs.Effect, folder: Path) -> None:
     """`try_pair` looks at the results of a run."""
     outcome = pairs.try_pair(first, second, folder)
