@@ -10,7 +10,7 @@ program effects
    use effects_by_hand, only: choose, hand_i, hand_t, mark, prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
    use rwmf_equation, only: build_equation, enter_interval, equation_t, rhs
-   use rwmf_memory, only: load_to
+   use rwmf_memory, only: pass_window, renew_window
    use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
    implicit none
 
@@ -101,7 +101,10 @@ contains
       call build_equation(case, motion, equation)
       call enter_interval(equation, interval_at(motion, table%t(1)))
       if (equation%has_impacts) equation%side = side
-      if (yields) call load_to(equation, equation%side*maxval(table%y(1, :)))
+      if (.not. yields) return
+      ! the first limit on the way out is the first yield
+      call renew_window(equation)
+      call pass_window(equation, is_rising=equation%side > 0)
    end subroutine prepare_side
 
    !> Rotations up to 0.9 alpha (bare frame: displacements in m) and velocities of both signs, on

@@ -11,7 +11,6 @@ both follow from contact between a box and a plane.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
 from dataclasses import asdict, dataclass
@@ -21,13 +20,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 import rwmf
+from rwmf.reproduce.engines import COLUMNS, write
 
 Array = npt.NDArray[np.float64]
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = ("free", "block", "g5", "g1800", "disc")
 THICKNESS = 0.2  # m
-COLUMNS = ("t_s", "theta_rad", "theta_dot_rad_s", "left_uplift_m", "right_uplift_m", "u_s_m")
 
 
 @dataclass(frozen=True)
@@ -245,31 +244,6 @@ def slip(rows: Array) -> float:
     """Range of the place of the corner that stands on the ground [m]."""
     standing = rows[np.abs(rows[:, 1]) > 1e-4, 6]
     return float(np.ptp(standing)) if standing.size else 0.0
-
-
-def write(path: Path, facts: dict[str, object], history: Array) -> None:
-    """Write a history: facts as JSON in the first line, then columns to 7 digits.
-
-    Parameters
-    ----------
-    path : path
-        File to write.
-    facts : dict
-        What made it.
-    history : numpy.ndarray, shape (n, 6)
-        Columns `COLUMNS`.
-
-    Raises
-    ------
-    OSError
-        When the file cannot be written.
-    """
-    used = [i for i in range(history.shape[1]) if not np.all(np.isnan(history[:, i]))]
-    lines = [f"# {json.dumps(facts)}", ",".join(COLUMNS[i] for i in used)]
-    lines += [
-        ",".join(f"{row[i]:.4f}" if i == 0 else f"{row[i]:.6g}" for i in used) for row in history
-    ]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -33,6 +33,11 @@ SCENE: Groups = {
 CABLE = {"eta_0": 1.0, "eta_alpha": 5.0}
 RECORD = {"file": "record.csv", "unit": "g"}
 SAMPLES = "0.0, 0.0\n0.2, 0.4\n0.5, -0.5\n0.8, 0.2\n1.0, 0.0\n"  # t (s), a (g)
+STOREYS = {"m_over_m_w": [2.5, 2.5], "k_over_m_w": [800.0, 800.0], "height": [2.0, 2.0]}
+NO_PERIOD: Groups = {
+    "frame": {"T_s": None, "gamma": None},
+    "output": {"energy": True, "reactions": None},  # not known of storeys
+}
 BALANCE = 1e-6  # of the energy ledger, relative
 
 
@@ -60,6 +65,15 @@ EFFECTS = [
     Effect("`&damper`", {"damper": {"c_over_m_w": 0.5}}, "damper"),
     Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
     Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),
+    Effect("`&yielding`, Bouc-Wen", {"yielding": {"u_y": 0.01, "law": "bouc_wen"}}, "yielding"),
+    *(
+        Effect(
+            f"`&storeys`, {coupling}",
+            NO_PERIOD | {"storeys": STOREYS | {"coupling": coupling}},
+            "storeys",
+        )
+        for coupling in ("reduced", "every_floor", "full")
+    ),
     Effect("`&inerter`", {"inerter": {"inertance_over_m_w": 1.0}}, "inerter"),
     Effect("impact, constant", {"impact": {"rule": "constant", "e": 0.8}}, "impact"),
     Effect("impact, `housner`", {"impact": {"rule": "housner"}}, "impact"),
@@ -185,7 +199,7 @@ def _value(value: object) -> str:
 
 
 def _reason(message: str) -> str:
-    """A message without the line of a file that nobody has."""
+    """Drop the line of a file that nobody has from a message."""
     return re.sub(r" \(line \d+\)", "", message)
 
 

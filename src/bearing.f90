@@ -44,7 +44,8 @@ contains
                   equation%added_inertia, moment)
             end do
          end if
-         equation%bearing(side) = -moment*equation%p%R/(equation%p%gamma*kin%lever + kin%c)
+         equation%bearing(side) = -moment*equation%p%R/(equation%p%gamma*equation%push*kin%lever &
+            + kin%c)
       end do
       equation%side = side_in_force
    end subroutine find_bearing

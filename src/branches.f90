@@ -3,12 +3,12 @@
 module rwmf_branches
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, place_frame, place_left
+   use rwmf_scene, only: equation_t, frame_mass, place_frame, place_left
    use rwmf_spring, only: spring_force, spring_tangent
    implicit none
    private
 
-   public :: add_fuses, add_springs, add_yielding, follow_branches, frame_mass
+   public :: add_fuses, add_springs, add_yielding, follow_branches
 
 contains
 
@@ -82,13 +82,5 @@ contains
          cable%line_rate = spring_tangent(cable%tendon)*cable%b
       end associate
    end subroutine follow_branches
-
-   !> Mass of the frame over that of the wall; 1 for the bare frame [-].
-   pure real(wp) function frame_mass(equation)
-      type(equation_t), intent(in) :: equation
-
-      frame_mass = 1
-      if (equation%has_wall) frame_mass = equation%p%gamma
-   end function frame_mass
 
 end module rwmf_branches

@@ -5,12 +5,12 @@
 module rwmf_case
    use rwmf_kinds, only: wp
    use rwmf_record, only: record_t
+   use rwmf_shear_frame, only: shear_frame_t
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, damper_t, fuse_t, yielding_t, cable_t, impact_t, &
-      motion_spec_t
-   public :: inerter_t, record_source_t, vertical_t
+   public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: impact_t, motion_spec_t, inerter_t, record_source_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
 
    !> Rocking wall, `&wall`.
@@ -41,6 +41,15 @@ module rwmf_case
       !! viscous damping ratio [-]
    end type frame_t
 
+   !> The frame's storeys, `&storeys`; they give `frame_t` its period and its mass ratio.
+   type :: storeys_t
+      type(shear_frame_t) :: frame
+      !! with its modes
+      character(:), allocatable :: coupling
+      !! 'reduced': its first mode moves; 'every_floor': a straight line, which the wall enforces;
+      !! 'full': all modes, with the roof linked to the wall
+   end type storeys_t
+
    !> Viscous dampers at the corners of the base, `&damper`.
    type :: damper_t
       real(wp) :: c_over_m_w
@@ -59,12 +68,18 @@ module rwmf_case
 
    !> Inelastic frame, `&yielding`.
    type :: yielding_t
-      real(wp) :: u_y
-      !! displacement at first yield [m]
-      real(wp) :: hardening
+      real(wp), allocatable :: u_y
+      !! displacement at first yield [m]; exactly one of this and the next
+      real(wp), allocatable :: f_y_over_m_s_g
+      !! yield force over the weight of the frame's mass [-]
+      real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law
-      !! 'elastic_plastic'
+      !! 'elastic_plastic' or 'bouc_wen'
+      real(wp) :: exponent = 2
+      !! n of 'bouc_wen' [-]
+      real(wp) :: beta = 0.5_wp
+      !! of 'bouc_wen' [-]
    end type yielding_t
 
    !> Inerters at the corners of the base, `&inerter`.
@@ -220,6 +235,7 @@ module rwmf_case
       !! the namelist text that the case was read from
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
+      type(storeys_t), allocatable :: storeys
       type(link_t), allocatable :: link
       type(damper_t), allocatable :: damper
       type(fuse_t), allocatable :: fuse

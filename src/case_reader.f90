@@ -1,9 +1,9 @@
 !> From namelist text to a validated case.
 module rwmf_case_reader
    use rwmf_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, inerter_t, &
-      initial_t, &
-      link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t, yielding_t
+      initial_t, link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t
    use rwmf_case_rules, only: check_rules
+   use rwmf_equivalent_frame, only: set_equivalent_frame
    use rwmf_errors, only: add_context, err_input, error_t, fail
    use rwmf_files, only: read_file
    use rwmf_given, only: entry_of, get_list, get_real, get_text, group_of, has_group, has_key, &
@@ -57,6 +57,8 @@ contains
       case%text = text
       call fill_structure(groups, case)
       call fill_run(groups, case)
+      if (has_group(groups, 'storeys')) call fill_storeys(groups, case, error)
+      if (allocated(error)) return
       if (has_group(groups, 'motion')) then
          allocate (case%motion)
          call fill_motion(groups, case%motion)
@@ -98,9 +100,13 @@ contains
             real_of(groups, 'fuse', 'hardening'))
       end if
       if (has_group(groups, 'yielding')) then
-         case%yielding = yielding_t(real_of(groups, 'yielding', 'u_y'), &
-            real_of(groups, 'yielding', 'hardening'))
+         allocate (case%yielding)
+         call get_real(groups, 'yielding', 'u_y', case%yielding%u_y)
+         call get_real(groups, 'yielding', 'f_y_over_m_s_g', case%yielding%f_y_over_m_s_g)
+         case%yielding%hardening = real_of(groups, 'yielding', 'hardening')
          case%yielding%law = text_of(groups, 'yielding', 'law')
+         case%yielding%exponent = real_of(groups, 'yielding', 'exponent')
+         case%yielding%beta = real_of(groups, 'yielding', 'beta')
       end if
       if (has_group(groups, 'inerter')) then
          case%inerter = inerter_t(real_of(groups, 'inerter', 'inertance_over_m_w'))
@@ -123,6 +129,20 @@ contains
             real_of(groups, 'initial', 'theta_dot'))
       end if
    end subroutine fill_structure
+
+   !> Storeys of the frame, with their modes.
+   subroutine fill_storeys(groups, case, error)
+      type(group_t), intent(in) :: groups(:)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (case%storeys)
+      call get_list(groups, 'storeys', 'm_over_m_w', case%storeys%frame%m)
+      call get_list(groups, 'storeys', 'k_over_m_w', case%storeys%frame%k)
+      call get_list(groups, 'storeys', 'height', case%storeys%frame%height)
+      case%storeys%coupling = text_of(groups, 'storeys', 'coupling')
+      call set_equivalent_frame(case, error)
+   end subroutine fill_storeys
 
    !> Energy loss at impact: the equations use e, the case may give r.
    subroutine fill_impact(groups, impact)

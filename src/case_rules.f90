@@ -1,7 +1,9 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
-   use rwmf_effect_rules, only: check_impact, check_published, check_vertical, check_yielding
+   use rwmf_case_springs, only: check_tendon, check_yielding
+   use rwmf_effect_rules, only: check_impact, check_massless, check_vertical
    use rwmf_errors, only: err_input, error_t, fail
+   use rwmf_frame_rules, only: check_frame, check_hysteresis, check_storeys
    use rwmf_given, only: get_list, has_group, has_key, integer_of, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
@@ -26,12 +28,14 @@ contains
 
       call check_presence(groups, error)
       if (.not. allocated(error)) call check_frame(groups, error)
+      if (.not. allocated(error)) call check_storeys(groups, error)
+      if (.not. allocated(error)) call check_hysteresis(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
       if (.not. allocated(error)) call check_base(groups, error)
-      if (.not. allocated(error)) call check_published(groups, error)
-      if (.not. allocated(error)) call check_yielding(groups, error)
+      if (.not. allocated(error)) call check_massless(groups, error)
       if (.not. allocated(error)) call check_link(groups, error)
       if (.not. allocated(error)) call check_cable(groups, error)
+      if (.not. allocated(error)) call check_yielding(groups, error)
       if (.not. allocated(error)) call check_motion(groups, error)
       if (.not. allocated(error)) call check_vertical(groups, error)
       if (.not. allocated(error)) call check_initial(groups, error)
@@ -76,6 +80,9 @@ contains
          call check_needs(groups, 'link', 'frame', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
+         call check_needs(groups, 'storeys', 'frame', 'its xi_s damps their modes', error)
+      end if
+      if (.not. allocated(error)) then
          call check_needs(groups, 'initial', 'wall', 'theta is the rotation of the wall', error)
       end if
       if (.not. allocated(error)) then
@@ -84,23 +91,6 @@ contains
       end if
    end subroutine check_presence
 
-   !> Mass ratio and period of the frame.
-   subroutine check_frame(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. has_group(groups, 'frame')) return
-      if (has_group(groups, 'wall') .and. .not. has_key(groups, 'frame', 'gamma')) then
-         call fail_group(groups, 'frame', 'the key gamma is missing (mass ratio m_s/m_w): must ' &
-            //'be given with &wall, a number >= 0 [-]', error)
-      else if (has_key(groups, 'frame', 'gamma') .and. .not. has_group(groups, 'wall')) then
-         call fail_key(groups, 'frame', 'gamma', 'must not be given without &wall (the bare ' &
-            //'frame has no mass ratio)', error)
-      else if (.not. has_key(groups, 'frame', 'T_s') .and. .not. has_group(groups, 'spectrum')) then
-         call fail_group(groups, 'frame', 'the key T_s is missing (undamped period): must be ' &
-            //'given without &spectrum, a number > 0 [s]', error)
-      end if
-   end subroutine check_frame
 
    !> What a wall hinged in the middle of its base excludes.
    subroutine check_base(groups, error)
@@ -167,76 +157,6 @@ contains
          call fail_key(groups, 'cable', 'hardening', 'must not be given without eta_y', error)
       end if
    end subroutine check_cable
-
-   !> A cable that yields or breaks: elongations need a stiffness, and it must not begin beyond its
-   !> limits.
-   subroutine check_tendon(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-      character(14) :: key
-      real(wp) :: eta_0
-
-      key = 'eta_y'
-      if (.not. has_key(groups, 'cable', 'eta_y')) key = 'rupture_strain'
-      eta_0 = real_of(groups, 'cable', 'eta_0')
-      if (text_of(groups, 'model', 'formulation') == 'published') then
-         call fail_key(groups, 'cable', trim(key), "must not be given with &model formulation = " &
-            //"'published' (its default), where the force falls with rocking to one side; " &
-            //"'symmetric' and 'exact' allow it", error)
-      else if (real_of(groups, 'cable', 'eta_alpha') <= eta_0) then
-         call fail_key(groups, 'cable', trim(key), 'needs eta_alpha > eta_0 = ' &
-            //real_to_text(eta_0)//', which says how stiff the cable is', error)
-      else if (has_key(groups, 'cable', 'hardening') .and. key /= 'eta_y') then
-         call fail_key(groups, 'cable', 'hardening', 'must not be given without eta_y', error)
-      else if (has_key(groups, 'cable', 'eta_y')) then
-         if (real_of(groups, 'cable', 'eta_y') <= eta_0) then
-            call fail_key(groups, 'cable', 'eta_y', 'must be > eta_0 = '//real_to_text(eta_0), &
-               error)
-         end if
-      end if
-      if (allocated(error) .or. .not. has_key(groups, 'cable', 'rupture_strain')) return
-      call check_strain(groups, eta_0, error)
-   end subroutine check_tendon
-
-   !> The prestress alone must not break the cable, for any width of the spectrum.
-   subroutine check_strain(groups, eta_0, error)
-      type(group_t), intent(in) :: groups(:)
-      real(wp), intent(in) :: eta_0
-      type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: b(:)
-      real(wp) :: h
-      real(wp) :: strain
-      integer :: i
-
-      h = real_of(groups, 'wall', 'h')
-      call get_list(groups, 'spectrum', 'b', b)
-      if (.not. allocated(b)) b = [real_of(groups, 'wall', 'b')]
-      strain = 0
-      do i = 1, size(b)
-         strain = max(strain, eta_0/(2*h)*elongation_at_alpha(text_of(groups, 'cable', 'law'), h, &
-            b(i))/(real_of(groups, 'cable', 'eta_alpha') - eta_0))
-      end do
-      if (real_of(groups, 'cable', 'rupture_strain') > strain) return
-      call fail_key(groups, 'cable', 'rupture_strain', 'must be > '//real_to_text(strain) &
-         //', the strain of the prestress', error)
-   end subroutine check_strain
-
-   !> Elongation of the cable at theta = alpha: b alpha for Eq. (1), else that of a straight cable
-   !> [m].
-   pure real(wp) function elongation_at_alpha(law, h, b) result(elongation)
-      character(*), intent(in) :: law
-      real(wp), intent(in) :: h
-      !! half height [m]
-      real(wp), intent(in) :: b
-      !! half width [m]
-      real(wp) :: alpha
-
-      alpha = atan2(b, h)
-      elongation = b*alpha
-      if (law == 'truss') then
-         elongation = sqrt(4*h**2 + 2*b**2*(1 - cos(alpha)) + 4*h*b*sin(alpha)) - 2*h
-      end if
-   end function elongation_at_alpha
 
    !> Keys of the kind of motion, and no others.
    subroutine check_motion(groups, error)

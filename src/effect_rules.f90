@@ -1,4 +1,4 @@
-!> Rules of the impact, of the vertical ground motion, and of effects that exclude each other.
+!> Rules of the impact, of the vertical ground motion, and of a frame without mass.
 module rwmf_effect_rules
    use rwmf_errors, only: error_t
    use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
@@ -8,7 +8,7 @@ module rwmf_effect_rules
    implicit none
    private
 
-   public :: check_impact, check_published, check_vertical, check_yielding
+   public :: check_impact, check_massless, check_vertical
 
 contains
 
@@ -96,35 +96,8 @@ contains
       end if
    end subroutine check_vertical
 
-   !> What the printed form of Eq. (15) cannot be combined with. For theta < 0 it has no energy: its
-   !> frame moves with one corner and pushes at another, and its cable loosens while it stretches.
-   !>
-   !> Dampers and vertical motion are forces on the wall alone, which it takes as any other form does.
-   !> Link and cable have rules of their own in `rwmf_case_rules`.
-   subroutine check_published(groups, error)
-      type(group_t), intent(in) :: groups(:)
-      type(error_t), allocatable, intent(out) :: error
-      character(8), parameter :: excluded(*) = [character(8) :: 'fuse', 'yielding', 'inerter']
-      character(60), parameter :: reasons(size(excluded)) = [character(60) :: &
-         'what fuses dissipate would not be what the wall has lost', &
-         'the work on the frame would not be what it dissipates', &
-         'the kinetic energy that it adds belongs to no conserved sum']
-      integer :: i
-
-      if (.not. has_group(groups, 'wall')) return
-      if (text_of(groups, 'wall', 'base') /= 'rocking') return
-      if (text_of(groups, 'model', 'formulation') /= 'published') return
-      do i = 1, size(excluded)
-         if (.not. has_group(groups, trim(excluded(i)))) cycle
-         call fail_group(groups, trim(excluded(i)), "must not be given with &model formulation = " &
-            //"'published' (its default), which has no energy for theta < 0 ("//trim(reasons(i)) &
-            //"); 'symmetric' and 'exact' allow it", error)
-         return
-      end do
-   end subroutine check_published
-
    !> The springs of the frame are those of its period and mass: without mass nothing yields.
-   subroutine check_yielding(groups, error)
+   subroutine check_massless(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
       character(8), parameter :: places(2) = [character(8) :: 'frame', 'spectrum']
@@ -145,6 +118,6 @@ contains
          call fail_key(groups, trim(places(i)), 'gamma', problem, error)
          return
       end do
-   end subroutine check_yielding
+   end subroutine check_massless
 
 end module rwmf_effect_rules

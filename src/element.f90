@@ -75,6 +75,8 @@ contains
 
       if (.not. allocated(case%wall)) then
          call fail(error, err_input, 'an element needs the group &wall')
+      else if (allocated(case%storeys)) then
+         call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
       else if (allocated(case%damper)) then
          call fail(error, err_input, 'an element has no &damper: the host can add one of its own')
       else if (allocated(case%fuse)) then

@@ -5,7 +5,7 @@
 module rwmf_energy
    use rwmf_cable, only: cable_state_t
    use rwmf_equation, only: cable_at, equation_t, interval_of, kinematics_at
-   use rwmf_extras, only: extra_energy, extra_power
+   use rwmf_extras, only: extra_energy, extra_input, extra_power
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: tendon_power
@@ -90,10 +90,12 @@ contains
       type(kinematics_t) :: kin
 
       power = -acceleration(equation%motion, interval_of(equation), t)*y(2)
-      if (.not. equation%has_wall) return
-      kin = kinematics_at(equation, y(1))
-      power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
-      if (equation%has_vertical) power = power + vertical_power(equation, t, y)
+      if (equation%has_wall) then
+         kin = kinematics_at(equation, y(1))
+         power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
+         if (equation%has_vertical) power = power + vertical_power(equation, t, y)
+      end if
+      power = power + extra_input(equation, t, y)
    end function input_power
 
    !> Power that the frame's damper and further viscous effects take [W/kg].

@@ -58,7 +58,7 @@ contains
          if (.not. equation%has_impacts) call hinge_base(equation)
          call choose_extras(case, equation)
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
-            /(1 + 2*equation%p%gamma)
+            /(1 + 2*equation%p%gamma*equation%push)
          equation%bearing = equation%threshold
          equation%bears_extras = equation%has_impacts &
             .and. (allocated(equation%extras) .or. equation%has_memory)

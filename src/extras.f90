@@ -2,17 +2,23 @@
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
    use rwmf_branches, only: add_fuses, add_springs, add_yielding
+   use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_rates, &
+      bouc_wen_sizes, prepare_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: choose_springs, springs_energy, springs_force, springs_power
+   use rwmf_memory, only: choose_springs, is_elastic_plastic, springs_energy, springs_force, &
+      springs_power
    use rwmf_scene, only: equation_t, extra_t
+   use rwmf_storeys, only: add_push, add_storeys, prepare_storeys, push_input, storey_energy, &
+      storey_input, storey_power, storey_rates, storey_sizes
    use rwmf_vertical, only: add_vertical
    implicit none
    private
 
-   public :: choose_extras, are_lines, rates_of_all, extra_sizes, extra_energy, extra_power
+   public :: choose_extras, are_lines, rates_of_all
+   public :: extra_sizes, extra_energy, extra_power, extra_input
 
 contains
 
@@ -20,23 +26,34 @@ contains
    subroutine choose_extras(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
+      logical :: is_bilinear
+      !! the frame is elastic-plastic
 
       if (allocated(case%damper)) then
          equation%damper_c = case%damper%c_over_m_w
          call add_extra(equation, extra_t(add=add_damper, power=damper_power, &
             force=damper_force))
       end if
-      if (allocated(case%fuse) .or. allocated(case%yielding) .or. equation%cable%is_tendon) then
+      is_bilinear = .false.
+      if (allocated(case%yielding)) is_bilinear = is_elastic_plastic(case%yielding)
+      if (allocated(case%fuse) .or. is_bilinear .or. equation%cable%is_tendon) then
          call choose_springs(case, equation)
       end if
-      if (allocated(case%fuse) .or. allocated(case%yielding)) then
+      if (allocated(case%fuse) .or. is_bilinear) then
          call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
             energy=springs_energy, force=springs_force, is_hysteretic=.true.))
          associate (extra => equation%extras(size(equation%extras)))
-            if (.not. allocated(case%yielding)) extra%add => add_fuses
+            if (.not. is_bilinear) extra%add => add_fuses
             if (.not. allocated(case%fuse)) extra%add => add_yielding
          end associate
       end if
+      if (allocated(case%yielding) .and. .not. is_bilinear) then
+         call prepare_bouc_wen(case, equation)
+         call add_extra(equation, extra_t(add=add_bouc_wen, power=bouc_wen_power, &
+            energy=bouc_wen_energy, is_hysteretic=.true., states=1, rates=bouc_wen_rates, &
+            sizes=bouc_wen_sizes))
+      end if
+      if (allocated(case%storeys)) call add_frame(case, equation)
       if (allocated(case%inerter)) then
          equation%inertance = case%inerter%inertance_over_m_w
          call add_extra(equation, extra_t(add=add_inerter, energy=inerter_energy, &
@@ -44,13 +61,12 @@ contains
       end if
       if (allocated(case%vertical)) then
          equation%has_vertical = .true.
-         equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma)
+         equation%weight_share = tan(equation%p%alpha)/(1 + 2*equation%p%gamma*equation%push)
          call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
       end if
    end subroutine choose_extras
 
    !> Are all further effects those that `corner_with_lines` and `frame_with_lines` have written out?
-   !> Not a component of `extra_t`, whose size of 64 bytes all loops over effects profit from.
    pure logical function are_lines(equation)
       type(equation_t), intent(in) :: equation
       integer :: i
@@ -63,6 +79,22 @@ contains
          end associate
       end do
    end function are_lines
+
+   !> The storeys of the frame: one mode, which the ground pushes in its own way, or all modes.
+   subroutine add_frame(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+
+      call prepare_storeys(case, equation)
+      if (.not. allocated(equation%floors%m)) then
+         call add_extra(equation, extra_t(add=add_push, input=push_input, is_motion=.true.))
+         return
+      end if
+      equation%floors%first = equation%n + 1
+      call add_extra(equation, extra_t(add=add_storeys, power=storey_power, &
+         energy=storey_energy, input=storey_input, states=2*size(equation%floors%m) - 2, &
+         rates=storey_rates, sizes=storey_sizes))
+   end subroutine add_frame
 
    !> Append an effect; its states come after those that are there.
    subroutine add_extra(equation, extra)
@@ -156,5 +188,23 @@ contains
          end if
       end do
    end function extra_power
+
+   !> Power of the ground motion on masses of further effects [W/kg].
+   real(wp) function extra_input(equation, t, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      integer :: i
+
+      power = 0
+      if (.not. allocated(equation%extras)) return
+      do i = 1, size(equation%extras)
+         if (associated(equation%extras(i)%input)) then
+            power = power + equation%extras(i)%input(equation, t, y)
+         end if
+      end do
+   end function extra_input
 
 end module rwmf_extras

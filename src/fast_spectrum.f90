@@ -92,6 +92,7 @@ contains
       is_supported = allocated(case%wall) .and. allocated(case%frame) &
          .and. .not. allocated(case%initial) .and. .not. allocated(case%solver%accuracy) &
          .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
+         .and. .not. allocated(case%storeys) &
          .and. .not. allocated(case%fuse) .and. .not. allocated(case%yielding) &
          .and. .not. allocated(case%inerter) .and. .not. allocated(case%vertical) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)

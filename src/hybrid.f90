@@ -11,9 +11,10 @@ module rwmf_hybrid
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_impact, only: factor_at, largest_factor
    use rwmf_kinds, only: i8, wp
-   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, tendon_is_broken, &
-      turn_back
+   use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
+   use rwmf_memory_query, only: tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
+   use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
@@ -51,6 +52,8 @@ contains
       hybrid%steps_at_knot = 0_i8
       call enter_interval(equation, interval_at(equation%motion, t))
       equation%side = 1
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
+      equation%course = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
          hybrid%mode = mode_no_impacts
@@ -87,7 +90,8 @@ contains
 
       do while (hybrid%t < t_target .and. hybrid%mode /= mode_overturned)
          if (hybrid%mode == mode_rest) then
-            call stay_at_rest(hybrid, equation, observer, t_target, error)
+            call stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
+            if (allocated(error)) return
          else
             call fly(hybrid, equation, stepper, observer, t_target, error)
          end if
@@ -118,9 +122,10 @@ contains
    end subroutine check_work
 
    !> Rest until the ground motion lifts the wall.
-   subroutine stay_at_rest(hybrid, equation, observer, t_target, error)
+   subroutine stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
@@ -130,8 +135,12 @@ contains
       integer :: side
 
       side = 0
+      if (equation%moves_at_rest) then
+         call move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
+         if (allocated(error)) return
+      end if
       interval = interval_of(equation)
-      do while (side == 0 .and. hybrid%t < t_target)
+      do while (side == 0 .and. hybrid%t < t_target .and. .not. equation%moves_at_rest)
          ! One interval at a time, because the history shows the ground motion as well.
          t_begin = hybrid%t
          t_limit = min(t_target, interval_end(equation%motion, interval))
@@ -141,6 +150,7 @@ contains
          call enter_interval(equation, interval)
       end do
       if (side == 0) return
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
       equation%side = side
@@ -184,6 +194,7 @@ contains
       end if
       if (hybrid%must_restart) then
          if (equation%has_memory) call renew_window(equation)
+         if (equation%has_course) call set_course(hybrid, equation)
          call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
@@ -202,7 +213,12 @@ contains
       case (event_branch)
          call change_branch(hybrid, equation, observer)
       case (event_peak)
+         hybrid%y(2) = 0
          call turn_back(equation, hybrid%y(1))
+         if (equation%has_course) then
+            equation%course = -equation%course
+            hybrid%y(2) = 0
+         end if
          hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
@@ -212,6 +228,18 @@ contains
       end select
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
+
+   !> The sign that theta' has in the piece of motion that begins; after a peak it is known already.
+   pure subroutine set_course(hybrid, equation)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      if (abs(hybrid%y(2)) > 0) then
+         equation%course = int(sign(1.0_wp, hybrid%y(2)))
+      else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
+         equation%course = equation%side
+      end if
+   end subroutine set_course
 
    !> A spring enters another branch.
    subroutine change_branch(hybrid, equation, observer)
@@ -223,7 +251,7 @@ contains
       was_broken = tendon_is_broken(equation)
       call observe_state(observer, equation, hybrid%t, hybrid%y)
       call observe_branch(observer, equation, hybrid%y, +1)
-      call pass_window(equation, is_rising=hybrid%y(1) >= equation%high)
+      call pass_window(equation, is_rising=hybrid%is_rising)
       call observe_branch(observer, equation, hybrid%y, -1)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then
@@ -281,6 +309,7 @@ contains
       type(equation_t), intent(inout) :: equation
       type(observer_t), intent(inout) :: observer
       real(wp) :: after
+      logical :: rests
 
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(observer, event_impact, hybrid%t, hybrid%y)
@@ -289,10 +318,18 @@ contains
       call turn_back(equation, 0.0_wp)
       equation%side = -equation%side
       call find_bearing(equation, hybrid%y)
-      if (may_rest(equation, hybrid%t, abs(after), &
-         largest_factor(hybrid%restitution, abs(after)), &
-         negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
-         negligible*hybrid%rtol*observer%theta_dot_max)) then
+      if (equation%moves_at_rest) then
+         rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
+            largest_factor(hybrid%restitution, abs(after)), &
+            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
+            negligible*hybrid%rtol*observer%theta_dot_max)
+      else
+         rests = may_rest(equation, hybrid%t, abs(after), &
+            largest_factor(hybrid%restitution, abs(after)), &
+            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
+            negligible*hybrid%rtol*observer%theta_dot_max)
+      end if
+      if (rests) then
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
          call observe_event(observer, event_rest, hybrid%t, hybrid%y)

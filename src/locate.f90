@@ -119,11 +119,23 @@ contains
       call rhs(equation, t_a, y_a, slope_a)
       call rhs(equation, t_b, y_b, slope_b)
       ! A slope far from the secant's means that time is no smooth function of the state here.
-      s_a = rise/sign(max(abs(slope_a(component)), abs(rise)/(4*(t_b - t_a))), slope_a(component))
-      s_b = rise/sign(max(abs(slope_b(component)), abs(rise)/(4*(t_b - t_a))), slope_b(component))
+      s_a = inverse_slope(slope_a(component))
+      s_b = inverse_slope(slope_b(component))
       t = t_a + x*(t_b - t_a) + x*(1 - x)*((1 - x)*(s_a - (t_b - t_a)) - x*(s_b - (t_b - t_a)))
       if (.not. (t > t_a .and. t < t_b)) t = t_a + x*(t_b - t_a)
       if (.not. (t > t_a .and. t < t_b)) t = t_a + (t_b - t_a)/2
+
+   contains
+
+      !> Slope of the time from that of the state; one that vanishes has the sign of the rise, so
+      !> that the mirrored motion gives the mirrored bits.
+      pure real(wp) function inverse_slope(slope)
+         real(wp), intent(in) :: slope
+
+         inverse_slope = max(abs(slope), abs(rise)/(4*(t_b - t_a)))
+         inverse_slope = abs(rise)/inverse_slope
+         if (slope*rise < 0) inverse_slope = -inverse_slope
+      end function inverse_slope
    end function first_guess
 
    !> In how many parts to search a step: in each of them frame and ground motion go through a
@@ -141,7 +153,7 @@ contains
       real(wp) :: second
 
       quarter = huge(quarter)
-      if (equation%has_frame) quarter = pi/2/equation%p%omega_s
+      if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%quickest)
       first = turning_point(equation%motion, interval_of(equation), t_a)
       if (first < min(t_b, interval_end(equation%motion, interval_of(equation)))) then
          second = turning_point(equation%motion, interval_of(equation), first)

@@ -9,6 +9,7 @@ module rwmf_machine
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: renew_window
+   use rwmf_moving_rest, only: hold_wall
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_observer, only: create_observer, observer_t
@@ -49,7 +50,7 @@ module rwmf_machine
    !> State of a wall between two calls: plain numbers, may be copied and forgotten at will.
    type :: snapshot_t
       logical :: is_filled = .false.
-      real(wp) :: identity(4) = 0
+      real(wp) :: identity(6) = 0
       !! alpha, R, omega_s, gamma: a snapshot of another wall is refused
       logical :: is_one_step = .false.
       logical :: follows_host = .false.
@@ -65,6 +66,7 @@ module rwmf_machine
       !! memory of what yields
       integer :: interval = 0
       integer :: side = 1
+      integer :: course = 1
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -186,6 +188,7 @@ contains
       snapshot%ground = machine%ground
       snapshot%interval = interval_of(machine%equation)
       snapshot%side = machine%equation%side
+      snapshot%course = machine%equation%course
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
       associate (hybrid => machine%hybrid, observer => machine%observer)
@@ -218,6 +221,8 @@ contains
       if (.not. snapshot%follows_host) machine%equation%motion => machine%own_motion
       call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
+      machine%equation%course = snapshot%course
+      if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
          machine%equation%springs = snapshot%springs
@@ -252,9 +257,13 @@ contains
 
    function identity_of(equation) result(identity)
       type(equation_t), intent(in) :: equation
-      real(wp) :: identity(4)
+      real(wp) :: identity(6)
 
-      identity = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
+      identity(:4) = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
+      ! What yields has to find its memory in the snapshot.
+      identity(5:) = 0
+      if (equation%cable%is_tendon) identity(5) = 1
+      if (equation%has_memory) identity(6) = 1 + size(equation%springs)
    end function identity_of
 
 end module rwmf_machine

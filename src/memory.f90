@@ -4,22 +4,22 @@
 !> Their branches are smooth functions of the rotation. The rotation at which a branch ends is known
 !> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
 module rwmf_memory
-   use rwmf_branches, only: follow_branches, frame_mass
+   use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_elongation
-   use rwmf_case, only: case_t
+   use rwmf_case, only: case_t, yielding_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, kinematics_at, place_frame, place_left, place_right, sprung_t
-   use rwmf_spring, only: is_broken, is_yielding, new_spring, pass_limit, reset_spring, &
-      spring_energy, spring_force, spring_limits, spring_plastic, spring_power, spring_t, &
-      turn_spring
+   use rwmf_scene, only: equation_t, frame_mass, frame_velocity, kinematics_at, place_frame, &
+      place_left, place_right, sprung_t
+   use rwmf_spring, only: is_yielding, new_spring, pass_limit, reset_spring, spring_energy, &
+      spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
    implicit none
    private
 
-   public :: choose_springs, springs_power, springs_energy, springs_force
+   public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
-   public :: tendon_is_broken, prestress_loss, frame_residual
+   public :: yield_displacement, elongation_of, moves
 
 contains
 
@@ -28,11 +28,14 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
+      logical :: is_bilinear
 
       allocate (equation%springs(0))
-      if (allocated(case%yielding)) then
+      is_bilinear = .false.
+      if (allocated(case%yielding)) is_bilinear = is_elastic_plastic(case%yielding)
+      if (is_bilinear) then
          equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
-            equation%p%omega_s**2*case%yielding%u_y, case%yielding%hardening), place_frame)]
+            equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
       end if
       if (allocated(case%fuse)) then
          fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
@@ -41,8 +44,29 @@ contains
             sprung_t(fuse, place_right)]
       end if
       equation%has_memory = .true.
+      equation%farthest = case%model%overturning_angle
       call follow_branches(equation)
    end subroutine choose_springs
+
+   !> Displacement at which the frame of a case yields first [m].
+   pure real(wp) function yield_displacement(case) result(u_y)
+      type(case_t), intent(in) :: case
+      !! with `&yielding` and the frame's T_s
+
+      if (allocated(case%yielding%u_y)) then
+         u_y = case%yielding%u_y
+      else
+         u_y = case%yielding%f_y_over_m_s_g*case%model%g*(case%frame%T_s/(2*pi))**2
+      end if
+   end function yield_displacement
+
+   !> Is the frame's hysteresis bilinear? A host may leave the law open.
+   pure logical function is_elastic_plastic(yielding)
+      type(yielding_t), intent(in) :: yielding
+
+      is_elastic_plastic = .true.
+      if (allocated(yielding%law)) is_elastic_plastic = yielding%law == 'elastic_plastic'
+   end function is_elastic_plastic
 
    !> Elongation of a spring at the rotation phi on the side in force [m].
    real(wp) function elongation(equation, place, phi) result(x)
@@ -76,7 +100,6 @@ contains
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      type(kinematics_t) :: kin
       real(wp) :: phi
       real(wp) :: rate
       !! of the frame's displacement [m/s]
@@ -84,11 +107,7 @@ contains
 
       power = 0
       phi = equation%side*y(1)
-      rate = y(2)
-      if (equation%has_wall) then
-         kin = kinematics_at(equation, y(1))
-         rate = equation%p%R*kin%j*y(2)
-      end if
+      rate = frame_velocity(equation, y)
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
             if (.not. moves(equation, place)) cycle
@@ -189,9 +208,12 @@ contains
          else if (theta < equation%low) then
             call pass_window(equation, is_rising=.false.)
          else
-            return
+            exit
          end if
       end do
+      ! What has yielded on the way may unload from here on.
+      call turn_back(equation, theta)
+      call renew_window(equation)
    end subroutine load_to
 
    !> Find the rotations between which the branches in force hold, and their lines.
@@ -202,7 +224,7 @@ contains
       call follow_branches(equation)
       equation%low = -huge(1.0_wp)
       equation%high = huge(1.0_wp)
-      equation%ends_at_peak = .false.
+      equation%ends_at_peak = equation%has_course
       if (equation%cable%is_tendon) call narrow(equation, 0)
       do i = 1, size(equation%springs)
          if (moves(equation, equation%springs(i)%place)) call narrow(equation, i)
@@ -254,8 +276,8 @@ contains
       end if
    end function elongation_of
 
-   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection in
-   !> the range in which all elongations are monotone; beyond it +-huge.
+   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection
+   !> inside the range up to overturning, where all elongations are monotone; else +-huge.
    real(wp) function rotation_at(equation, number, x) result(theta)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: number
@@ -271,12 +293,14 @@ contains
 
       theta = x
       if (.not. equation%has_wall .and. number > 0) return
-      ends = [0.0_wp, pi/2]
-      if (.not. equation%has_impacts) ends(1) = -pi/2
+      ends = [0.0_wp, equation%farthest]
+      if (.not. equation%has_impacts) ends(1) = -equation%farthest
       at_ends = [elongation_of(equation, number, ends(1)), elongation_of(equation, number, ends(2))]
       direction = merge(1, -1, at_ends(2) > at_ends(1))
-      theta = direction*equation%side*sign(huge(x), x - minval(at_ends))
-      if (x < minval(at_ends) .or. x > maxval(at_ends)) return
+      theta = direction*equation%side*huge(x)
+      if (x >= maxval(at_ends)) return
+      theta = -theta
+      if (x <= minval(at_ends)) return
       do
          middle = ends(1) + (ends(2) - ends(1))/2
          if (middle <= ends(1) .or. middle >= ends(2)) exit
@@ -365,39 +389,5 @@ contains
       end do
       call follow_branches(equation)
    end subroutine turn_back
-
-   !> Has the tendon broken?
-   pure logical function tendon_is_broken(equation)
-      type(equation_t), intent(in) :: equation
-
-      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%cable%tendon)
-   end function tendon_is_broken
-
-   !> What the tendon has lost of its force at theta = 0, over m_w g [-].
-   real(wp) function prestress_loss(equation, theta) result(loss)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! present rotation [rad]
-      type(spring_t) :: tendon
-
-      tendon = equation%cable%tendon
-      call turn_spring(tendon, elongation_of(equation, 0, equation%side*theta))
-      loss = equation%cable%eta_0 - max(0.0_wp, spring_force(tendon, 0.0_wp))
-   end function prestress_loss
-
-   !> Plastic displacement of the frame at a state [m].
-   real(wp) function frame_residual(equation, theta) result(residual)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad] or [m]
-      integer :: i
-
-      residual = 0
-      do i = 1, size(equation%springs)
-         if (equation%springs(i)%place /= place_frame) cycle
-         residual = spring_plastic(equation%springs(i)%spring, &
-            elongation_of(equation, i, equation%side*theta))
-      end do
-   end function frame_residual
 
 end module rwmf_memory

@@ -15,10 +15,9 @@ module rwmf_motion
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
-   public :: ground_t, follow_samples, follow_ground, is_known_until
-   public :: line_t, line_of, vertical_line_of
-   public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
-   public :: fastest_rate, motion_end, peak_acceleration, vertical_acceleration
+   public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
+   public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
+   public :: interval_at, interval_end, interval_last, turning_point, fastest_rate, motion_end
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -321,7 +320,6 @@ contains
       line%a_0 = motion%vertical_ratio*line%a_0
       line%slope = motion%vertical_ratio*line%slope
       if (.not. allocated(motion%vertical)) return
-      line = line_t()
       if (interval < 1 .or. interval >= size(motion%knot)) return
       line = line_t(.true., motion%knot(interval), motion%vertical%a(interval), &
          motion%vertical%slope(interval))

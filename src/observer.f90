@@ -13,6 +13,7 @@ module rwmf_observer
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
+   use rwmf_memory_query, only: spring_columns, spring_forces
    use rwmf_motion, only: acceleration, vertical_acceleration
    use rwmf_observer_energy, only: energy_names, energy_values, integrate_powers
    use rwmf_observer_forces, only: force_columns, force_values
@@ -143,6 +144,7 @@ contains
          names = [character(32) :: names, 'cable_force_over_m_w_g']
          if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
       end if
+      if (equation%has_memory) names = [character(32) :: names, spring_columns(equation)]
       if (allocated(observer%forces)) then
          names = [character(32) :: names, force_columns(equation, observer%m_w_g)]
       end if
@@ -321,6 +323,7 @@ contains
             i = i + 1
          end if
       end if
+      if (equation%has_memory) call put(spring_forces(equation, y(1)))
       if (allocated(observer%forces)) call put(force_values(equation, observer%m_w_g, t, y, &
          y_ddot, frame_displacement(equation, y(1))))
       if (observer%keeps_energy) call put(energy_values(energy, equation, y))

@@ -7,7 +7,7 @@
 !> | `newmark` | Newmark's method, average acceleration, with fixed steps                        |
 module rwmf_practice
    use rwmf_case, only: case_t
-   use rwmf_errors, only: err_input, error_t, fail
+   use rwmf_errors, only: err_input, err_numerical, error_t, fail
    use rwmf_kinds, only: i8, wp
    use rwmf_motion, only: motion_from_case, motion_t
    use rwmf_practice_fixed, only: follow_with_fixed_steps
@@ -28,7 +28,8 @@ contains
 
    !> Compute the response of a scene in one of today's ways.
    !>
-   !> Errors: an unknown name; the numerical failures of the procedure.
+   !> Errors: an unknown name; a scene with further states or with springs that remember, which
+   !> these procedures have no place for; the numerical failures of the procedure.
    subroutine run_practice(case, name, dt, rtol, atol, practice, error)
       type(case_t), intent(in) :: case
       !! valid, with the frame's T_s given
@@ -51,6 +52,11 @@ contains
       motion = motion_from_case(case)
       call system_clock(started, rate)
       call create_scene(case, motion, scene)
+      if (scene%equation%n > 2 .or. scene%equation%has_memory) then
+         call fail(error, err_numerical, 'today''s procedures know theta and its rate only: not ' &
+            //'&storeys with all modes, &yielding, &fuse, or a cable that yields', 'not_practised')
+         return
+      end if
       select case (name)
       case ('ode45')
          call follow_with_ode45(scene, rtol, atol, dt, error)

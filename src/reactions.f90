@@ -1,11 +1,12 @@
 !> What foundation and wall exert on each other, from the balance of momentum (docs/theory.md,
 !> "Reactions"). All forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_reactions
+   use rwmf_bouc_wen, only: bouc_wen_residual
    use rwmf_cable, only: cable_state_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
       rise_of_top_corner
-   use rwmf_memory, only: frame_residual
+   use rwmf_memory_query, only: frame_residual
    use rwmf_scene, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    implicit none
    private
@@ -97,6 +98,8 @@ contains
             *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
          if (equation%has_memory) force(1) = force(1) + p%gamma*p%omega_squared &
             *frame_residual(equation, y(1))
+         if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
+            *bouc_wen_residual(equation, y)
       end associate
       if (equation%geometry%link <= 0) return
       side_of_frame = 1

@@ -27,6 +27,8 @@ module rwmf_regime
       !! the integrator has to begin anew at (t, y)
       type(restitution_t) :: restitution
       !! what an impact leaves of the velocity
+      logical :: is_rising = .false.
+      !! theta grew when a branch of a spring ended
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: rtol

@@ -9,7 +9,8 @@ module rwmf_rest
    implicit none
    private
 
-   public :: find_lift_off, jumps, pressing_acceleration, may_rest, inverse_inertia, pull_duration
+   public :: lifts, find_lift_off, jumps, pressing_acceleration, may_rest, inverse_inertia
+   public :: pull_duration
 
 contains
 
@@ -55,16 +56,19 @@ contains
       end do
    end subroutine find_lift_off
 
-   !> Side on which the wall lifts off at an instant, 0 if it stays.
+   !> Side on which the wall lifts off at an instant, 0 if it stays. Compressed fuses may push up
+   !> both corners; then it is the one that is pushed more.
    pure integer function lifting_side(equation, interval, t) result(side)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
       real(wp), intent(in) :: t
       !! [s]
+      real(wp) :: drive(2)
+      !! on the negative and on the positive side [m/s2]
 
-      side = 0
-      if (lifts(lift_off_drive(equation, 1, interval, t), equation%threshold)) side = 1
-      if (lifts(lift_off_drive(equation, -1, interval, t), equation%threshold)) side = -1
+      drive = [lift_off_drive(equation, -1, interval, t), lift_off_drive(equation, 1, interval, t)]
+      side = merge(1, -1, drive(2) >= drive(1))
+      if (.not. lifts(maxval(drive), equation%threshold)) side = 0
    end function lifting_side
 
    !> Do both sides lift off at an instant? Then the base bears nothing.
@@ -232,7 +236,7 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (p => equation%p, c => equation%cos_alpha)
-         gain = c*(2*p%gamma + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
+         gain = c*(2*p%gamma*equation%push + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
             + equation%added_inertia))
       end associate
    end function inverse_inertia

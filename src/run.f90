@@ -1,5 +1,6 @@
 !> One run of the hybrid system: from a valid case to its result, at the case's tolerances.
 module rwmf_run
+   use rwmf_bouc_wen, only: bouc_wen_residual
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t
@@ -8,14 +9,16 @@ module rwmf_run
    use rwmf_extras, only: extra_sizes
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum, restitution_t
-   use rwmf_kinds, only: i8, wp
-   use rwmf_memory, only: frame_residual, prestress_loss, tendon_is_broken
+   use rwmf_kinds, only: i8, pi, wp
+   use rwmf_memory, only: yield_displacement
+   use rwmf_memory_query, only: frame_residual, prestress_loss, tendon_is_broken
    use rwmf_methods, only: new_stepper
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
    use rwmf_observer_forces, only: force_extremes
    use rwmf_rest, only: inverse_inertia
    use rwmf_result, only: add_warning, result_t
+   use rwmf_scene, only: frame_travel
    use rwmf_stepper, only: stepper_t, tolerance_t
    use rwmf_text, only: real_to_text
    use rwmf_vertical, only: lowest_vertical
@@ -85,10 +88,9 @@ contains
       real(wp) :: length
       !! from rotation to displacement [m/rad]
 
-      length = 1
+      length = frame_travel(equation)
       rate = sqrt(equation%p%g/equation%p%R)
-      if (equation%has_frame) rate = max(2.0_wp, equation%p%omega_s)
-      if (equation%has_wall) length = 2*equation%p%R*equation%cos_alpha
+      if (equation%has_frame) rate = max(2.0_wp, 2*pi/case%frame%T_s)
       guess(1) = 0.02_wp*peak_acceleration(equation%motion)/rate**2/length
       if (equation%has_wall) guess(1) = min(guess(1), 0.01_wp*equation%p%alpha)
       guess(2) = rate*guess(1)
@@ -253,7 +255,9 @@ contains
          result%u_s_max = observer%u_max
          result%t_u_s_max = observer%t_u_max
       end if
-      if (equation%has_memory) call fill_memory(case, equation, hybrid, result)
+      if (equation%has_memory .or. equation%has_course) then
+         call fill_memory(case, equation, hybrid, result)
+      end if
       if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
       if (observer%keeps_energy) result%energy = observer%energy
       if (allocated(observer%forces)) then
@@ -278,8 +282,12 @@ contains
          result%has_ruptured = tendon_is_broken(equation)
       end if
       if (allocated(case%yielding)) then
-         result%ductility = result%u_s_max/case%yielding%u_y
-         result%residual_displacement = frame_residual(equation, hybrid%y(1))
+         result%ductility = result%u_s_max/yield_displacement(case)
+         if (equation%has_course) then
+            result%residual_displacement = bouc_wen_residual(equation, hybrid%y)
+         else
+            result%residual_displacement = frame_residual(equation, hybrid%y(1))
+         end if
       end if
    end subroutine fill_memory
 

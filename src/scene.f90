@@ -11,11 +11,12 @@ module rwmf_scene
    implicit none
    private
 
-   public :: equation_t, second_derivative_i, extra_t, sprung_t
+   public :: equation_t, second_derivative_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
+   public :: frame_velocity, frame_travel, frame_mass
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
    !> states, energy, power and force on the wall that belong to it. One file brings its
@@ -30,6 +31,8 @@ module rwmf_scene
       !! asked only for reactions; not associated: no force on the wall
       logical :: is_hysteretic = .false.
       !! where the energy ledger counts its power: hysteretic, or else viscous
+      procedure(power_i), pointer, nopass :: input => null()
+      !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
       !! number of states of its own
       procedure(rates_i), pointer, nopass :: rates => null()
@@ -41,6 +44,32 @@ module rwmf_scene
       logical :: is_motion = .false.
       !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type extra_t
+
+   !> The floors of a frame with all its modes, from the ground to the roof.
+   type :: floors_t
+      real(wp), allocatable :: m(:)
+      !! (n) mass of each over m_w; without wall over that of the roof [-]
+      real(wp), allocatable :: k(:)
+      !! (n) stiffness of the storey below over the same mass [1/s2]
+      real(wp), allocatable :: c(:, :)
+      !! (n, n) damping over the same mass [1/s]
+      integer :: first = 3
+      !! place of their first state among all
+   end type floors_t
+
+   !> Smooth hysteresis of the frame after Bouc and Wen.
+   type :: hysteresis_t
+      real(wp) :: u_y = 1
+      !! displacement at yield [m]
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp) :: exponent = 2
+      !! [-]
+      real(wp) :: beta = 0.5_wp
+      !! [-]
+      integer :: place = 3
+      !! of z among the states
+   end type hysteresis_t
 
    integer, parameter :: place_frame = 0
    !! between ground and frame
@@ -78,6 +107,20 @@ module rwmf_scene
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
+      real(wp) :: push = 1
+      !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: quickest = 0
+      !! largest frequency of the frame's floors [rad/s]
+      type(floors_t) :: floors
+      !! of `&storeys` with all modes
+      type(hysteresis_t) :: hysteresis
+      !! of the frame
+      logical :: has_course = .false.
+      !! rates depend on the sign of theta'
+      integer :: course = 1
+      !! that sign until the next peak, set by the hybrid loop
+      logical :: moves_at_rest = .false.
+      !! further states move while the wall rests
       logical :: has_wall
       logical :: has_impacts
       !! the wall rocks on its corners
@@ -102,6 +145,8 @@ module rwmf_scene
       !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
       real(wp) :: high = huge(1.0_wp)
       !! and up to which they do [rad]
+      real(wp) :: farthest = 0
+      !! largest |theta| at which the springs are asked for their elongation [rad]
       logical :: ends_at_peak = .false.
       !! a spring yields, and unloads when the motion turns back
       logical :: has_vertical = .false.
@@ -127,6 +172,8 @@ module rwmf_scene
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
       procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
+      procedure(second_derivative_i), pointer, nopass :: acceleration_in_flight => null()
+      !! of both sides, kept while the wall is held at rest
    end type equation_t
 
    abstract interface
@@ -320,5 +367,34 @@ contains
          u_s = theta
       end if
    end function frame_displacement
+
+   !> Velocity of the frame u_s' [m/s].
+   real(wp) function frame_velocity(equation, y) result(u_s_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(kinematics_t) :: kin
+
+      u_s_dot = y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      u_s_dot = equation%p%R*kin%j*y(2)
+   end function frame_velocity
+
+   !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
+   pure real(wp) function frame_travel(equation) result(travel)
+      type(equation_t), intent(in) :: equation
+
+      travel = 1
+      if (equation%has_wall) travel = 2*equation%p%R*equation%cos_alpha
+   end function frame_travel
+
+   !> Mass of the frame over that of the wall; 1 for the bare frame [-].
+   pure real(wp) function frame_mass(equation)
+      type(equation_t), intent(in) :: equation
+
+      frame_mass = 1
+      if (equation%has_wall) frame_mass = equation%p%gamma
+   end function frame_mass
 
 end module rwmf_scene

@@ -67,6 +67,15 @@ contains
          optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
             'mass ratio m_s/m_w; required with &wall, refused without'), &
          required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio'), &
+         required('storeys', 'm_over_m_w', 'real list', '-', positive, &
+            'mass of each floor over m_w (no wall: over any mass), from the ground up'), &
+         required('storeys', 'k_over_m_w', 'real list', '1/s2', positive, &
+            'stiffness of the storey below each floor over the same mass'), &
+         required('storeys', 'height', 'real list', 'm', positive, &
+            'height of each storey; with &wall their sum is 2h'), &
+         optional_key('storeys', 'coupling', 'choice', '', 'reduced', &
+            'reduced every_floor full', &
+            'roof linked: first mode or all modes; every floor linked: a straight line'), &
          required('link', 'L', 'real', 'm', positive, &
             'length of the link, Eqs (2), (3); absent: infinitely long'), &
          required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
@@ -76,12 +85,20 @@ contains
          required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
          optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding fuse over its elastic one'), &
-         required('yielding', 'u_y', 'real', 'm', positive, &
-            'displacement at which the frame yields first'), &
+         optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
+            'displacement at which the frame yields first, the same for all periods of a ' &
+            //'spectrum'), &
+         optional_key('yielding', 'f_y_over_m_s_g', 'real', '-', '', positive, &
+            'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2'), &
          optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding frame over its elastic one'), &
-         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', 'elastic_plastic', &
-            'bilinear with kinematic hardening'), &
+         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', &
+            'elastic_plastic bouc_wen', &
+            'bilinear with kinematic hardening, or a smooth hysteresis'), &
+         optional_key('yielding', 'exponent', 'real', '-', '2.0', '[1, 1000]', &
+            'sharpness n of the knee; bouc_wen only'), &
+         optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
+            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only'), &
          required('inerter', 'inertance_over_m_w', 'real', '-', not_negative, &
             'inerter under each corner of the base: its inertance over m_w'), &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &

@@ -81,7 +81,7 @@ contains
          is_quiet = stepper%y1(1) < equation%high .and. stepper%y1(1) > equation%low
       end if
       if (is_quiet .and. equation%has_frame) then
-         is_quiet = 2*(stepper%t1 - stepper%t0)*equation%p%omega_s < 1
+         is_quiet = 2*(stepper%t1 - stepper%t0)*max(equation%p%omega_s, equation%quickest) < 1
       end if
       if (is_quiet) then
          is_quiet = turning_point(equation%motion, interval_of(equation), stepper%t0) >= stepper%t1
@@ -167,6 +167,7 @@ contains
       real(wp) :: v_a
 
       v_a = y_a(2)
+      if (abs(v_a) <= 0 .and. equation%has_course) v_a = equation%course
       if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
          v_a = equation%side
       end if
@@ -190,6 +191,8 @@ contains
       event = 0
       level = 0
       if (equation%has_memory) then
+         ! The limits of a spring without strength coincide: only the motion tells them apart.
+         hybrid%is_rising = hybrid%y(1) > y_a(1)
          if (leaves_window(hybrid, equation, y_a, level)) event = event_branch
       end if
       if (event == 0) then

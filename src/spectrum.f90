@@ -215,6 +215,7 @@ contains
 
       if (allocated(case%wall)) scene%wall = case%wall
       if (allocated(case%frame)) scene%frame = case%frame
+      if (allocated(case%storeys)) scene%storeys = case%storeys
       if (allocated(case%link)) scene%link = case%link
       if (allocated(case%damper)) scene%damper = case%damper
       if (allocated(case%fuse)) scene%fuse = case%fuse

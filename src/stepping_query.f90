@@ -1,5 +1,6 @@
 !> What a host asks a wall between two calls: state, forces, events.
 module rwmf_stepping_query
+   use rwmf_bouc_wen, only: bouc_wen_residual
    use rwmf_cable, only: cable_state_t
    use rwmf_equation, only: cable_at, frame_displacement, kinematics_at, second_derivative
    use rwmf_errors, only: error_t
@@ -7,8 +8,10 @@ module rwmf_stepping_query
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_machine, only: machine_t
+   use rwmf_memory_query, only: frame_residual
    use rwmf_result, only: event_t
    use rwmf_stepping, only: require, stepping_t
+   use rwmf_storeys, only: resistance
    implicit none
    private
 
@@ -126,6 +129,10 @@ contains
       type(cable_state_t) :: cable
       real(wp) :: frame_mass
       !! [kg]
+      real(wp) :: restoring
+      !! force of spring and damper on the mass at the link [N]
+      real(wp), allocatable :: floor_forces(:)
+      !! (floors) of `&storeys` with all modes [N]
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
@@ -134,11 +141,18 @@ contains
          frame_mass = machine%mass
          if (machine%equation%has_wall) frame_mass = p%gamma*machine%mass
          if (machine%equation%has_frame) then
-            forces%frame_shear = frame_mass*p%omega_s*(p%omega_s*state%u_s &
+            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(machine)) &
                + 2*p%xi_s*state%u_s_dot)
+            forces%frame_shear = machine%equation%push*restoring
+         end if
+         if (allocated(machine%equation%floors%m)) then
+            floor_forces = machine%mass*resistance(machine%equation, machine%hybrid%y)
+            forces%frame_shear = sum(floor_forces)
+            restoring = floor_forces(size(floor_forces))
          end if
          if (machine%equation%has_frame .and. machine%equation%has_wall) then
-            forces%link = frame_mass*(state%u_s_ddot + machine%ground) + forces%frame_shear
+            forces%link = frame_mass*(state%u_s_ddot + machine%equation%push*machine%ground) &
+               + restoring
          end if
          if (machine%equation%has_cable) then
             cable = cable_at(machine%equation, machine%hybrid%y(1))
@@ -146,6 +160,18 @@ contains
          end if
       end associate
    end subroutine query_forces
+
+   !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
+   real(wp) function plastic_part(machine)
+      type(machine_t), intent(in) :: machine
+
+      plastic_part = 0
+      if (machine%equation%has_course) then
+         plastic_part = bouc_wen_residual(machine%equation, machine%hybrid%y)
+      else if (machine%equation%has_memory) then
+         plastic_part = frame_residual(machine%equation, machine%hybrid%y(1))
+      end if
+   end function plastic_part
 
    !> Events of the last advance, in the order of time.
    subroutine query_events(stepping, events, error)

@@ -6,6 +6,7 @@ module rwmf_summary
    use rwmf_case, only: case_t
    use rwmf_kinds, only: i8, wp
    use rwmf_result, only: energy_t, reaction_extremes_t, result_t
+   use rwmf_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_text, only: integer_to_text, real_to_text
    implicit none
    private
@@ -23,8 +24,9 @@ module rwmf_summary
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
-   character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'link', 'damper', &
-      'inerter', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'vertical', 'initial']
+   character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'storeys', &
+      'link', 'damper', 'inerter', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'vertical', &
+      'initial']
 
 contains
 
@@ -38,6 +40,7 @@ contains
       allocate (items(0))
       call add_maxima(items, result)
       call add_regimes(items, result)
+      if (allocated(case%storeys)) call add_storeys(items, case)
       if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
       call add_item(items, 'effects', 'list', joined(list_effects(case)))
@@ -83,10 +86,11 @@ contains
       type(case_t), intent(in) :: case
       logical :: present_effects(size(all_effects))
 
-      present_effects = [allocated(case%wall), allocated(case%frame), allocated(case%link), &
-         allocated(case%damper), allocated(case%inerter), allocated(case%fuse), &
-         allocated(case%yielding), allocated(case%cable), allocated(case%impact), &
-         allocated(case%motion), allocated(case%vertical), allocated(case%initial)]
+      present_effects = [allocated(case%wall), allocated(case%frame), &
+         allocated(case%storeys), allocated(case%link), allocated(case%damper), &
+         allocated(case%inerter), allocated(case%fuse), allocated(case%yielding), &
+         allocated(case%cable), allocated(case%impact), allocated(case%motion), &
+         allocated(case%vertical), allocated(case%initial)]
       ! free vibration is stated as kind 'none': nothing shakes the scene
       if (allocated(case%motion)) then
          where (all_effects == 'motion') present_effects = case%motion%kind /= 'none'
@@ -111,6 +115,20 @@ contains
       call add_real(items, 'ductility', result%ductility)
       call add_real(items, 'residual_displacement_m', result%residual_displacement)
    end subroutine add_maxima
+
+   !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
+   pure subroutine add_storeys(items, case)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(case_t), intent(in) :: case
+
+      associate (frame => case%storeys%frame)
+         call add_real(items, 'T_s_s', case%frame%T_s)
+         call add_real(items, 'modal_mass_over_m_w', modal_mass(frame, 1))
+         call add_real(items, 'mass_participation', modal_mass(frame, 1)/sum(frame%m))
+         call add_real(items, 'modal_height_m', modal_height(frame, 1))
+         call add_real(items, 'roof_factor', roof_factor(frame, 1))
+      end associate
+   end subroutine add_storeys
 
    !> Impacts, lift-offs and overturning.
    pure subroutine add_regimes(items, result)

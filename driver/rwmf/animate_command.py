@@ -16,13 +16,7 @@ __all__ = ["add_parser", "run"]
 
 
 def add_parser(add: Callable[..., argparse.ArgumentParser]) -> None:
-    """Add the subcommand.
-
-    Parameters
-    ----------
-    add : callable
-        From name, function, text and example to a parser.
-    """
+    """Add the subcommand: `add` makes a parser of name, function, text and example."""
     parser = add(
         "animate",
         run,
@@ -37,23 +31,7 @@ def add_parser(add: Callable[..., argparse.ArgumentParser]) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make the film.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        From a parser with `add_parser`.
-
-    Returns
-    -------
-    int
-        Exit status 0.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the simulation and the writer of the film.
-    """
+    """Make the film and return exit status 0; errors as the simulation and `animate`."""
     case = Case.from_namelist(options.case)
     path = options.out or Path(f"{Path(options.case).stem}.gif")
     _check(case, options, path)

@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 __all__ = ["PANELS", "history", "spectrum", "style"]
 
 # what `history` shows when it is not told, from top to bottom
-PANELS = ("theta", "theta_dot", "u_s", "cable_force_over_m_w_g")
+PANELS = (
+    "theta",
+    "theta_dot",
+    "u_s",
+    "cable_force_over_m_w_g",
+    "frame_force_over_m_s_g",
+    "fuse_left_force_over_m_w_g",
+    "fuse_right_force_over_m_w_g",
+)
 _SYMBOLS = {
     "theta": r"$\theta$",
     "theta_dot": r"$\dot\theta$",
@@ -24,6 +32,9 @@ _SYMBOLS = {
     "u_g_ddot": r"$\ddot u_g$",
     "cable_force_over_m_w_g": r"$P/(m_w g)$",
     "cable_force": r"$P$",
+    "frame_force_over_m_s_g": r"$F_s/(m_s g)$",
+    "fuse_left_force_over_m_w_g": r"$F_l/(m_w g)$",
+    "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
 }
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
 # the dark end of viridis: the order of the lines is readable in grey and by colour-blind readers
@@ -73,7 +84,7 @@ def history(
         One for each variable; otherwise a new figure.
     variables : sequence of str, optional
         Names of variables over time; otherwise rotation, angular velocity, displacement and
-        cable force, as far as the dataset has them.
+        forces of cable, frame and fuses, as far as the dataset has them.
     **line
         Arguments of ``Axes.plot``, for example ``label``.
 

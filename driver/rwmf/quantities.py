@@ -45,6 +45,24 @@ _ALWAYS = [
         "cable_force_over_m_w_g", "cable_force_over_m_w_g", "1", "cable force over weight of wall"
     ),
     Quantity("cable_force_N", "cable_force", "N", "cable force"),
+    Quantity(
+        "frame_force_over_m_s_g",
+        "frame_force_over_m_s_g",
+        "1",
+        "force of the yielding frame over weight of its mass",
+    ),
+    Quantity(
+        "fuse_left_force_over_m_w_g",
+        "fuse_left_force_over_m_w_g",
+        "1",
+        "force of the left fuse over weight of wall",
+    ),
+    Quantity(
+        "fuse_right_force_over_m_w_g",
+        "fuse_right_force_over_m_w_g",
+        "1",
+        "force of the right fuse over weight of wall",
+    ),
     Quantity("u_s_max_m", "u_s_max", "m", "largest displacement of the frame"),
     Quantity("t_u_s_max_s", "t_u_s_max", "s", "first time of the largest displacement"),
     Quantity(
@@ -56,6 +74,20 @@ _ALWAYS = [
         "cable_force_increment_max_over_m_w_g",
         "1",
         "largest increment of the cable force over weight of wall",
+    ),
+    Quantity(
+        "cable_prestress_loss_over_m_w_g",
+        "cable_prestress_loss_over_m_w_g",
+        "1",
+        "cable force at theta = 0 that is lost in the end, over weight of wall",
+    ),
+    Quantity("cable_ruptured", "cable_ruptured", "1", "whether the cable broke"),
+    Quantity("ductility", "ductility", "1", "largest displacement over that at first yield"),
+    Quantity(
+        "residual_displacement_m",
+        "residual_displacement",
+        "m",
+        "displacement at which the frame alone would be without force in the end",
     ),
     Quantity("impacts", "impacts", "1", "number of impacts"),
     Quantity("lift_offs", "lift_offs", "1", "number of times that the wall lifts off from rest"),
@@ -92,6 +124,7 @@ _ENERGIES = [
     ("energy_strain_J_per_kg", "J/kg", "strain energy of the frame"),
     ("energy_gravity_J_per_kg", "J/kg", "potential energy of the wall"),
     ("energy_cable_J_per_kg", "J/kg", "work stored in the cable"),
+    ("energy_effects_J_per_kg", "J/kg", "energy stored in fuses and other effects"),
     ("energy_viscous_J_per_kg", "J/kg", "energy dissipated by dampers"),
     ("energy_hysteretic_J_per_kg", "J/kg", "energy dissipated by yielding"),
     ("energy_impact_J_per_kg", "J/kg", "energy dissipated by impacts"),

@@ -12,6 +12,7 @@ from pathlib import Path
 import cases_chatter
 import cases_extremes
 import cases_grazing
+import cases_memory
 import cases_overturning
 import cases_pulses
 import cases_rest
@@ -25,6 +26,7 @@ FAMILIES: dict[str, list[Hard]] = {
     "grazing": cases_grazing.CASES,
     "overturning": cases_overturning.CASES,
     "extremes": cases_extremes.CASES,
+    "memory": cases_memory.CASES,
     "pulses": cases_pulses.CASES,
 }
 REFERENCE = Path(__file__).parent / "reference.csv"

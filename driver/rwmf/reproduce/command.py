@@ -10,21 +10,15 @@ from pathlib import Path
 
 from rwmf.commands import progress_bar
 from rwmf.errors import InputError, OutputError
-from rwmf.reproduce import gallery, pages, report, tables
-from rwmf.reproduce.benefit import benefit_table
+from rwmf.reproduce import gallery, pages, report
+from rwmf.reproduce.contents import collect
 from rwmf.reproduce.workshop import Workshop
 
 __all__ = ["add_parser", "run"]
 
 
 def add_parser(add: Callable[..., argparse.ArgumentParser]) -> None:
-    """Add the subcommand.
-
-    Parameters
-    ----------
-    add : callable
-        From name, function, text and example to a parser.
-    """
+    """Add the subcommand: `add` makes a parser of name, function, text and example."""
     parser = add(
         "reproduce",
         run,
@@ -49,23 +43,7 @@ def add_parser(add: Callable[..., argparse.ArgumentParser]) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make what the command line asks for.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        From a parser with `add_arguments`.
-
-    Returns
-    -------
-    int
-        Exit status 0.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the simulations and the writers of files.
-    """
+    """Make what the command line asks for and return exit status 0; errors as `collect`."""
     started = time.perf_counter()
     names = list(dict.fromkeys(gallery.find(word) for word in options.figures or gallery.GALLERY))
     _check_folders(options)
@@ -73,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     with progress_bar(len(names)) as step:
         for done, name in enumerate(names):
             if step is None:
-                print(f"{gallery.CAPTIONS[name]}", flush=True)
+                print(gallery.GALLERY[name].caption, flush=True)
             gallery.make(work, name, options.out)
             if step is not None:
                 step(done + 1, len(names))
@@ -100,21 +78,11 @@ def _check_folders(options: argparse.Namespace) -> None:
 
 def _write_pages(work: Workshop, names: list[str], options: argparse.Namespace) -> None:
     print("claims and validation", file=sys.stderr, flush=True)
-    claims = tables.claims_table(work)
-    contents = report.Contents(
-        figures={name: options.out / f"{name}.png" for name in names},
-        claims=claims,
-        verdicts=tables.verdicts_table(claims),
-        benefit=benefit_table(work),
-        differences=tables.differences_table(work),
-        restitution=tables.restitution_table(work),
-        engines=tables.engines_table(work),
-    )
+    contents = collect(work, {name: options.out / f"{name}.png" for name in names})
     if options.report:
         pages.write_text(options.out / "report.html", report.compose(contents))
         print(f"written: {options.out / 'report.html'}")
     if options.docs:
-        page = pages.validation_page(contents.differences, contents.restitution, contents.engines)
-        pages.write_text(options.docs / "claims.md", pages.claims_page(claims, contents.benefit))
-        pages.write_text(options.docs / "validation.md", page)
+        pages.write_text(options.docs / "claims.md", pages.claims_page(contents))
+        pages.write_text(options.docs / "validation.md", pages.validation_page(contents))
         print(f"written: {options.docs / 'claims.md'}, {options.docs / 'validation.md'}")

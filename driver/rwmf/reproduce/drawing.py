@@ -31,14 +31,15 @@ _LINES = {
 }
 # above the lines: where the wall changes nothing, both must show
 ALONE = {"color": "black", "linestyle": (0, (1, 2)), "linewidth": 1.3, "zorder": 6}
-# distinct in colour for every kind of vision, and from dark to light in grey
+# distinct in colour for every kind of vision; the light walls, whose lines coincide, one inside the
+# other: colour and width
 _MASS_RATIOS = {
-    5.0: "#440154",
-    10.0: "#d55e00",
-    100.0: "#0072b2",
-    1000.0: "#009e73",
-    2000.0: "#cc79a7",
-    20000.0: "#e69f00",
+    5.0: ("#440154", 1.2),
+    10.0: ("#d55e00", 1.2),
+    100.0: ("#0072b2", 1.2),
+    1000.0: ("#009e73", 3.4),
+    2000.0: ("#cc79a7", 2.2),
+    20000.0: ("#e69f00", 1.2),
 }
 ENGINE = {"color": "black", "linestyle": "none", "marker": "o", "markersize": 2.2, "zorder": 5}
 OVER_TIME = r"$t$ (s)"
@@ -58,8 +59,11 @@ def shades(n: int) -> list[tuple[float, float, float, float]]:
 
 
 def style_of_mass_ratio(gamma: float) -> dict[str, object]:
-    """Return colour and label of a mass ratio: the same one in every figure."""
-    return {"color": _MASS_RATIOS[gamma], "label": rf"$\gamma$ = {gamma:g}", "linewidth": 1.2}
+    """Return colour, width and label of a mass ratio: the same in every figure."""
+    colour, width = _MASS_RATIOS[gamma]
+    label = rf"$\gamma$ = {gamma:g}"
+    # wide lines below narrow ones
+    return {"color": colour, "label": label, "linewidth": width, "zorder": 3 - width / 10}
 
 
 def row_label(ax: Axes, text: str) -> None:
@@ -77,5 +81,5 @@ def legend_below(figure: Figure, axes: Axes, columns: int = 4, title: str | None
 
 
 def column_title(ax: Axes, letter: str, text: str) -> None:
-    """Write the paper's letter of a panel and what it shows."""
-    ax.set_title(f"({letter}) {text}")
+    """Write the paper's letter of a panel, where it has one, and what it shows."""
+    ax.set_title(f"({letter}) {text}" if letter else text)

@@ -14,9 +14,11 @@ import xarray as xr
 
 from rwmf.errors import InputError
 
-__all__ = ["Difference", "EngineHistory", "compare", "crossings", "read"]
+__all__ = ["COLUMNS", "Difference", "EngineHistory", "compare", "crossings", "read", "write"]
 
 Array = npt.NDArray[np.float64]
+# of a stored history; without a frame the last one is missing
+COLUMNS = ("t_s", "theta_rad", "theta_dot_rad_s", "left_uplift_m", "right_uplift_m", "u_s_m")
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,7 @@ class EngineHistory:
     facts : dict
         Engine, version and parameters.
     columns : dict of str to numpy.ndarray, each shape (n,)
-        ``t_s``, ``theta_rad``, ``theta_dot_rad_s``, ``left_uplift_m``, ``right_uplift_m`` and,
-        with a frame, ``u_s_m``.
+        As far as the scene has them, those of `COLUMNS`.
     """
 
     facts: dict[str, Any]
@@ -93,6 +94,31 @@ def read(path: Path) -> EngineHistory:
     if values.shape[1] != len(names):
         raise InputError(f"{path}: {len(names)} names for {values.shape[1]} columns")
     return EngineHistory(facts, dict(zip(names, values.T, strict=True)))
+
+
+def write(path: Path, facts: dict[str, Any], history: Array) -> None:
+    """Store a history: facts as JSON in the first line, then columns to six digits.
+
+    Parameters
+    ----------
+    path : path
+        File to write.
+    facts : dict
+        Engine, version and parameters.
+    history : numpy.ndarray, shape (n, 6)
+        `COLUMNS`; a column of NaN, the displacement of a scene without frame, is left out.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be written.
+    """
+    used = np.flatnonzero(~np.isnan(history).all(axis=0))
+    lines = [f"# {json.dumps(facts)}", ",".join(COLUMNS[i] for i in used)]
+    lines += [
+        ",".join([f"{row[0]:.4f}", *(f"{x:.6g}" for x in row[1:])]) for row in history[:, used]
+    ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def compare(response: xr.Dataset, engine: EngineHistory) -> Difference:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,48 +17,99 @@ from rwmf.reproduce.workshop import Workshop
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["CAPTIONS", "FORMATS", "GALLERY", "find", "make"]
+__all__ = ["FORMATS", "GALLERY", "Plate", "find", "make"]
 
 FORMATS = ("png", "svg")
-Draw = Callable[[Workshop], "AbstractContextManager[Figure]"]
 
-GALLERY: dict[str, Draw] = {
-    "fig04": partial(histories.draw_validation, name="g1800"),
-    "fig05": partial(histories.draw_pulses, stem="fig05_stiff_frame"),
-    "fig06": partial(histories.draw_pulses, stem="fig06_mild_frame"),
-    "fig07": partial(rotations.draw, comparison=rotations.FIG07),
-    "fig08": partial(rotations.draw, comparison=rotations.FIG08),
-    "fig09": partial(rotations.draw, comparison=rotations.FIG09),
-    "fig10": partial(rotations.draw, comparison=rotations.FIG10),
-    "fig11": cable.draw,
-    "fig12": spectra.draw_fig12,
-    "fig13": spectra.draw_fig13,
-    "benefit": spectra.draw_benefit,
-    "band": spectra.draw_band,
-    "free": partial(histories.draw_validation, name="free"),
-    "block": partial(histories.draw_validation, name="block"),
-    "g5": partial(histories.draw_validation, name="g5"),
-    "disc": partial(histories.draw_validation, name="disc"),
-}
+
+@dataclass(frozen=True)
+class Plate:
+    """One figure of the gallery.
+
+    Attributes
+    ----------
+    draw : callable
+        Draws into an empty figure what it takes from a workshop.
+    size : tuple of float
+        Width and height [inch].
+    caption : str
+        What it shows.
+    """
+
+    draw: Callable[[Figure, Workshop], None]
+    size: tuple[float, float]
+    caption: str
+
+
 _PANELS = "uplift of the corners, angular velocity and displacement against contact engines"
-CAPTIONS = {
-    "fig04": f"Fig. 4: {_PANELS} (four-cycle sine, gamma = 1800, T_s = 0.4 s)",
-    "fig05": "Fig. 5: stiff frame (T_s = 0.4 s, gamma = 1800) with and without wall",
-    "fig06": "Fig. 6: mild frame (T_s = 1 s, gamma = 1800) with and without wall",
-    "fig07": "Fig. 7: rotation with a stiff and a mild frame, one-cosine pulse",
-    "fig08": "Fig. 8: rotation for three mass ratios, one-cosine pulse",
-    "fig09": "Fig. 9: rotation of two walls, gamma = 5, one-cosine pulse",
-    "fig10": "Fig. 10: rotation of two walls, gamma = 1800, one-cosine pulse",
-    "fig11": "Fig. 11: increment of the cable force, one-cosine pulse",
-    "fig12": "Fig. 12: displacement spectra, one-sine and one-cosine pulse",
-    "fig13": "Fig. 13: displacement spectra, El Centro 1940 N-S",
-    "benefit": "Does the wall help? Largest displacement over that of the frame alone",
-    "band": "What the lost Table 1 may change: spectra over the properties of the cable",
-    "free": "Validation: a wall let go at half of its slenderness angle",
-    "block": "Validation: a free-standing wall under a one-sine pulse of 0.30 g",
-    "g5": f"Validation: {_PANELS} (gamma = 5, T_s = 1 s, one-cosine); "
-    "the deformable wall vibrates after an impact, the model's cannot",
-    "disc": f"Validation: {_PANELS} (squat wall, stiff cable, gamma = 5, T_s = 2 s)",
+
+
+def _validation(name: str, caption: str, height: float = 7.4) -> Plate:
+    return Plate(partial(histories.draw_validation, name=name), (7.0, height), caption)
+
+
+def _pulses(stem: str, caption: str) -> Plate:
+    return Plate(partial(histories.draw_pulses, stem=stem), (7.4, 7.2), caption)
+
+
+def _rotations(comparison: rotations.Comparison, caption: str, width: float = 7.4) -> Plate:
+    return Plate(partial(rotations.draw, comparison=comparison), (width, 4.6), caption)
+
+
+GALLERY: dict[str, Plate] = {
+    "fig04": _validation(
+        "g1800",
+        f"Fig. 4: {_PANELS} (four-cycle sine, gamma = 1800, T_s = 0.4 s); "
+        "the deformable wall vibrates after an impact, the model's cannot",
+    ),
+    "fig05": _pulses(
+        "fig05_stiff_frame",
+        "Fig. 5: stiff frame (T_s = 0.4 s, gamma = 1800) with and without wall",
+    ),
+    "fig06": _pulses(
+        "fig06_mild_frame", "Fig. 6: mild frame (T_s = 1 s, gamma = 1800) with and without wall"
+    ),
+    "fig07": _rotations(
+        rotations.FIG07, "Fig. 7: rotation with a stiff and a mild frame, one-cosine pulse", 5.6
+    ),
+    "fig08": _rotations(
+        rotations.FIG08, "Fig. 8: rotation for three mass ratios, one-cosine pulse"
+    ),
+    "fig09": _rotations(
+        rotations.FIG09, "Fig. 9: rotation of two walls, gamma = 5, one-cosine pulse"
+    ),
+    "fig10": _rotations(
+        rotations.FIG10, "Fig. 10: rotation of two walls, gamma = 1800, one-cosine pulse"
+    ),
+    "fig11": Plate(
+        cable.draw, (7.4, 5.8), "Fig. 11: increment of the cable force, one-cosine pulse"
+    ),
+    "fig12": Plate(
+        spectra.draw_fig12,
+        (7.4, 5.8),
+        "Fig. 12: displacement spectra, one-sine and one-cosine pulse",
+    ),
+    "fig13": Plate(
+        spectra.draw_fig13, (7.4, 7.2), "Fig. 13: displacement spectra, El Centro 1940 N-S"
+    ),
+    "benefit": Plate(
+        spectra.draw_benefit,
+        (7.4, 7.8),
+        "Does the wall help? Largest displacement over that of the frame alone",
+    ),
+    "band": Plate(
+        spectra.draw_band,
+        (7.4, 5.8),
+        "What the lost Table 1 may change: spectra over the properties of the cable",
+    ),
+    "free": _validation("free", "Validation: a wall let go at half of its slenderness angle", 5.8),
+    "block": _validation(
+        "block", "Validation: a free-standing wall under a one-sine pulse of 0.30 g", 5.8
+    ),
+    "g5": _validation("g5", f"Validation: {_PANELS} (gamma = 5, T_s = 1 s, one-cosine)"),
+    "disc": _validation(
+        "disc", f"Validation: {_PANELS} (squat wall, stiff cable, gamma = 5, T_s = 2 s)"
+    ),
 }
 
 
@@ -111,7 +162,10 @@ def make(work: Workshop, name: str, folder: Path) -> list[Path]:
         As the simulations and the writer of figures.
     """
     paths = [folder / f"{name}.{kind}" for kind in FORMATS]
-    with GALLERY[name](work) as figure:
+    plate = GALLERY[name]
+    with figures.new_figure(*plate.size) as figure:
+        plate.draw(figure, work)
+        figure.align_ylabels()
         for path in paths:
             figures.save(figure, path)
     return paths

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from rwmf.case import Case
-from rwmf.figures import new_figure
 from rwmf.reproduce import drawing
 from rwmf.reproduce.engines import EngineHistory, read
 from rwmf.reproduce.forms import EXACT, FORMS, PUBLISHED, Form
@@ -28,10 +25,12 @@ ENGINES = {"mujoco": "MuJoCo, rigid contact", "calculix": "CalculiX, deformable 
 VALIDATION = ("free", "block", "g5", "g1800", "disc")
 _MARKERS = {
     "mujoco": {"marker": "o"},
-    "calculix": {"marker": "x", "color": "#009e73", "markersize": 5, "markeredgewidth": 1.2},
+    "calculix": {"marker": "x", "color": "#009e73", "markersize": 4, "markeredgewidth": 1.0},
 }
-# of the dots of an engine [s]: sparse enough to leave the lines visible
-_DOTS = 0.04
+# interval of an engine's dots and when they begin [s]: sparse enough to leave the lines visible,
+# and those of two engines beside each other
+_DOTS = 0.08
+_FIRST_DOT = {"mujoco": 0.0, "calculix": 0.04}
 
 
 def respond(work: Workshop, name: str, form: Form) -> xr.Dataset:
@@ -65,30 +64,14 @@ def stored(work: Workshop, name: str) -> dict[str, EngineHistory]:
     return {engine: read(path) for engine, path in paths.items() if path.is_file()}
 
 
-@contextmanager
-def draw_validation(work: Workshop, name: str) -> Iterator[Figure]:
-    """Draw the panels of Fig. 4 for a validation case: uplifts, angular velocity and u_s.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-    name : str
-        Name of the case; Fig. 4 is ``g1800``.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
+def draw_validation(figure: Figure, work: Workshop, name: str) -> None:
+    """Panels of Fig. 4 for a validation case (name): uplifts, angular velocity and u_s."""
     responses = {form: respond(work, name, form) for form in FORMS}
     engines = stored(work, name)
     has_frame = "u_s" in responses[EXACT]
-    with new_figure(7.0, 7.4 if has_frame else 5.8) as figure:
-        panels = figure.subplots(4 if has_frame else 3, 1, sharex=True)
-        _draw_panels(panels, work, name, responses, engines)
-        drawing.legend_below(figure, panels[0], columns=2)
-        yield figure
+    panels = figure.subplots(4 if has_frame else 3, 1, sharex=True)
+    _draw_panels(panels, work, name, responses, engines)
+    drawing.legend_below(figure, panels[0], columns=2)
 
 
 def _draw_panels(
@@ -107,7 +90,7 @@ def _draw_panels(
             ax.plot(response["time"], values, **drawing.style_of(form))
     for engine, history in engines.items():
         for ax, values in zip(panels, _engine_rows(history), strict=False):
-            t = np.arange(0.0, history["t_s"][-1], _DOTS)
+            t = np.arange(_FIRST_DOT[engine], history["t_s"][-1], _DOTS)
             style = {**drawing.ENGINE, **_MARKERS[engine], "label": ENGINES[engine]}
             ax.plot(t, np.interp(t, history["t_s"], values), **style)
     for ax, letter, title, label in zip(panels, "abcd", titles, labels, strict=False):
@@ -132,33 +115,17 @@ def _engine_rows(history: EngineHistory) -> list[np.ndarray]:
     return [*rows, history["u_s_m"]] if "u_s_m" in history.columns else rows
 
 
-@contextmanager
-def draw_pulses(work: Workshop, stem: str) -> Iterator[Figure]:
-    """Figs 5 and 6: both pulses side by side, the frame alone beside the wall's frame.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-    stem : str
-        Beginning of the names of the cases: ``fig05_stiff_frame`` or ``fig06_mild_frame``.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    with new_figure(7.4, 7.2) as figure:
-        panels = figure.subplots(4, 2, sharex=True, sharey="row")
-        for column, pulse in enumerate(("one_sine", "one_cosine")):
-            _draw_pulse(panels[:, column], work, stem, pulse)
-            title = pulse.replace("_", "-") + " pulse"
-            drawing.column_title(panels[0, column], "ab"[column], title)
-        texts = (r"$\ddot u_g/g$", r"$\theta/\alpha$", r"$\dot\theta$ (rad/s)", "$u_s$ (m)")
-        for ax, text in zip(panels[:, 0], texts, strict=True):
-            ax.set_ylabel(text)
-        drawing.legend_below(figure, panels[3, 0])
-        yield figure
+def draw_pulses(figure: Figure, work: Workshop, stem: str) -> None:
+    """Figs 5 and 6: both pulses side by side; stem is the beginning of the names of the cases."""
+    panels = figure.subplots(4, 2, sharex=True, sharey="row")
+    for column, pulse in enumerate(("one_sine", "one_cosine")):
+        _draw_pulse(panels[:, column], work, stem, pulse)
+        title = pulse.replace("_", "-") + " pulse"
+        drawing.column_title(panels[0, column], "ab"[column], title)
+    texts = (r"$\ddot u_g/g$", r"$\theta/\alpha$", r"$\dot\theta$ (rad/s)", "$u_s$ (m)")
+    for ax, text in zip(panels[:, 0], texts, strict=True):
+        ax.set_ylabel(text)
+    drawing.legend_below(figure, panels[3, 0])
 
 
 def _draw_pulse(panels: np.ndarray, work: Workshop, stem: str, pulse: str) -> None:

@@ -6,15 +6,15 @@ import base64
 import html
 import platform
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import rwmf
-from rwmf.reproduce.gallery import CAPTIONS
-from rwmf.reproduce.pages import BENEFIT_NOTE, CLAIMS_NOTE, VALIDATION_NOTE
+from rwmf.reproduce.contents import Contents
+from rwmf.reproduce.gallery import GALLERY
+from rwmf.reproduce.pages import BENEFIT_NOTE, CLAIMS_NOTE, CONTACT_NOTE, VALIDATION_NOTE
 from rwmf.reproduce.tables import Table
 
-__all__ = ["Contents", "compose"]
+__all__ = ["compose"]
 
 # one column, wide tables become cards on a phone, dark on request of the reader's system
 _STYLE = """
@@ -46,34 +46,13 @@ td.maybe { color: #4b3d8f; font-weight: 600; }
 _CLASSES = {"reproduced": "yes", "yes": "yes", "not reproduced": "no", "no": "no"}
 
 
-@dataclass(frozen=True)
-class Contents:
-    """What the page holds.
-
-    Attributes
-    ----------
-    figures : dict of str to path
-        Picture (PNG) of each figure by its name in the gallery.
-    claims, verdicts, benefit, differences, restitution, engines : Table
-        From `tables` and `benefit`.
-    """
-
-    figures: dict[str, Path]
-    claims: Table
-    verdicts: Table
-    benefit: Table
-    differences: Table
-    restitution: Table
-    engines: Table
-
-
 def compose(contents: Contents) -> str:
     """Write the page.
 
     Parameters
     ----------
     contents : Contents
-        What it holds.
+        From `collect`.
 
     Returns
     -------
@@ -97,9 +76,11 @@ def compose(contents: Contents) -> str:
             "validation",
             "Validation against engines",
             _text(VALIDATION_NOTE)
-            + _table(contents.differences)
-            + "<br>"
-            + _table(contents.restitution),
+            + "<br>".join(
+                map(_table, (contents.tolerances, contents.differences, contents.restitution))
+            )
+            + _text(CONTACT_NOTE)
+            + _table(contents.contact),
         ),
         _section("versions", "What made this page", versions),
     )
@@ -128,7 +109,7 @@ def _figures(figures: dict[str, Path]) -> str:
     parts = []
     for name, path in figures.items():
         data = base64.b64encode(path.read_bytes()).decode("ascii")
-        caption = html.escape(CAPTIONS[name])
+        caption = html.escape(GALLERY[name].caption)
         parts.append(
             f'<figure id="figure-{name}"><img src="data:image/png;base64,{data}" alt="{caption}">'
             f"<figcaption>{caption}.</figcaption></figure>\n"

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rwmf.figures import new_figure
 from rwmf.reproduce import drawing
 from rwmf.reproduce.forms import FORMS, Form
 from rwmf.reproduce.workshop import Workshop
@@ -41,7 +39,7 @@ class Comparison:
 
 
 _STIFF, _MILD = r"$T_s$ = 0.4 s", r"$T_s$ = 1 s"
-_WIDTHS = ("b = 0.5 m", "b = 1 m")
+_WIDTHS = ("$b$ = 0.5 m", "$b$ = 1 m")
 FIG07 = Comparison(
     {r"$\gamma$ = 1800": ("fig07_rocking_with_stiff_frame", "fig07_rocking_with_mild_frame")},
     (_STIFF, _MILD),
@@ -71,43 +69,26 @@ FIG10 = Comparison(
     _WIDTHS,
     False,
 )
-# lines over each other must both show: wide and pale below, narrow and dashed above
-_WIDTHS_OF_LINES = (2.4, 1.4, 1.0)
-_DASHES = ("-", (0, (5, 1.5)), (0, (2, 1)))
+# lines over each other must all show: wide and dark below, narrow and light above
+_WIDTHS_OF_LINES = (3.4, 1.9, 0.9)
 # of a figure's time axis [s]: later the rotations are too small to see
 _SHOWN = 8.0
 
 
-@contextmanager
-def draw(work: Workshop, comparison: Comparison) -> Iterator[Figure]:
-    """Draw one figure of rotations: a column for each frame, a row for each form.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-    comparison : Comparison
-        What to compare.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
+def draw(figure: Figure, work: Workshop, comparison: Comparison) -> None:
+    """One figure of rotations: a column for each frame, a row for each form."""
     n = len(comparison.columns)
-    with new_figure(7.4 if n > 1 else 5.6, 4.6) as figure:
-        panels = figure.subplots(2, n, sharex=True, sharey="col", squeeze=False)
-        for j, (title, cases) in enumerate(comparison.columns.items()):
-            for i, form in enumerate(FORMS):
-                _draw_panel(panels[i, j], work, form, comparison, cases)
-                if j == n - 1:
-                    drawing.row_label(panels[i, j], form.label)
-            drawing.column_title(panels[0, j], "ab"[j], title)
-            panels[1, j].set_xlabel(drawing.OVER_TIME)
-        for ax in panels[:, 0]:
-            ax.set_ylabel(r"$\theta/\alpha$" if comparison.over_alpha else r"$\theta$ (rad)")
-        drawing.legend_below(figure, panels[0, 0])
-        yield figure
+    panels = figure.subplots(2, n, sharex=True, sharey="col", squeeze=False)
+    for j, (title, cases) in enumerate(comparison.columns.items()):
+        for i, form in enumerate(FORMS):
+            _draw_panel(panels[i, j], work, form, comparison, cases)
+            if j == n - 1:
+                drawing.row_label(panels[i, j], form.label)
+        drawing.column_title(panels[0, j], "ab"[j] if n > 1 else "", title)
+        panels[1, j].set_xlabel(drawing.OVER_TIME)
+    for ax in panels[:, 0]:
+        ax.set_ylabel(r"$\theta/\alpha$" if comparison.over_alpha else r"$\theta$ (rad)")
+    drawing.legend_below(figure, panels[0, 0])
 
 
 def _draw_panel(
@@ -121,8 +102,7 @@ def _draw_panel(
             response["time"],
             response["theta"] / scale,
             color=colour,
-            linewidth=_WIDTHS_OF_LINES[k],
-            linestyle=_DASHES[k],
+            linewidth=_WIDTHS_OF_LINES[k - len(cases)],
             label=comparison.labels[k],
         )
     ax.margins(x=0)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from rwmf.figures import new_figure
 from rwmf.reproduce import drawing
 from rwmf.reproduce.forms import ETAS, FORMS, PUBLISHED, SHIPPED_ETAS, Form
 from rwmf.reproduce.workshop import COARSE, Workshop
@@ -38,50 +36,26 @@ def periods(form: Form) -> tuple[float, ...] | None:
     return None if form is PUBLISHED else _FINE
 
 
-@contextmanager
-def draw_fig12(work: Workshop) -> Iterator[Figure]:
-    """Fig. 12: pulses side by side, a row for each form.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    with new_figure(7.4, 5.8) as figure:
-        panels = figure.subplots(2, 2, sharex=True, sharey=True)
-        _draw_spectra(panels, work, _PULSES)
-        drawing.legend_below(figure, panels[0, 0], columns=6)
-        yield figure
+def draw_fig12(figure: Figure, work: Workshop) -> None:
+    """Fig. 12: pulses side by side, a row for each form."""
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    _draw_spectra(panels, work, _PULSES)
+    drawing.legend_below(figure, panels[0, 0], columns=6)
 
 
-@contextmanager
-def draw_fig13(work: Workshop) -> Iterator[Figure]:
-    """Fig. 13: both walls side by side, a row for each form, and the record.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    with new_figure(7.4, 7.2) as figure:
-        grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.5))
-        panels = np.empty((2, 2), dtype=object)
-        for i, j in np.ndindex(2, 2):
-            panels[i, j] = figure.add_subplot(grid[i, j], sharey=panels[0, 0])
-        _draw_spectra(panels, work, _RECORDS)
-        _draw_record(figure.add_subplot(grid[2, :]), work)
-        drawing.legend_below(figure, panels[0, 0], columns=6)
-        yield figure
+def draw_fig13(figure: Figure, work: Workshop) -> None:
+    """Fig. 13: both walls side by side, a row for each form, and the record."""
+    grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.5))
+    panels = np.empty((2, 2), dtype=object)
+    for i, j in np.ndindex(2, 2):
+        panels[i, j] = figure.add_subplot(grid[i, j], sharex=panels[0, 0], sharey=panels[0, 0])
+    _draw_spectra(panels, work, _RECORDS)
+    for ax in panels[0]:
+        ax.tick_params(labelbottom=False)
+    for ax in panels[:, 1]:
+        ax.tick_params(labelleft=False)
+    _draw_record(figure.add_subplot(grid[2, :]), work)
+    drawing.legend_below(figure, panels[0, 0], columns=6)
 
 
 def _draw_spectra(panels: np.ndarray, work: Workshop, names: tuple[str, ...]) -> None:
@@ -118,36 +92,22 @@ def _draw_record(ax: Axes, work: Workshop) -> None:
     ax.margins(x=0)
 
 
-@contextmanager
-def draw_benefit(work: Workshop) -> Iterator[Figure]:
-    """Draw the largest displacement over that of the frame alone: below 1 the wall helps.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    with new_figure(7.4, 7.8) as figure:
-        panels = figure.subplots(4, 2, sharex=True, sharey=True)
-        lines: dict[float, object] = {}
-        for i, name in enumerate(SCENES):
-            for j, form in enumerate(FORMS):
-                lines |= _draw_ratios(panels[i, j], work, name, form)
-            panels[i, 0].set_ylabel("with / without wall")
-            drawing.row_label(panels[i, 1], SCENES[name])
-        for ax, form, letter in zip(panels[0], FORMS, "ab", strict=True):
-            drawing.column_title(ax, letter, form.label)
-        panels[0, 0].set_ylim(0.2, 1.6)
-        for ax in panels[-1]:
-            ax.set_xlabel(r"$T_s$ (s)")
-        known = [lines[gamma] for gamma in sorted(lines)]
-        figure.legend(handles=known, loc="outside lower center", ncols=6)
-        yield figure
+def draw_benefit(figure: Figure, work: Workshop) -> None:
+    """Draw the largest displacement over that of the frame alone: below 1 the wall helps."""
+    panels = figure.subplots(4, 2, sharex=True, sharey=True)
+    lines: dict[float, object] = {}
+    for i, name in enumerate(SCENES):
+        for j, form in enumerate(FORMS):
+            lines |= _draw_ratios(panels[i, j], work, name, form)
+        panels[i, 0].set_ylabel("with / without wall")
+        drawing.row_label(panels[i, 1], SCENES[name])
+    for ax, form, letter in zip(panels[0], FORMS, "ab", strict=True):
+        drawing.column_title(ax, letter, form.label)
+    panels[0, 0].set_ylim(0.2, 1.6)
+    for ax in panels[-1]:
+        ax.set_xlabel(r"$T_s$ (s)")
+    known = [lines[gamma] for gamma in sorted(lines)]
+    figure.legend(handles=known, loc="outside lower center", ncols=6)
 
 
 def _draw_ratios(ax: Axes, work: Workshop, name: str, form: Form) -> dict[float, object]:
@@ -158,43 +118,29 @@ def _draw_ratios(ax: Axes, work: Workshop, name: str, form: Form) -> dict[float,
     for style, curve in _curves(response):
         ratio = curve["u_s_max"].values / alone
         (lines[float(curve["gamma"])],) = ax.plot(curve["T_s"], ratio, **style)
-    ax.axhline(1.0, color="black", linewidth=0.8)
+    ax.axhline(1.0, color="black", linestyle=(0, (1, 2)), linewidth=1.0, zorder=6)
     ax.margins(x=0)
     return lines
 
 
-@contextmanager
-def draw_band(work: Workshop) -> Iterator[Figure]:
-    """Draw the band of the published spectra over the cables that Table 1 may have held.
-
-    Parameters
-    ----------
-    work : Workshop
-        Where responses come from.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    with new_figure(7.4, 5.8) as figure:
-        panels = figure.subplots(2, 2, sharex=True, sharey="row")
-        for ax, letter, (name, title) in zip(panels.flat, "abcd", SCENES.items(), strict=True):
-            _draw_bands(ax, work, name)
-            drawing.column_title(ax, letter, title)
-            ax.margins(x=0)
-        for row, top in zip(panels, (0.7, 0.4), strict=True):
-            row[0].set_ylim(0.0, top)
-            row[0].set_ylabel(_LABEL)
-        for ax in panels[-1]:
-            ax.set_xlabel(r"$T_s$ (s)")
-        pairs = ", ".join(f"({first:g}, {last:g})" for first, last in ETAS)
-        text = (
-            f"{PUBLISHED.label}; lines: $(\\eta_0, \\eta_\\alpha)$ = (1, 5); bands: {pairs}\n"
-            "crosses: the wall overturns with one of these cables"
-        )
-        drawing.legend_below(figure, panels[0, 0], title=text)
-        yield figure
+def draw_band(figure: Figure, work: Workshop) -> None:
+    """Draw the band of the published spectra over the cables that Table 1 may have held."""
+    panels = figure.subplots(2, 2, sharex=True, sharey="row")
+    for ax, letter, (name, title) in zip(panels.flat, "abcd", SCENES.items(), strict=True):
+        _draw_bands(ax, work, name)
+        drawing.column_title(ax, letter, title)
+        ax.margins(x=0)
+    for row, top in zip(panels, (0.7, 0.4), strict=True):
+        row[0].set_ylim(0.0, top)
+        row[0].set_ylabel(_LABEL)
+    for ax in panels[-1]:
+        ax.set_xlabel(r"$T_s$ (s)")
+    pairs = ", ".join(f"({first:g}, {last:g})" for first, last in ETAS)
+    text = (
+        f"{PUBLISHED.label}; lines: $(\\eta_0, \\eta_\\alpha)$ = (1, 5); bands: {pairs}\n"
+        "crosses: the wall overturns with one of these cables"
+    )
+    drawing.legend_below(figure, panels[0, 0], title=text)
 
 
 def _draw_bands(ax: Axes, work: Workshop, name: str) -> None:

@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rwmf.case import Case
+from rwmf.errors import InputError
 from rwmf.reproduce.claims import Judgement, judge
 from rwmf.reproduce.claims_histories import CLAIMS as HISTORY_CLAIMS
 from rwmf.reproduce.claims_spectra import CLAIMS as SPECTRUM_CLAIMS
 from rwmf.reproduce.engines import Difference
 from rwmf.reproduce.histories import ENGINES, VALIDATION, stored
-from rwmf.reproduce.validation import Row, agrees, fitted_restitution, measure
+from rwmf.reproduce.validation import (
+    Row,
+    agrees,
+    fitted_restitution,
+    measure,
+    tolerance,
+)
 from rwmf.reproduce.workshop import Workshop
 from rwmf.simulation import simulate
 
 __all__ = [
     "Table",
     "claims_table",
+    "contact_table",
     "differences_table",
     "engines_table",
     "markdown",
     "restitution_table",
+    "tolerances_table",
     "verdicts_table",
 ]
 
@@ -154,7 +164,7 @@ def _difference_row(row: Row) -> tuple[str, ...]:
     same = math.isfinite(found.impact_time)
     return (
         row.case,
-        ENGINES[row.engine].split(",")[0],
+        _engine_name(row.engine),
         row.variant,
         _percent(found.theta_rms),
         _percent(found.u_s_rms),
@@ -162,8 +172,66 @@ def _difference_row(row: Row) -> tuple[str, ...]:
         _percent(found.u_s_peak),
         f"{found.impacts} of {found.engine_impacts}",
         f"{1e3 * found.impact_time:.2f} ms" if same else "-",
-        "yes" if agrees(found, row.engine) else "no",
+        "yes" if agrees(found, tolerance(row.engine, row.case)) else "no",
     )
+
+
+def tolerances_table(work: Workshop) -> Table:
+    """List what counts as agreement for every stored history.
+
+    Parameters
+    ----------
+    work : Workshop
+        Where the histories are.
+
+    Returns
+    -------
+    Table
+        One row a history.
+    """
+    heads = ("case", "engine", "duration", "peaks, theta rms", "u_s rms", "impact time")
+    rows = []
+    for name in VALIDATION:
+        for engine, history in stored(work, name).items():
+            allowed = tolerance(engine, name)
+            rows.append(
+                (
+                    name,
+                    _engine_name(engine),
+                    f"{history['t_s'][-1]:g} s",
+                    f"{allowed.relative:.1%}",
+                    f"{allowed.u_s_rms:.1%}",
+                    f"{1e3 * allowed.impact_time:g} ms",
+                )
+            )
+    return Table(heads, rows)
+
+
+def contact_table(work: Workshop) -> Table:
+    """Read how far the exact form is from CalculiX with other settings of the contact.
+
+    Parameters
+    ----------
+    work : Workshop
+        Where the table of ``bench/calculix/variants.py`` is.
+
+    Returns
+    -------
+    Table
+        One row a variant.
+
+    Raises
+    ------
+    InputError
+        When the table is missing.
+    """
+    path = work.validation / "calculix" / "variants.csv"
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            heads, *rows = csv.reader(stream)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: not a table of variants: {error}") from error
+    return Table(tuple(heads), [tuple(row) for row in rows])
 
 
 def restitution_table(work: Workshop) -> Table:
@@ -211,6 +279,10 @@ def engines_table(work: Workshop) -> Table:
             engine = str(facts.pop("engine"))
             rows.append((name, engine, ", ".join(f"{k} = {v}" for k, v in facts.items())))
     return Table(("case", "engine", "parameters"), rows)
+
+
+def _engine_name(engine: str) -> str:
+    return ENGINES[engine].split(",")[0]
 
 
 def _percent(value: float) -> str:

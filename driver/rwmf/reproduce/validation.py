@@ -13,12 +13,58 @@ from rwmf.reproduce.histories import VALIDATION, stored
 from rwmf.reproduce.workshop import Workshop
 from rwmf.simulation import simulate
 
-__all__ = ["TOLERANCES", "VARIANTS", "Row", "agrees", "fitted_restitution", "measure"]
+__all__ = [
+    "VARIANTS",
+    "Row",
+    "Tolerance",
+    "agrees",
+    "fitted_restitution",
+    "measure",
+    "tolerance",
+]
 
-# what counts as agreement with an engine: relative difference of peaks and root-mean-square
-# difference over the peak [-]; instants of impacts [s]. The contact of the rigid-body engine takes
-# about half a millisecond; the wall of finite elements bends, which the model's does not.
-TOLERANCES = {"mujoco": (3e-3, 1e-3), "calculix": (2e-2, 5e-4)}
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What counts as agreement with an engine.
+
+    Attributes
+    ----------
+    relative : float
+        Largest relative difference of a peak and root-mean-square difference over the peak [-].
+    u_s_rms : float
+        Root-mean-square difference of the displacement over its peak [-].
+    impact_time : float
+        Largest difference of an impact's instant [s].
+    """
+
+    relative: float
+    u_s_rms: float
+    impact_time: float
+
+
+# a rigid wall whose contact takes about half a millisecond
+_RIGID = Tolerance(3e-3, 3e-3, 1e-3)
+# a wall of finite elements that bends and vibrates, which the model's does not: where it hardly
+# rotates, at the end of g1800, this moves its impacts, while the frame is unmoved by the wall
+_SOFT = {"g5": Tolerance(2e-2, 2e-2, 5e-4), "g1800": Tolerance(2e-2, 3e-3, 2e-3)}
+
+
+def tolerance(engine: str, case: str) -> Tolerance:
+    """Return what counts as agreement with the history of an engine for a case.
+
+    Parameters
+    ----------
+    engine, case : str
+        ``mujoco`` or ``calculix``; name of the validation case.
+
+    Returns
+    -------
+    Tolerance
+        The tolerance.
+    """
+    return _SOFT[case] if engine == "calculix" else _RIGID
+
 
 _LINEAR: Changes = MappingProxyType({"cable": {"law": "linear"}})
 VARIANTS: dict[str, Changes] = {
@@ -55,33 +101,28 @@ class Row:
     difference: Difference
 
 
-def agrees(difference: Difference, engine: str = "mujoco") -> bool:
-    """Tell whether a response is within the tolerances.
+def agrees(difference: Difference, allowed: Tolerance) -> bool:
+    """Tell whether a response is within a tolerance.
 
     Parameters
     ----------
     difference : Difference
         From `compare`.
-    engine : str
-        Key of `TOLERANCES`.
+    allowed : Tolerance
+        From `tolerance`.
 
     Returns
     -------
     bool
         True when peaks, root-mean-square differences, the number and the instants of impacts are.
     """
-    largest, impact_time = TOLERANCES[engine]
-    relative = (
-        difference.theta_rms,
-        difference.u_s_rms,
-        difference.theta_peak,
-        difference.u_s_peak,
-    )
+    relative = (difference.theta_rms, difference.theta_peak, difference.u_s_peak)
     # NaN stands for what the scene does not have: no frame, no displacement
     return (
-        not any(value > largest for value in relative)
+        not any(value > allowed.relative for value in relative)
+        and not difference.u_s_rms > allowed.u_s_rms
         and difference.impacts == difference.engine_impacts
-        and difference.impact_time <= impact_time
+        and difference.impact_time <= allowed.impact_time
     )
 
 

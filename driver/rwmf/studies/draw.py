@@ -1,4 +1,8 @@
-"""Figures of the studies: axes in, axes out. Nothing here simulates."""
+"""Figures of the studies. Nothing here simulates.
+
+``draw_X(dataset, ax)`` draws the ``xarray.Dataset`` of the study X into ``matplotlib`` axes and
+returns these.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from rwmf.studies.fragility import exceedance
 from rwmf.studies.friction import CABLE, DEMAND
 from rwmf.studies.overturning import SURVIVES
 
@@ -25,26 +30,19 @@ __all__ = [
     "draw_wall_effect",
 ]
 
-_SYMBOLS = {"gamma": r"$\gamma$", "b": "$b$", "e": "$e$", "scale": "scale"}
+_SYMBOLS = {
+    "gamma": r"$\gamma$",
+    "b": "$b$",
+    "e": "$e$",
+    "scale": "scale",
+    "u_s_max": r"$u_{s,\max}$",
+}
 # regions of an overturning map: stays, then by the number of impacts
 _STAYS = "0.96"
 
 
 def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw an overturning map: regions by the number of impacts, boundaries as dots.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `overturning_map`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw an overturning map: regions by the number of impacts, boundaries as dots."""
     import matplotlib
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -66,20 +64,7 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw percentiles of a suite: the median as a line, the outer ones as a band.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `suite_spectra`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw percentiles of a suite: the median as a line, the outer ones as a band."""
     name = next(str(key) for key in dataset if str(key).endswith("_percentiles"))
     for i, (label, curve) in enumerate(_curves(dataset[name], ("percentile", "T_s"))):
         low, middle, high = (curve.isel(percentile=k) for k in (0, curve.percentile.size // 2, -1))
@@ -90,20 +75,7 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw sensitivity bands: the nominal spectrum inside its range.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `sensitivity_bands`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw sensitivity bands: the nominal spectrum inside its range."""
     pairs = [_curves(dataset[name], ("T_s",)) for name in ("lowest", "nominal", "highest")]
     for i, ((_, low), (label, nominal), (_, high)) in enumerate(zip(*pairs, strict=True)):
         _fill_between(ax, nominal["T_s"], low, high, i)
@@ -113,20 +85,7 @@ def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the ratio with over without the wall; over a suite its median.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `wall_effect`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw the ratio with over without the wall; over a suite its median."""
     ratio = dataset["ratio"]
     if "record" in ratio.dims:
         ratio = ratio.median("record", keep_attrs=True)
@@ -134,7 +93,7 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
         ax.plot(curve["T_s"], curve, label=label)
     ax.axhline(1.0, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)))
     _finish(ax, dataset["ratio"])
-    ax.set_ylabel("$u_{s,max}$ with / without wall")
+    ax.set_ylabel(r"$u_{s,\max}$ with / without wall")
     return ax
 
 
@@ -165,50 +124,33 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
 
 
 def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw a fragility curve: counted fractions as dots, the lognormal fit as a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `fragility`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw a fragility curve: counted fractions as dots, the lognormal fit as a line."""
     median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
-    ax.plot(dataset["scale"], dataset["fraction"], "o", color="C0", markersize=3.5, label="counted")
+    scale = dataset["scale"].values
+    # whole dots where none or all of the records exceed the limit
+    dots = {"color": "C0", "markersize": 3.5, "label": "counted", "clip_on": False}
+    ax.plot(scale, dataset["fraction"], "o", **dots)
     text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
-    ax.plot(dataset["scale"], dataset["fitted"], color="C0", label=text)
+    fine = np.linspace(scale.min(), scale.max(), 400)
+    ax.plot(fine, exceedance(fine, median, dispersion), color="C0", label=text)
     ax.set_xlabel(r"$S_a(T_s)/g$")
-    ax.set_ylabel(f"P({dataset.attrs['quantity']} > {dataset.attrs['limit']:g})")
+    quantity = dataset.attrs["quantity"]
+    limit = f"{dataset.attrs['limit']:g}"
+    ax.set_ylabel(f"P({_SYMBOLS.get(quantity, quantity)} > {limit})")
     ax.set_ylim(0, 1.02)
-    ax.legend(loc="lower right")
+    # above the axes: the curve may begin or end in any corner
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return ax
 
 
 def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the amplitudes of pulses that give the same displacement.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `equal_response`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw the amplitudes of pulses that give the same displacement."""
     ax.plot(dataset["T_p"], dataset["a_max_g"])
     ax.set_yscale("log")
+    for axis_format in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
+        axis_format(lambda value, _: f"{value:g}")
     ax.set_xlabel("$T_p$ (s)")
-    ax.set_ylabel(r"$a_{max}/g$ for $u_{s,max}$ = " + f"{dataset.attrs['target_m']:g} m")
+    ax.set_ylabel(r"$a_{\max}/g$ for $u_{s,\max}$ = " + f"{dataset.attrs['target_m']:g} m")
     return ax
 
 

@@ -17,7 +17,7 @@ from rwmf.studies.wall_effect import without_wall
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile, find_records
 
-__all__ = ["fragility", "incremental_dynamic_analysis"]
+__all__ = ["exceedance", "fragility", "incremental_dynamic_analysis"]
 
 _ITERATIONS = 100
 _CONVERGED = 1e-10
@@ -113,7 +113,7 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
     if exceeded.ndim != 1:
         raise InputError(f"fragility: needs record and scale, has also {values.dims}")
     median, dispersion = _fit(levels, exceeded.values, usable.values, limit)
-    fitted = [_normal(math.log(level / median) / dispersion) for level in levels]
+    fitted = exceedance(levels, median, dispersion)
     return xr.Dataset(
         {
             "fraction": (exceeded / usable).assign_attrs(units="1"),
@@ -123,6 +123,24 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
         },
         attrs={"limit": limit, "quantity": quantity},
     )
+
+
+def exceedance(scale: npt.ArrayLike, median: float, dispersion: float) -> np.ndarray:
+    """Probability that a lognormal capacity is exceeded.
+
+    Parameters
+    ----------
+    scale : array_like, shape (n,)
+        Levels of the motion, in the unit of the median.
+    median, dispersion : float
+        Median, and standard deviation of the logarithm [-].
+
+    Returns
+    -------
+    numpy.ndarray, shape (n,)
+        Probabilities [-].
+    """
+    return np.array([_normal(math.log(x / median) / dispersion) for x in np.asarray(scale)])
 
 
 def _fit(

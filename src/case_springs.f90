@@ -1,0 +1,129 @@
+!> Rules of the springs with memory: a tendon that yields or breaks, a yielding frame.
+module rwmf_case_springs
+   use rwmf_rule_tools, only: check_one_of, fail_key
+   use rwmf_errors, only: error_t
+   use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
+   use rwmf_kinds, only: pi, wp
+   use rwmf_namelist, only: group_t
+   use rwmf_text, only: real_to_text
+   implicit none
+   private
+
+   public :: check_tendon, check_yielding
+
+contains
+
+   !> One measure of the frame's strength. With a short link its displacement turns back at a large
+   !> rotation; its spring follows the rotation only as long as both grow together.
+   subroutine check_yielding(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: limit
+
+      if (.not. has_group(groups, 'yielding')) return
+      call check_one_of(groups, 'yielding', 'u_y', 'f_y_over_m_s_g', 'as the strength', error)
+      if (allocated(error) .or. .not. has_group(groups, 'link')) return
+      if (text_of(groups, 'model', 'formulation') /= 'exact') return
+      limit = turning_rotation(real_of(groups, 'wall', 'h'), real_of(groups, 'link', 'L'))
+      if (real_of(groups, 'model', 'overturning_angle') <= limit) return
+      call fail_key(groups, 'link', 'L', 'needs &model overturning_angle <= '//real_to_text(limit) &
+         //' rad with &yielding: at larger rotations the frame turns back while the wall goes on', &
+         error)
+   end subroutine check_yielding
+
+   !> Rotation to the left at which the displacement of the link's far end is largest, by
+   !> bisection: u = 2h sin(phi) - (L - sqrt(L**2 - v**2)), v = 2h (1 - cos(phi)) [rad].
+   pure real(wp) function turning_rotation(h, L) result(low)
+      real(wp), intent(in) :: h
+      !! half height [m]
+      real(wp), intent(in) :: L
+      !! length of the link [m]
+      real(wp) :: high
+      real(wp) :: middle
+      real(wp) :: v
+
+      low = 0
+      high = pi/2
+      do
+         middle = low + (high - low)/2
+         if (middle <= low .or. middle >= high) return
+         v = 4*h*sin(middle/2)**2
+         if (v < L .and. cos(middle)*sqrt(max(0.0_wp, L**2 - v**2)) > v*sin(middle)) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+   end function turning_rotation
+
+   !> A cable that yields or breaks: elongations need a stiffness, and it must not begin beyond its
+   !> limits.
+   subroutine check_tendon(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(14) :: key
+      real(wp) :: eta_0
+
+      key = 'eta_y'
+      if (.not. has_key(groups, 'cable', 'eta_y')) key = 'rupture_strain'
+      eta_0 = real_of(groups, 'cable', 'eta_0')
+      if (text_of(groups, 'model', 'formulation') == 'published') then
+         call fail_key(groups, 'cable', trim(key), "must not be given with &model formulation = " &
+            //"'published' (its default), where the force falls with rocking to one side; " &
+            //"'symmetric' and 'exact' allow it", error)
+      else if (real_of(groups, 'cable', 'eta_alpha') <= eta_0) then
+         call fail_key(groups, 'cable', trim(key), 'needs eta_alpha > eta_0 = ' &
+            //real_to_text(eta_0)//', which says how stiff the cable is', error)
+      else if (has_key(groups, 'cable', 'hardening') .and. key /= 'eta_y') then
+         call fail_key(groups, 'cable', 'hardening', 'must not be given without eta_y', error)
+      else if (has_key(groups, 'cable', 'eta_y')) then
+         if (real_of(groups, 'cable', 'eta_y') <= eta_0) then
+            call fail_key(groups, 'cable', 'eta_y', 'must be > eta_0 = '//real_to_text(eta_0), &
+               error)
+         end if
+      end if
+      if (allocated(error) .or. .not. has_key(groups, 'cable', 'rupture_strain')) return
+      call check_strain(groups, eta_0, error)
+   end subroutine check_tendon
+
+   !> The prestress alone must not break the cable, for any width of the spectrum.
+   subroutine check_strain(groups, eta_0, error)
+      type(group_t), intent(in) :: groups(:)
+      real(wp), intent(in) :: eta_0
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: b(:)
+      real(wp) :: h
+      real(wp) :: strain
+      integer :: i
+
+      h = real_of(groups, 'wall', 'h')
+      call get_list(groups, 'spectrum', 'b', b)
+      if (.not. allocated(b)) b = [real_of(groups, 'wall', 'b')]
+      strain = 0
+      do i = 1, size(b)
+         strain = max(strain, eta_0/(2*h)*elongation_at_alpha(text_of(groups, 'cable', 'law'), h, &
+            b(i))/(real_of(groups, 'cable', 'eta_alpha') - eta_0))
+      end do
+      if (real_of(groups, 'cable', 'rupture_strain') > strain) return
+      call fail_key(groups, 'cable', 'rupture_strain', 'must be > '//real_to_text(strain) &
+         //', the strain of the prestress', error)
+   end subroutine check_strain
+
+   !> Elongation of the cable at theta = alpha: b alpha for Eq. (1), else that of a straight cable
+   !> [m].
+   pure real(wp) function elongation_at_alpha(law, h, b) result(elongation)
+      character(*), intent(in) :: law
+      real(wp), intent(in) :: h
+      !! half height [m]
+      real(wp), intent(in) :: b
+      !! half width [m]
+      real(wp) :: alpha
+
+      alpha = atan2(b, h)
+      elongation = b*alpha
+      if (law == 'truss') then
+         elongation = sqrt(4*h**2 + 2*b**2*(1 - cos(alpha)) + 4*h*b*sin(alpha)) - 2*h
+      end if
+   end function elongation_at_alpha
+
+end module rwmf_case_springs

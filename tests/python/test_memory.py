@@ -1,0 +1,238 @@
+"""Wall and frame with springs that yield or break: ledger, methods, mirror image, limits, rules."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import rwmf
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import coupled
+
+METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+_PROFILE = settings(max_examples=30, deadline=None, derandomize=True, database=None)
+_OPTIONAL = st.one_of(st.none(), st.floats(0.01, 1.0))
+_SCENES = st.fixed_dictionaries(
+    {
+        "tan_alpha": st.floats(0.1, 0.5),
+        "gamma": st.floats(0.5, 1000.0),
+        "T_s": st.floats(0.2, 2.0),
+        "xi_s": st.floats(0.01, 0.1),
+        "eta_0": st.floats(0.0, 1.0),
+        "reserve": _OPTIONAL,
+        "strain": st.one_of(st.none(), st.floats(5e-4, 5e-3)),
+        "fuse": _OPTIONAL,
+        "stroke": st.floats(1e-4, 1e-2),
+        "u_y": st.one_of(st.none(), st.floats(1e-3, 0.1)),
+        "hardening": st.sampled_from([0.0, 0.05, 0.5]),
+        "law": st.sampled_from(["linear", "truss"]),
+        "formulation": st.sampled_from(["symmetric", "exact"]),
+        "e": st.floats(0.3, 0.95),
+        "a": st.floats(0.05, 0.8),
+        "initial": st.one_of(st.none(), st.floats(-0.5, 0.5)),
+        "method": st.sampled_from(METHODS),
+    }
+)
+
+
+def _case(x: dict[str, float], sign: int = 1) -> rwmf.Case:
+    hardening = {"hardening": x["hardening"]}
+    cable: dict[str, object] = {"eta_0": x["eta_0"], "eta_alpha": 5.0, "law": x["law"]}
+    if x["reserve"] is not None:
+        cable |= {"eta_y": x["eta_0"] + x["reserve"]} | hardening
+    if x["strain"] is not None:
+        # the strain of the prestress is at most that of the linear law, within some percent
+        alpha = math.atan(x["tan_alpha"])
+        prestress = x["eta_0"] / 4 * 2 * x["tan_alpha"] * alpha / (5.0 - x["eta_0"])
+        cable |= {"rupture_strain": 1.1 * prestress + x["strain"]}
+    groups: dict[str, dict[str, object] | None] = {
+        "wall": {"b": 2.0 * x["tan_alpha"]},
+        "frame": {"T_s": x["T_s"], "gamma": x["gamma"], "xi_s": x["xi_s"]},
+        "cable": cable,
+        "impact": {"e": x["e"]},
+        "motion": {"kind": "one_sine", "a_max_g": sign * x["a"]},
+        "model": {"formulation": x["formulation"]},
+        "solver": {"t_end": 4.0, "rtol": 1e-9, "method": x["method"]},
+        "output": {"energy": True},
+    }
+    if x["fuse"] is not None:
+        groups["fuse"] = {"eta_y": x["fuse"], "stroke_y": x["stroke"]} | hardening
+    if x["u_y"] is not None:
+        groups["yielding"] = {"u_y": x["u_y"]} | hardening
+    if x["initial"] is not None:
+        groups["initial"] = {"theta_over_alpha": sign * x["initial"]}
+    return coupled(**groups)
+
+
+@_PROFILE
+@given(_SCENES)
+def test_ledger(x: dict[str, float]) -> None:
+    """What ground and initial state bring is stored or dissipated, rupture included."""
+    run = rwmf.simulate(_case(x))
+    assert float(run["energy_balance_relative"]) < 1e-6
+
+
+@_PROFILE
+@given(_SCENES)
+def test_methods_agree(x: dict[str, float]) -> None:
+    peaks = [
+        float(rwmf.simulate(_case(x).replace(solver={"method": method}))["u_s_max"])
+        for method in METHODS
+    ]
+    assert max(peaks) - min(peaks) <= 1e-6 * max(peaks)
+
+
+@_PROFILE
+@given(_SCENES)
+def test_mirror(x: dict[str, float]) -> None:
+    """`symmetric`: the opposite motion gives the opposite rotation and exchanges the fuses."""
+    same = x | {"formulation": "symmetric"}
+    run, mirror = rwmf.simulate(_case(same), dt=0.05), rwmf.simulate(_case(same, -1), dt=0.05)
+    assert float(run["u_s_max"]) == pytest.approx(float(mirror["u_s_max"]), rel=1e-9, abs=1e-15)
+    names = {"theta": ("theta", -1)}
+    if x["fuse"] is not None:
+        names["fuse_left_force_over_m_w_g"] = ("fuse_right_force_over_m_w_g", 1)
+    for name, (other, sign) in names.items():
+        value, opposite = run[name].values, sign * mirror[other].values
+        # rest may come an impact earlier; by then the motion is below the tolerance
+        assert np.nanmax(np.abs(value - opposite)) <= 1e-5 * np.nanmax(np.abs(value)), name
+
+
+def test_loss_of_prestress() -> None:
+    """A tendon stretched over its yield in one swing has lost that stretch, at every later pass."""
+    theta = 0.3 * math.atan(0.25)
+    case = coupled(
+        cable={"eta_y": 1.5},
+        frame={"xi_s": 0.0},
+        motion={"kind": "none", "a_max_g": None, "omega_p": None},
+        initial={"theta_over_alpha": 0.3},
+        solver={"t_end": 10.0},
+    )
+    run = rwmf.simulate(case, dt=0.01)
+    # at 0.3 alpha the elastic force would be 1 + 4*0.3
+    loss = 1 + 4 * 0.3 - 1.5
+    assert float(run["cable_prestress_loss_over_m_w_g"]) == pytest.approx(loss, rel=1e-12)
+    assert float(run["cable_force_increment_max_over_m_w_g"]) == pytest.approx(0.5, rel=1e-12)
+    expected = np.maximum(0, 1.5 + 4 / math.atan(0.25) * (np.abs(run["theta"].values) - theta))
+    assert np.allclose(run["cable_force_over_m_w_g"].values, expected, atol=1e-12)
+
+
+def test_rupture_in_the_first_swing() -> None:
+    """It breaks at its strain, is an event, and the wall goes on as one without a cable would."""
+    strain = 0.012
+    case = coupled(cable={"eta_y": None, "law": "truss", "rupture_strain": strain})
+    run = rwmf.simulate(case, dt=0.01)
+    kinds = list(run["event"].values)
+    assert bool(run["cable_ruptured"])
+    assert kinds.count("rupture") == 1
+    at = float(run["event_theta"].values[kinds.index("rupture")])
+    h, b, phi = 2.0, 0.5, abs(at)
+    rise = math.sqrt(4 * h**2 + 2 * b**2 * (1 - math.cos(phi)) + 4 * h * b * math.sin(phi)) - 2 * h
+    alpha = math.atan(0.25)
+    at_alpha = (
+        math.sqrt(4 * h**2 + 2 * b**2 * (1 - math.cos(alpha)) + 4 * h * b * math.sin(alpha)) - 2 * h
+    )
+    assert rise + at_alpha / 4 == pytest.approx(2 * h * strain, rel=1e-12)
+    after = run["time"].values > float(run["event_time"].values[kinds.index("rupture")])
+    assert np.all(run["cable_force_over_m_w_g"].values[after] == 0)
+    assert float(run["cable_prestress_loss_over_m_w_g"]) == 1
+
+
+def test_fuses_stand_the_wall_up() -> None:
+    """Stretched fuses stronger than half of weight and prestress keep the wall from its base."""
+    quiet = {"kind": "none", "a_max_g": None, "omega_p": None}
+    changes = {"motion": quiet, "initial": {"theta_over_alpha": 0.5}, "frame": {"T_s": 20.0},
+               "cable": {"eta_alpha": 1.0}, "solver": {"t_end": 60.0}}  # fmt: skip
+    down = rwmf.simulate(coupled(fuse={"eta_y": 0.9, "stroke_y": 0.001}, **changes), dt=1.0)
+    up = rwmf.simulate(coupled(fuse={"eta_y": 1.1, "stroke_y": 0.001}, **changes), dt=1.0)
+    assert float(down["theta"][-1]) == 0
+    assert abs(float(up["theta"][-1])) > 1e-3
+
+
+def test_hinged_wall_with_a_yielding_frame() -> None:
+    hinged = {"cable": None, "impact": None, "wall": {"base": "pinned"}}
+    case = coupled(**hinged, yielding={"u_y": 0.02, "hardening": 0.02}, output={"energy": True})
+    run = rwmf.simulate(case)
+    assert float(run["ductility"]) > 2
+    assert float(run["energy_balance_relative"]) < 1e-8
+    strong = rwmf.simulate(case.replace(yielding={"u_y": 1e3}))
+    plain = rwmf.simulate(case.replace(yielding=None))
+    assert float(strong["u_s_max"]) == pytest.approx(float(plain["u_s_max"]), rel=1e-9)
+
+
+def test_published_with_a_yielding_frame() -> None:
+    """Up to the first impact to the right the published equation is that of `symmetric`."""
+    changes = {
+        "motion": {"kind": "none", "a_max_g": None, "omega_p": None},
+        "initial": {"theta_over_alpha": 0.4},
+        "yielding": {"u_y": 0.05, "hardening": 0.05},
+        "solver": {"t_end": 0.25},
+    }
+    found = [
+        rwmf.simulate(coupled(model={"formulation": name}, **changes), dt=0.25)
+        for name in ("published", "symmetric")
+    ]
+    assert int(found[0]["impacts"]) == 0
+    assert float(found[0]["ductility"]) > 1
+    assert float(found[0]["theta"][-1]) == pytest.approx(float(found[1]["theta"][-1]), rel=1e-8)
+
+
+def test_spectrum_of_equal_strength() -> None:
+    """Each ordinate is a run of its own: widths, fuses, tendon and strength included."""
+    case = coupled(
+        frame={"T_s": None},
+        cable={"eta_y": 1.4},
+        fuse={"eta_y": 0.2, "stroke_y": 0.005},
+        yielding={"f_y_over_m_s_g": 0.1},
+        spectrum={"T_s_min": 0.5, "T_s_max": 1.5, "n": 3, "b": [0.4, 0.6]},
+    )
+    spectrum = rwmf.spectrum(case)
+    for T_s in spectrum["T_s"].values:
+        for b in (0.4, 0.6):
+            one = case.replace(
+                frame={"T_s": float(T_s)},
+                wall={"b": b},
+                yielding={
+                    "f_y_over_m_s_g": None,
+                    "u_y": 0.1 * 9.81 * (float(T_s) / 2 / math.pi) ** 2,
+                },
+                spectrum=None,
+            )
+            ordinate = spectrum["u_s_max"].sel(T_s=T_s, b=b).values.item()
+            assert ordinate == pytest.approx(float(rwmf.simulate(one)["u_s_max"]), rel=1e-9)
+
+
+_EXACT = {"model": {"formulation": "exact"}}
+_REFUSED = [
+    ({"yielding": {"hardening": 0.1}}, "exactly one of the keys u_y and f_y_over_m_s_g"),
+    ({"yielding": {"u_y": 0.1, "f_y_over_m_s_g": 0.1}}, "must not be given beside u_y"),
+    ({"yielding": {"u_y": 0.1}, "link": {"L": 5.0}, **_EXACT}, "overturning_angle <= "),
+    ({"cable": {"hardening": 0.1}}, "must not be given without eta_y"),
+    ({"cable": {"eta_y": 0.9}}, "must be > eta_0 = 1"),
+    ({"cable": {"eta_y": 2.0, "eta_alpha": 1.0}}, "needs eta_alpha > eta_0"),
+    ({"cable": {"rupture_strain": 1e-3}}, "the strain of the prestress"),
+    ({"cable": {"eta_y": 2.0}, "model": {"formulation": "published"}}, "falls with rocking"),
+    ({"fuse": {"eta_y": 1.0}}, "stroke_y"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), _REFUSED, ids=lambda x: str(x)[:40])
+def test_refused(changes: dict[str, dict[str, object]], message: str) -> None:
+    with pytest.raises(rwmf.InputError, match=message):
+        coupled(**changes)
+
+
+def test_short_link_up_to_the_rotation_that_it_allows() -> None:
+    changes = {"yielding": {"u_y": 0.02}, "link": {"L": 2.0}, **_EXACT}
+    with pytest.raises(rwmf.InputError) as refused:
+        coupled(**changes | {"model": {"formulation": "exact", "overturning_angle": 1.0}})
+    limit = float(str(refused.value).split("overturning_angle <= ")[1].split(" ")[0])
+    # there the far end of the link turns back
+    u = [4 * math.sin(phi) - 2 + math.sqrt(4 - (4 * (1 - math.cos(phi))) ** 2)
+         for phi in (limit - 1e-3, limit, limit + 1e-3)]  # fmt: skip
+    assert max(u) == u[1]
+    case = coupled(**changes | {"model": {"formulation": "exact", "overturning_angle": limit}},
+                   output={"energy": True})  # fmt: skip
+    assert float(rwmf.simulate(case)["energy_balance_relative"]) < 1e-8

@@ -1,0 +1,232 @@
+"""Frames of several storeys and smooth hysteresis against programs of their own in SciPy.
+
+Nothing is shared with the kernel: the modes come from `scipy.linalg.eigh`, the equations of motion
+are written down again from the balance of moments and forces, and `solve_ivp` finds the events.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import rwmf
+from scenes import bare_frame, coupled
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
+
+G = 9.81
+H, B = 6.0, 1.5
+PULSE = {"kind": "one_sine", "a_max_g": 0.35, "omega_p": 4.0}
+PULSE_END = 2 * math.pi / 4.0
+T_END = 3.3  # the program below follows every impact: it stops before any chatter
+TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-13}
+
+
+def ground(t: float) -> float:
+    """Return the ground acceleration of the pulse [m/s2]."""
+    return 0.35 * G * math.sin(4.0 * t) if t < PULSE_END else 0.0
+
+
+class Storeys:
+    """A rigid wall on its corners with a shear frame whose roof is linked to its left top corner.
+
+    Parameters
+    ----------
+    m, k : list of float
+        Masses and stiffnesses over the mass of the wall, from the ground up [-], [1/s2].
+    xi : float
+        Damping ratio of every mode of the frame [-].
+    e : float
+        Factor on the angular velocity at an impact [-].
+    """
+
+    def __init__(self, m: list[float], k: list[float], xi: float, e: float) -> None:
+        self.n, self.e = len(m), e
+        self.m = np.array(m)
+        self.k = np.diag(k) + np.diag([*k[1:], 0.0])
+        self.k -= np.diag(k[1:], 1) + np.diag(k[1:], -1)
+        squares, modes = eigh(self.k, np.diag(m))
+        momentum = self.m[:, None] * modes
+        self.c = momentum @ np.diag(2 * xi * np.sqrt(squares)) @ momentum.T
+        self.radius, self.alpha = math.hypot(H, B), math.atan2(B, H)
+
+    def roof(self, theta: float, side: int) -> tuple[float, float, float]:
+        """Return displacement of the roof and its first two derivatives by theta."""
+        if side > 0:
+            angle = self.alpha - theta
+            up = 2 * self.radius
+            return (
+                up * (math.sin(self.alpha) - math.sin(angle)),
+                up * math.cos(angle),
+                up * math.sin(angle),
+            )
+        return 2 * H * math.sin(theta), 2 * H * math.cos(theta), -2 * H * math.sin(theta)
+
+    def forces(self, state: np.ndarray, side: int) -> np.ndarray:
+        """Return what the storeys resist the motion of the floors with [m/s2]."""
+        u, v = np.empty(self.n), np.empty(self.n)
+        u[:-1], v[:-1] = state[2 : self.n + 1], state[self.n + 1 :]
+        u[-1], slope, _ = self.roof(state[0], side)
+        v[-1] = slope * state[1]
+        return self.k @ u + self.c @ v
+
+    def rates(self, t: float, state: np.ndarray, side: int, *, rests: bool) -> np.ndarray:
+        """Return the derivative of theta, theta', u_1.., v_1.. ."""
+        force = self.forces(state, side)
+        result = np.zeros_like(state)
+        result[2 : self.n + 1] = state[self.n + 1 :]
+        result[self.n + 1 :] = -force[:-1] / self.m[:-1] - ground(t)
+        if not rests:
+            result[0] = state[1]
+            _, slope, bend = self.roof(state[0], side)
+            inertia = 4 / 3 * self.radius**2 + self.m[-1] * slope**2
+            result[1] = self.moment(t, state, side) - self.m[-1] * slope * bend * state[1] ** 2
+            result[1] /= inertia
+        return result
+
+    def moment(self, t: float, state: np.ndarray, side: int) -> float:
+        """Return the moment about the corner without the inertia of the motion [m2/s2]."""
+        _, slope, _ = self.roof(state[0], side)
+        angle = self.alpha - side * state[0]
+        weight = side * G * self.radius * math.sin(angle)
+        push = self.radius * math.cos(angle) + self.m[-1] * slope
+        return -push * ground(t) - weight - slope * self.forces(state, side)[-1]
+
+    def run(self, t_end: float) -> tuple[list[float], list[float], float]:
+        """Return the times of lift-off and of impacts [s], and the largest |u_s| [m]."""
+        t, state, side, rests = 0.0, np.zeros(2 * self.n), 0, True
+        lifts: list[float] = []
+        impacts: list[float] = []
+        largest = 0.0
+        while t < t_end:
+            stop = PULSE_END if t < PULSE_END else t_end
+            events = self._lift_offs() if rests else self._flight(side)
+            turn = solve_ivp(
+                lambda t, y, s=side, r=rests: self.rates(t, y, s, rests=r),
+                (t, stop), state, events=events, **TIGHT,
+            )  # fmt: skip
+            t, state = float(turn.t[-1]), turn.y[:, -1]
+            if rests and turn.status == 1:
+                side = 1 if turn.t_events[0].size else -1
+                rests = False
+                lifts.append(t)
+            elif not rests:
+                peaks = [abs(self.roof(y[0], side)[0]) for y in turn.y_events[1]]
+                largest = max([largest, *peaks])
+                if turn.status == 1:
+                    impacts.append(t)
+                    state[0], state[1], side = 0.0, self.e * state[1], -side
+        return lifts, impacts, largest
+
+    def _lift_offs(self) -> list[Callable[[float, np.ndarray], float]]:
+        events = [
+            lambda t, y: self.moment(t, y, 1),
+            lambda t, y: -self.moment(t, y, -1),
+        ]
+        for event in events:
+            event.terminal, event.direction = True, 1.0
+        return events
+
+    def _flight(self, side: int) -> list[Callable[[float, np.ndarray], float]]:
+        events = [lambda _t, y: y[0], lambda _t, y: y[1]]
+        events[0].terminal, events[0].direction = True, -side
+        return events
+
+
+@pytest.mark.parametrize(
+    ("m", "k"),
+    [
+        ([2.0, 2.0, 2.0], [700.0, 600.0, 400.0]),
+        ([1.5, 1.5, 1.0, 0.5, 0.5], [900.0, 800.0, 700.0, 500.0, 300.0]),
+        ([4.0, 1.0], [500.0, 900.0]),
+    ],
+)
+def test_against_scipy(m: list[float], k: list[float]) -> None:
+    """The first seconds: the lift-off from a moving rest, every impact, and the peak."""
+    case = coupled(
+        wall={"h": H, "b": B},
+        frame={"T_s": None, "gamma": None, "xi_s": 0.04},
+        storeys={
+            "m_over_m_w": m,
+            "k_over_m_w": k,
+            "height": [2 * H / len(m)] * len(m),
+            "coupling": "full",
+        },
+        cable=None,
+        impact={"e": 0.9},
+        motion=PULSE,
+        model={"formulation": "exact"},
+        solver={"t_end": T_END, "rtol": 1e-11, "method": "dop853"},
+    )
+    run = rwmf.simulate(case, dt=0.1)
+    lifts, impacts, largest = Storeys(m, k, 0.04, 0.9).run(T_END)
+    kind = run["event"].to_numpy()
+    times = run["event_time"].to_numpy()
+    assert len(impacts) >= 4
+    assert times[kind == "lift_off"][0] == pytest.approx(lifts[0], rel=1e-8)
+    assert times[kind == "impact"] == pytest.approx(impacts, rel=1e-7)
+    assert float(run["u_s_max"]) == pytest.approx(largest, rel=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 5.0])
+def test_bouc_wen_against_scipy(exponent: float) -> None:
+    """The bare frame with hysteresis, integrated from one turn of the velocity to the next."""
+    T_s, xi, u_y, hardening, beta = 0.8, 0.03, 0.02, 0.1, 0.7
+    omega = 2 * math.pi / T_s
+
+    def rates(t: float, y: np.ndarray, course: int) -> list[float]:
+        u, v, z = y
+        force = omega**2 * (hardening * u + (1 - hardening) * u_y * z)
+        lost = abs(z) ** exponent * (1 - beta + math.copysign(beta, course * z))
+        return [v, -2 * xi * omega * v - force - ground(t), v / u_y * (1 - lost)]
+
+    t, y, course, largest = 0.0, np.zeros(3), -1, 0.0
+    while t < 4.0:
+        stop = PULSE_END if t < PULSE_END else 4.0
+
+        def turns(_t: float, y: np.ndarray) -> float:
+            return float(y[1])
+
+        turns.terminal, turns.direction = True, -course
+        piece = solve_ivp(
+            lambda t, y, c=course: rates(t, y, c), (t, stop), y, events=turns, **TIGHT
+        )
+        t, y = float(piece.t[-1]), piece.y[:, -1]
+        if piece.status == 1:
+            course, y[1] = -course, 0.0
+            largest = max(largest, abs(y[0]))
+    case = bare_frame(
+        frame={"T_s": T_s, "xi_s": xi},
+        motion=PULSE,
+        solver={"t_end": 4.0, "rtol": 1e-11, "method": "dop853"},
+        **{"yielding": {"u_y": u_y, "hardening": hardening, "law": "bouc_wen",
+                        "exponent": exponent, "beta": beta}},
+    )  # fmt: skip
+    run = rwmf.simulate(case)
+    assert float(run["u_s_max"]) == pytest.approx(largest, rel=1e-8)
+    assert run.attrs["residual_displacement_m"] == pytest.approx(
+        (1 - hardening) * (y[0] - u_y * y[2]), rel=1e-7
+    )
+
+
+def test_keys_of_the_reduction() -> None:
+    """Period, modal mass, participation and height of the first mode, by `scipy.linalg.eigh`."""
+    m, k, height = [3.0, 2.0, 1.0], [900.0, 700.0, 400.0], [5.0, 4.0, 3.0]
+    case = coupled(
+        wall={"h": H, "b": B},
+        frame={"T_s": None, "gamma": None},
+        storeys={"m_over_m_w": m, "k_over_m_w": k, "height": height},
+        solver={"t_end": 1.0},
+    )
+    attributes = rwmf.simulate(case).attrs
+    model = Storeys(m, k, 0.0, 1.0)
+    squares, modes = eigh(model.k, np.diag(m))
+    share = model.m @ modes[:, 0]
+    assert attributes["T_s_s"] == pytest.approx(2 * math.pi / math.sqrt(squares[0]), rel=1e-12)
+    assert attributes["modal_mass_over_m_w"] == pytest.approx(share**2, rel=1e-12)
+    assert attributes["mass_participation"] == pytest.approx(share**2 / 6.0, rel=1e-12)
+    arms = np.cumsum(height) * model.m @ modes[:, 0]
+    assert attributes["modal_height_m"] == pytest.approx(arms / share, rel=1e-12)
+    assert attributes["roof_factor"] == pytest.approx(share * modes[-1, 0], rel=1e-12)
