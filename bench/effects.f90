@@ -10,6 +10,7 @@ program effects
    use effects_by_hand, only: choose, hand_i, hand_t, mark, prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
    use rwmf_equation, only: build_equation, enter_interval, equation_t, rhs
+   use rwmf_memory, only: pass_window, renew_window
    use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
    implicit none
 
@@ -43,30 +44,33 @@ contains
       type(case_t) :: case
       type(motion_t), target :: motion
       type(table_t) :: table
-      type(equation_t) :: equation
+      type(equation_t) :: equations(-1:1)
+      !! by side: what yields does so in the direction of the side
       type(hand_t) :: p
       type(result_t) :: result
       type(error_t), allocatable :: error
       procedure(hand_i), pointer :: by_hand
       real(wp) :: total
       real(wp) :: total_hand
+      integer :: side
 
       call read_case(path, case)
       motion = motion_from_case(case)
       call fill(case, table)
-      call build_equation(case, motion, equation)
-      call enter_interval(equation, interval_at(motion, table%t(1)))
+      do side = -1, 1, 2
+         call prepare_side(case, motion, table, index(name, '_yielding') > 0, side, equations(side))
+      end do
       call prepare(case, p)
       call follow_record(case, motion, table%t(1), p)
       call choose(name, by_hand)
       if (.not. associated(by_hand)) error stop 'no program of that name'
       ! once before anything is counted: the first call of sin is bound then
-      total = sum_of_hand(by_hand, p, table, equation%has_impacts)
-      total = sum_of_kernel(equation, table)
+      total = sum_of_hand(by_hand, p, table, equations(1)%has_impacts)
+      total = sum_of_kernel(equations, table)
       call mark()
-      total_hand = sum_of_hand(by_hand, p, table, equation%has_impacts)
+      total_hand = sum_of_hand(by_hand, p, table, equations(1)%has_impacts)
       call mark()
-      total = sum_of_kernel(equation, table)
+      total = sum_of_kernel(equations, table)
       call mark()
       call simulate(case, result, error)
       call mark()
@@ -84,6 +88,24 @@ contains
       print '(a)', error%message
       error stop 2
    end subroutine read_case
+
+   !> Equation of one side, before anything yields or after it has begun to.
+   subroutine prepare_side(case, motion, table, yields, side, equation)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in), target :: motion
+      type(table_t), intent(in) :: table
+      logical, intent(in) :: yields
+      integer, intent(in) :: side
+      type(equation_t), intent(out) :: equation
+
+      call build_equation(case, motion, equation)
+      call enter_interval(equation, interval_at(motion, table%t(1)))
+      if (equation%has_impacts) equation%side = side
+      if (.not. yields) return
+      ! the first limit on the way out is the first yield
+      call renew_window(equation)
+      call pass_window(equation, is_rising=equation%side > 0)
+   end subroutine prepare_side
 
    !> Rotations up to 0.9 alpha (bare frame: displacements in m) and velocities of both signs, on
    !> both sides, within one interval of the motion.
@@ -123,18 +145,20 @@ contains
    end subroutine follow_record
 
    !> theta'' of the kernel, summed over all states.
-   real(wp) function sum_of_kernel(equation, table) result(total)
-      type(equation_t), intent(inout) :: equation
+   real(wp) function sum_of_kernel(equations, table) result(total)
+      type(equation_t), intent(inout) :: equations(-1:)
       type(table_t), intent(in) :: table
       real(wp) :: y_dot(2)
       logical :: rocks
+      integer :: side
       integer :: j
 
-      rocks = equation%has_impacts
+      rocks = equations(1)%has_impacts
+      side = 1
       total = 0
       do j = 1, n_states
-         if (rocks) equation%side = table%side(j)
-         call rhs(equation, table%t(j), table%y(:, j), y_dot)
+         if (rocks) side = table%side(j)
+         call rhs(equations(side), table%t(j), table%y(:, j), y_dot)
          total = total + y_dot(2)
       end do
    end function sum_of_kernel

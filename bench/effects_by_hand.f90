@@ -26,6 +26,15 @@ module effects_by_hand
       real(wp) :: link, link_squared
       !! length over R
       real(wp) :: damper
+      real(wp) :: inertance
+      real(wp) :: fuse_stiffness, fuse_yield, fuse_hard
+      !! moment over m_w R**2: elastic, over sin(phi/2) cos(phi/2); yielding, at 0 and over sin(phi/2)
+      real(wp) :: yield, yield_drop, soft
+      !! of the frame, over R: displacement at yield, the rest times omega**2; slope beyond it
+      real(wp) :: tendon_0, tendon_rate
+      !! force of the yielding tendon
+      real(wp) :: ratio_over_R
+      !! of the vertical motion
       real(wp) :: t_k, a_k, slope
       !! straight line of the record in force
       real(wp) :: a_p, omega_p
@@ -91,12 +100,44 @@ contains
          p%link = case%link%L*p%over_R
          p%link_squared = p%link**2
       end if
+      call prepare_springs(case, p)
+      if (allocated(case%vertical)) p%ratio_over_R = case%vertical%ratio*p%over_R
+      if (allocated(case%inerter)) p%inertance = case%inerter%inertance_over_m_w*p%sin_alpha**2
       if (allocated(case%damper)) p%damper = 4*p%sin_alpha**2*case%damper%c_over_m_w
       if (allocated(case%motion)) then
          if (allocated(case%motion%a_max_g)) p%a_p = case%motion%a_max_g*p%g
          if (allocated(case%motion%omega_p)) p%omega_p = case%motion%omega_p
       end if
    end subroutine prepare
+
+   !> What yields, elastic and on its first plastic branch, where F = F_y + h k (x - x_y).
+   subroutine prepare_springs(case, p)
+      type(case_t), intent(in) :: case
+      type(hand_t), intent(inout) :: p
+      real(wp) :: four_b, k
+
+      if (allocated(case%fuse)) then
+         four_b = 4*case%wall%b
+         associate (fuse => case%fuse)
+            k = fuse%eta_y*p%g/fuse%stroke_y*2*p%sin_alpha*p%over_R
+            p%fuse_stiffness = k*four_b
+            p%fuse_yield = k*fuse%stroke_y*(1 - fuse%hardening)
+            p%fuse_hard = k*four_b*fuse%hardening
+         end associate
+      end if
+      if (allocated(case%yielding)) then
+         associate (h => case%yielding%hardening)
+            p%soft = h*p%omega_squared
+            p%yield_drop = (1 - h)*p%omega_squared*case%yielding%u_y
+            if (allocated(case%wall)) p%yield_drop = p%yield_drop*p%over_R/2
+         end associate
+      end if
+      if (allocated(case%cable)) then
+         if (.not. allocated(case%cable%eta_y)) return
+         p%tendon_rate = case%cable%hardening*p%eta_rate
+         p%tendon_0 = case%cable%eta_y - (case%cable%eta_y - p%eta_0)*case%cable%hardening
+      end if
+   end subroutine prepare_springs
 
    !> Program of a scene, by its name.
    subroutine choose(name, right_hand_side)
@@ -128,6 +169,26 @@ contains
          right_hand_side => pinned
       case ('damper')
          right_hand_side => damped
+      case ('fuse')
+         right_hand_side => fused
+      case ('fuse_yielding')
+         right_hand_side => fused_yielding
+      case ('oscillator')
+         right_hand_side => frame
+      case ('oscillator_yielding')
+         right_hand_side => frame_yielding
+      case ('yielding')
+         right_hand_side => symmetric
+      case ('yielding_yielding')
+         right_hand_side => symmetric_yielding
+      case ('tendon')
+         right_hand_side => symmetric
+      case ('tendon_yielding')
+         right_hand_side => tendon_yielding
+      case ('inerter')
+         right_hand_side => with_inerter
+      case ('vertical')
+         right_hand_side => with_vertical
       case default
          right_hand_side => null()
       end select
@@ -375,5 +436,139 @@ contains
          + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
          /(p%inertia + p%four_gamma*c**2)
    end subroutine damped
+
+   !> Eq. (8) with fuses at the corners of the base that stay elastic: stroke 4b sin(phi/2).
+   subroutine fused(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + p%fuse_stiffness*sin(phi/2)*cos(phi/2)) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine fused
+
+   !> The same with fuses that yield.
+   subroutine fused_yielding(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + (p%fuse_yield + p%fuse_hard*sin(phi/2))*cos(phi/2)) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine fused_yielding
+
+   !> Eq. (8) with a frame that yields.
+   subroutine symmetric_yielding(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%yield_drop + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine symmetric_yielding
+
+   !> Eq. (8) with a tendon that yields.
+   subroutine tendon_yielding(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%tendon_0 + p%tendon_rate*phi)*p%sin_alpha)) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2)
+   end subroutine tendon_yielding
+
+   !> Eq. (8) with inerters at the corners of the base.
+   subroutine with_inerter(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) &
+         - p%inertance*sin(phi)*phi_dot**2) &
+         + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
+         /(p%inertia + p%four_gamma*c**2 &
+         + 2*p%inertance*(1 + cos(phi)))
+   end subroutine with_inerter
+
+   !> Eq. (8) with a vertical motion of the ground, a multiple of the horizontal one.
+   subroutine with_vertical(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+      real(wp) :: phi, phi_dot, s, c, a
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + p%ratio_over_R*a*s) &
+         + p%one_plus_two_gamma_over_R*c*a)/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_vertical
+
+   !> Linear oscillator beyond its yield displacement.
+   subroutine frame_yielding(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(2)
+      real(wp), intent(out) :: y_dot(2)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%yield_drop &
+         - (p%a_k + p%slope*(t - p%t_k))
+   end subroutine frame_yielding
 
 end module effects_by_hand

@@ -4,11 +4,12 @@ module rwmf_accelerations
    use rwmf_cable, only: cable_state_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, ground
+   use rwmf_scene, only: equation_t, ground, vertical_ground
    implicit none
    private
 
-   public :: bare_frame, corner, frame_with_extras, hinged, wall_alone, wall_and_frame, with_extras
+   public :: bare_frame, corner, corner_with_lines, frame_with_extras, frame_with_lines
+   public :: hinged, wall_alone, wall_and_frame, with_extras
 
 contains
 
@@ -33,6 +34,28 @@ contains
             /(equation%inertia + 4*p%gamma*c**2)
       end associate
    end function corner
+
+   !> The same with a frame on a branch of its spring and with vertical motion.
+   real(wp) function corner_with_lines(equation, t, y) result(theta_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp) :: phi
+      real(wp) :: phi_dot
+      real(wp) :: lift
+      real(wp) :: c
+
+      phi = equation%side*y(1)
+      phi_dot = equation%side*y(2)
+      call turn(equation, phi, lift, c)
+      associate (p => equation%p, s => equation%sin_alpha - lift)
+         theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+            + equation%frame_slope*lift) + p%g_over_R*(s + cable_now(equation, phi))) &
+            + (2*p%gamma*c*equation%frame_offset + equation%side*s*vertical_now(equation, t) &
+            + (2*p%gamma + 1)*c*ground_now(equation, t))/p%R)/(equation%inertia &
+            + 4*p%gamma*c**2)
+      end associate
+   end function corner_with_lines
 
    !> Wall without frame, Eqs (11) and (12).
    real(wp) function wall_alone(equation, t, y) result(theta_ddot)
@@ -85,7 +108,23 @@ contains
       end associate
    end function ground_now
 
-   !> Moment of the cable over m_w g R [-]: the linear law, or none, without a call.
+   !> Vertical ground acceleration of the interval in force [m/s2], likewise.
+   real(wp) function vertical_now(equation, t)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      associate (line => equation%vertical_line)
+         if (line%is_straight) then
+            vertical_now = line%a_0 + line%slope*(t - line%t_0)
+         else
+            vertical_now = vertical_ground(equation, t)
+         end if
+      end associate
+   end function vertical_now
+
+   !> Moment of the cable over m_w g R [-]: the linear law, also a tendon's, or none, without a
+   !> call.
    real(wp) function cable_now(equation, phi) result(moment)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: phi
@@ -95,7 +134,7 @@ contains
       !! the rotation stays in its register
 
       if (equation%has_plain_cable) then
-         moment = (equation%cable%eta_0 + equation%cable%rate*phi)*equation%sin_alpha
+         moment = (equation%cable%line_0 + equation%cable%line_rate*phi)*equation%sin_alpha
       else
          copy = phi
          call equation%cable_law(equation%cable, equation%sin_alpha, copy, equation%side, cable)
@@ -208,6 +247,16 @@ contains
       end do
       u_ddot = u_ddot/inertia
    end function frame_with_extras
+
+   !> Frame without wall on a branch of its spring.
+   real(wp) function frame_with_lines(equation, t, y) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+
+      u_ddot = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - equation%frame_offset &
+         - ground_now(equation, t)
+   end function frame_with_lines
 
    !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
    real(wp) function bare_frame(equation, t, y) result(u_ddot)

@@ -15,6 +15,10 @@ module rwmf_cable
       real(wp) :: rate = 0
       !! linear: (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the elongation at
       !! alpha [1/m]
+      real(wp) :: line_0 = 0
+      !! linear law, and a tendon's branch in force: P/(m_w g) at phi = 0 [-]
+      real(wp) :: line_rate = 0
+      !! and its rate [1/rad]
       real(wp) :: R = 0
       !! half diagonal [m]
       real(wp) :: h = 0

@@ -1,7 +1,7 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
    use rwmf_case_springs, only: check_tendon, check_yielding
-   use rwmf_effect_rules, only: check_impact, check_vertical
+   use rwmf_effect_rules, only: check_impact, check_massless, check_vertical
    use rwmf_errors, only: err_input, error_t, fail
    use rwmf_frame_rules, only: check_frame, check_hysteresis, check_storeys
    use rwmf_given, only: get_list, has_group, has_key, integer_of, logical_of, real_of, text_of
@@ -32,6 +32,7 @@ contains
       if (.not. allocated(error)) call check_hysteresis(groups, error)
       if (.not. allocated(error)) call check_impact(groups, error)
       if (.not. allocated(error)) call check_base(groups, error)
+      if (.not. allocated(error)) call check_massless(groups, error)
       if (.not. allocated(error)) call check_link(groups, error)
       if (.not. allocated(error)) call check_cable(groups, error)
       if (.not. allocated(error)) call check_yielding(groups, error)

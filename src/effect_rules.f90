@@ -1,14 +1,14 @@
-!> Rules of the impact and of the vertical ground motion.
+!> Rules of the impact, of the vertical ground motion, and of a frame without mass.
 module rwmf_effect_rules
    use rwmf_errors, only: error_t
-   use rwmf_given, only: get_list, has_group, has_key, text_of
+   use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
    use rwmf_rule_tools, only: check_one_of, fail_group, fail_key
    implicit none
    private
 
-   public :: check_impact, check_vertical
+   public :: check_impact, check_massless, check_vertical
 
 contains
 
@@ -85,7 +85,7 @@ contains
             //kind//"': a pulse takes a ratio; sample it as a record to add a record", error)
       else if (kind == 'none') then
          call fail_key(groups, 'vertical', 'ratio', 'must not be given without a horizontal ' &
-            //'motion, which it multiplies', error)
+            //'&motion, which it multiplies', error)
       else
          do i = 1, size(record_keys)
             if (.not. has_key(groups, 'vertical', trim(record_keys(i)))) cycle
@@ -95,5 +95,29 @@ contains
          end do
       end if
    end subroutine check_vertical
+
+   !> The springs of the frame are those of its period and mass: without mass nothing yields.
+   subroutine check_massless(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(8), parameter :: places(2) = [character(8) :: 'frame', 'spectrum']
+      character(*), parameter :: problem = 'must be > 0 with &yielding (a frame without mass has ' &
+         //'no stiffness, and nothing yields)'
+      real(wp), allocatable :: gamma(:)
+      integer :: i
+
+      if (.not. has_group(groups, 'yielding')) return
+      do i = 1, size(places)
+         if (.not. has_key(groups, trim(places(i)), 'gamma')) cycle
+         if (places(i) == 'frame') then
+            gamma = [real_of(groups, 'frame', 'gamma')]
+         else
+            call get_list(groups, 'spectrum', 'gamma', gamma)
+         end if
+         if (all(gamma > 0)) cycle
+         call fail_key(groups, trim(places(i)), 'gamma', problem, error)
+         return
+      end do
+   end subroutine check_massless
 
 end module rwmf_effect_rules

@@ -7,13 +7,14 @@
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
-   use rwmf_accelerations, only: bare_frame, corner, frame_with_extras, hinged, wall_alone, &
-      wall_and_frame, with_extras
+   use rwmf_accelerations, only: bare_frame, corner, corner_with_lines, frame_with_extras, &
+      frame_with_lines, hinged, wall_alone, wall_and_frame, with_extras
+   use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
       truss_cable, yielding_cable
    use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: published
-   use rwmf_extras, only: choose_extras, rates_of_all
+   use rwmf_extras, only: are_lines, choose_extras, rates_of_all
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
@@ -64,14 +65,33 @@ contains
          if (allocated(equation%extras)) then
             equation%acceleration_positive => with_extras
             equation%acceleration_negative => with_extras
+            if (equation%has_frame .and. equation%has_impacts &
+                .and. are_lines(equation)) call write_out(equation)
          end if
       else
          call choose_extras(case, equation)
          equation%acceleration_positive => bare_frame
-         if (allocated(equation%extras)) equation%acceleration_positive => frame_with_extras
+         if (allocated(equation%extras)) then
+            equation%acceleration_positive => frame_with_extras
+            if (are_lines(equation)) equation%acceleration_positive => frame_with_lines
+         end if
          equation%acceleration_negative => equation%acceleration_positive
       end if
    end subroutine build_equation
+
+   !> Effects that are straight lines, with the link at the top corner, have their terms written out.
+   subroutine write_out(equation)
+      type(equation_t), intent(inout) :: equation
+
+      equation%frame_slope = equation%p%omega_squared
+      call follow_branches(equation)
+      if (associated(equation%kinematics_positive, top_corner)) then
+         equation%acceleration_positive => corner_with_lines
+      end if
+      if (associated(equation%kinematics_negative, top_corner)) then
+         equation%acceleration_negative => corner_with_lines
+      end if
+   end subroutine write_out
 
    !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
    pure type(paper_t) function paper_parameters(case) result(p)
@@ -159,6 +179,8 @@ contains
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
          if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
          equation%has_plain_cable = case%model%formulation /= 'published'
+         equation%cable%line_0 = equation%cable%eta_0
+         equation%cable%line_rate = equation%cable%rate
       end if
       if (can_yield(case%cable)) call choose_tendon(case, equation)
    end subroutine choose_cable
@@ -192,7 +214,6 @@ contains
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
       equation%cable_law => yielding_cable
-      equation%has_plain_cable = .false.
    end subroutine choose_tendon
 
    subroutine choose_acceleration(formulation, equation)

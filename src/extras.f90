@@ -1,14 +1,14 @@
 !> Effects beyond wall, frame and cable: which of them a case calls for, and what they have in
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
+   use rwmf_branches, only: add_fuses, add_springs, add_yielding
    use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_rates, &
       bouc_wen_sizes, prepare_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: add_springs, choose_springs, is_elastic_plastic, springs_energy, &
-      springs_force, &
+   use rwmf_memory, only: choose_springs, is_elastic_plastic, springs_energy, springs_force, &
       springs_power
    use rwmf_scene, only: equation_t, extra_t
    use rwmf_storeys, only: add_push, add_storeys, prepare_storeys, push_input, storey_energy, &
@@ -17,7 +17,8 @@ module rwmf_extras
    implicit none
    private
 
-   public :: choose_extras, rates_of_all, extra_sizes, extra_energy, extra_power, extra_input
+   public :: choose_extras, are_lines, rates_of_all
+   public :: extra_sizes, extra_energy, extra_power, extra_input
 
 contains
 
@@ -41,6 +42,10 @@ contains
       if (allocated(case%fuse) .or. is_bilinear) then
          call add_extra(equation, extra_t(add=add_springs, power=springs_power, &
             energy=springs_energy, force=springs_force, is_hysteretic=.true.))
+         associate (extra => equation%extras(size(equation%extras)))
+            if (.not. is_bilinear) extra%add => add_fuses
+            if (.not. allocated(case%fuse)) extra%add => add_yielding
+         end associate
       end if
       if (allocated(case%yielding) .and. .not. is_bilinear) then
          call prepare_bouc_wen(case, equation)
@@ -60,6 +65,20 @@ contains
          call add_extra(equation, extra_t(add=add_vertical, is_motion=.true.))
       end if
    end subroutine choose_extras
+
+   !> Are all further effects those that `corner_with_lines` and `frame_with_lines` have written out?
+   pure logical function are_lines(equation)
+      type(equation_t), intent(in) :: equation
+      integer :: i
+
+      are_lines = .true.
+      do i = 1, size(equation%extras)
+         associate (extra => equation%extras(i))
+            if (associated(extra%add, add_yielding) .or. associated(extra%add, add_vertical)) cycle
+            are_lines = .false.
+         end associate
+      end do
+   end function are_lines
 
    !> The storeys of the frame: one mode, which the ground pushes in its own way, or all modes.
    subroutine add_frame(case, equation)

@@ -24,8 +24,9 @@ contains
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
 
-      inertia = inertia + inertia_of(equation, y(1))
-      moment = moment + equation%inertance*equation%sin_alpha**2*sin(equation%side*y(1))*y(2)**2
+      inertia = inertia + inertia_of(equation, kin%half_cosine)
+      moment = moment + 2*equation%inertance*equation%sin_alpha**2*kin%half_sine*kin%half_cosine &
+         *y(2)**2
    end subroutine add_inerter
 
    !> Kinetic energy of the inerter [J/kg].
@@ -33,7 +34,7 @@ contains
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
-      energy = equation%p%R**2*inertia_of(equation, y(1))*y(2)**2/2
+      energy = equation%p%R**2*inertia_of(equation, cos(y(1)/2))*y(2)**2/2
    end function inerter_energy
 
    !> Force on the lifting corner, against the acceleration of the stroke along the chord.
@@ -56,12 +57,12 @@ contains
    end subroutine inerter_force
 
    !> Inertia over m_w R**2 [-].
-   pure real(wp) function inertia_of(equation, theta)
+   pure real(wp) function inertia_of(equation, half_cosine)
       class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
+      real(wp), intent(in) :: half_cosine
+      !! cos(phi/2) [-]
 
-      inertia_of = equation%inertance*(2*equation%sin_alpha*cos(theta/2))**2
+      inertia_of = equation%inertance*(2*equation%sin_alpha*half_cosine)**2
    end function inertia_of
 
 end module rwmf_inerter

@@ -4,6 +4,7 @@
 !> Their branches are smooth functions of the rotation. The rotation at which a branch ends is known
 !> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
 module rwmf_memory
+   use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_elongation
    use rwmf_case, only: case_t, yielding_t
    use rwmf_kinds, only: pi, wp
@@ -15,8 +16,7 @@ module rwmf_memory
    implicit none
    private
 
-   public :: is_elastic_plastic, choose_springs, add_springs, springs_power, springs_energy, &
-      springs_force
+   public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, elongation_of, moves
@@ -45,6 +45,7 @@ contains
       end if
       equation%has_memory = .true.
       equation%farthest = case%model%overturning_angle
+      call follow_branches(equation)
    end subroutine choose_springs
 
    !> Displacement at which the frame of a case yields first [m].
@@ -93,36 +94,6 @@ contains
 
       moves = place == place_frame .or. place == equation%side
    end function moves
-
-   !> Part of fuses and yielding frame in the equation of motion; the elastic part of the frame is
-   !> in the equation already.
-   subroutine add_springs(equation, t, y, kin, inertia, moment)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp) :: phi
-      real(wp) :: x
-      integer :: i
-
-      phi = equation%side*y(1)
-      do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
-            p => equation%p)
-            if (.not. moves(equation, place)) cycle
-            if (place == place_frame) then
-               x = equation%side*p%R*kin%u
-               moment = moment + frame_mass(equation)*kin%lever*p%omega_s**2*equation%side &
-                  *spring_plastic(spring, x)/p%R
-            else
-               moment = moment - spring_force(spring, elongation(equation, place, phi)) &
-                  *2*equation%sin_alpha*kin%half_cosine/p%R
-            end if
-         end associate
-      end do
-   end subroutine add_springs
 
    !> Power that fuses and frame dissipate by yielding [W/kg].
    real(wp) function springs_power(equation, t, y) result(power)
@@ -221,6 +192,7 @@ contains
       do i = 1, size(equation%springs)
          call reset_spring(equation%springs(i)%spring)
       end do
+      call follow_branches(equation)
    end subroutine reset_memory
 
    !> Bring springs that have not moved yet to an initial rotation, as if it had grown from zero.
@@ -244,11 +216,12 @@ contains
       call renew_window(equation)
    end subroutine load_to
 
-   !> Find the rotations between which the branches in force hold.
+   !> Find the rotations between which the branches in force hold, and their lines.
    subroutine renew_window(equation)
       type(equation_t), intent(inout) :: equation
       integer :: i
 
+      call follow_branches(equation)
       equation%low = -huge(1.0_wp)
       equation%high = huge(1.0_wp)
       equation%ends_at_peak = equation%has_course
@@ -414,6 +387,7 @@ contains
          if (.not. moves(equation, equation%springs(i)%place)) cycle
          call turn_spring(equation%springs(i)%spring, elongation_of(equation, i, phi))
       end do
+      call follow_branches(equation)
    end subroutine turn_back
 
 end module rwmf_memory

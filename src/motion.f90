@@ -15,10 +15,9 @@ module rwmf_motion
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
-   public :: ground_t, follow_samples, follow_ground, is_known_until
-   public :: line_t, line_of
-   public :: acceleration, has_jump, interval_at, interval_end, interval_last, turning_point
-   public :: fastest_rate, motion_end, peak_acceleration, vertical_acceleration
+   public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
+   public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
+   public :: interval_at, interval_end, interval_last, turning_point, fastest_rate, motion_end
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -304,15 +303,27 @@ contains
       real(wp), intent(in) :: t
       !! [s], in the closed interval
 
-      if (.not. allocated(motion%vertical)) then
-         vertical = motion%vertical_ratio*acceleration(motion, interval, t)
-      else if (interval < 1 .or. interval >= size(motion%knot)) then
-         vertical = 0
-      else
-         vertical = motion%vertical%a(interval) &
-            + motion%vertical%slope(interval)*(t - motion%knot(interval))
-      end if
+      type(line_t) :: line
+
+      vertical = motion%vertical_ratio*acceleration(motion, interval, t)
+      if (.not. allocated(motion%vertical)) return
+      line = vertical_line_of(motion, interval)
+      vertical = line%a_0 + line%slope*(t - line%t_0)
    end function vertical_acceleration
+
+   !> Straight line of the vertical motion.
+   pure type(line_t) function vertical_line_of(motion, interval) result(line)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+
+      line = line_of(motion, interval)
+      line%a_0 = motion%vertical_ratio*line%a_0
+      line%slope = motion%vertical_ratio*line%slope
+      if (.not. allocated(motion%vertical)) return
+      if (interval < 1 .or. interval >= size(motion%knot)) return
+      line = line_t(.true., motion%knot(interval), motion%vertical%a(interval), &
+         motion%vertical%slope(interval))
+   end function vertical_line_of
 
    !> Unit harmonic of the pulse [-].
    pure real(wp) function harmonic(motion, t)

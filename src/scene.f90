@@ -4,7 +4,8 @@ module rwmf_scene
    use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
-   use rwmf_motion, only: acceleration, line_of, line_t, motion_t, vertical_acceleration
+   use rwmf_motion, only: acceleration, line_of, line_t, motion_t, &
+      vertical_acceleration, vertical_line_of
    use rwmf_paper, only: paper_t
    use rwmf_spring, only: spring_t
    implicit none
@@ -83,6 +84,10 @@ module rwmf_scene
       !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
       integer :: place
       !! one of the `place_` numbers
+      real(wp) :: offset = 0
+      !! force of the branch in force at the elongation zero
+      real(wp) :: slope = 0
+      !! and its derivative: a branch is a straight line
    end type sprung_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
@@ -132,6 +137,10 @@ module rwmf_scene
       !! there are springs that yield or break
       type(sprung_t), allocatable :: springs(:)
       !! fuses and yielding frame; the tendon's is in `cable`
+      real(wp) :: frame_offset = 0
+      !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
+      real(wp) :: frame_slope = 0
+      !! and its stiffness [1/s2]
       real(wp) :: low = -huge(1.0_wp)
       !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
       real(wp) :: high = huge(1.0_wp)
@@ -142,6 +151,8 @@ module rwmf_scene
       !! a spring yields, and unloads when the motion turns back
       logical :: has_vertical = .false.
       !! the ground moves vertically as well
+      type(line_t) :: vertical_line
+      !! of that motion in the interval in force
       real(wp) :: weight_share = 0
       !! threshold of lift-off per vertical ground acceleration [-]
       real(wp) :: inertance = 0
@@ -267,6 +278,7 @@ contains
 
       equation%interval = interval
       equation%line = line_of(equation%motion, interval)
+      if (equation%has_vertical) equation%vertical_line = vertical_line_of(equation%motion, interval)
    end subroutine enter_interval
 
    !> Interval of the motion that is in force.
@@ -291,7 +303,13 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      vertical_ground = vertical_acceleration(equation%motion, equation%interval, t)
+      associate (line => equation%vertical_line)
+         if (line%is_straight) then
+            vertical_ground = line%a_0 + line%slope*(t - line%t_0)
+         else
+            vertical_ground = vertical_acceleration(equation%motion, equation%interval, t)
+         end if
+      end associate
    end function vertical_ground
 
    !> Kinematics of the side in force.

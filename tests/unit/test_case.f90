@@ -246,7 +246,7 @@ contains
          //'gamma_p = 1 /', 'gamma_p = 1 (line 4): must be a number in (1, 1000] [-]')
       call refuse(scene//'&motion kind = ''none'', t_0 = 1 /', "with kind = 'none'")
       call refuse(bare//ends//shaken//'&vertical ratio = 1 /', 'must not be given without &wall')
-      call refuse(scene//'&vertical ratio = 1 /', 'without a horizontal motion')
+      call refuse(scene//'&vertical ratio = 1 /', 'without a horizontal &motion')
       call refuse(scene//shaken//'&vertical /', 'exactly one of the keys ratio and file')
       call refuse(scene//shaken//'&vertical ratio = 1, dt = 1 /', 'it belongs to a record')
       call refuse(scene//shaken//'&vertical file = ''a'' /', 'a pulse takes a ratio')

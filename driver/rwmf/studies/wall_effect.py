@@ -15,7 +15,9 @@ from rwmf.sweep.suite import RecordFile
 
 __all__ = ["wall_effect", "without_wall"]
 
-_OF_THE_WALL = ("wall", "cable", "impact", "link", "damper", "initial")
+_OF_THE_WALL = (
+    "wall", "cable", "impact", "link", "damper", "fuse", "inerter", "vertical", "initial",
+)  # fmt: skip
 
 
 def without_wall(case: Case) -> Case:

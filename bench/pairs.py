@@ -1,0 +1,243 @@
+"""Which effects go together: a run of every pair, or the reason why it is refused.
+
+    .venv/bin/python bench/pairs.py            the table of docs/effects.md
+
+Every pair is a small case, which the kernel reads, refuses or runs. A further group, or a further
+value of a key that chooses a law, takes one line of ``EFFECTS``; ``tests/python/test_pairs.py``
+asks the schema whether one is missing.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import rwmf
+
+Groups = dict[str, dict[str, Any] | None]
+
+# what every pair begins with
+SCENE: Groups = {
+    "wall": {"h": 2.0, "b": 0.5},
+    "frame": {"T_s": 0.5, "gamma": 5.0, "xi_s": 0.05},
+    "motion": {"kind": "one_sine", "a_max_g": 0.5, "omega_p": 8.0},
+    "model": {"formulation": "symmetric"},
+    "solver": {"t_end": 2.0},
+    "output": {"energy": True, "reactions": True},
+}
+CABLE = {"eta_0": 1.0, "eta_alpha": 5.0}
+RECORD = {"file": "record.csv", "unit": "g"}
+SAMPLES = "0.0, 0.0\n0.2, 0.4\n0.5, -0.5\n0.8, 0.2\n1.0, 0.0\n"  # t (s), a (g)
+STOREYS = {"m_over_m_w": [2.5, 2.5], "k_over_m_w": [800.0, 800.0], "height": [2.0, 2.0]}
+NO_PERIOD: Groups = {
+    "frame": {"T_s": None, "gamma": None},
+    "output": {"energy": True, "reactions": None},  # not known of storeys
+}
+BALANCE = 1e-6  # of the energy ledger, relative
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect, what it changes in the scene, and the group that a message names."""
+
+    name: str
+    changes: Groups
+    group: str
+
+
+EFFECTS = [
+    Effect("no wall", {"wall": None, "frame": {"gamma": None}}, "wall"),
+    Effect("no frame", {"frame": None}, "frame"),
+    Effect("massless frame", {"frame": {"gamma": 0.0}}, "frame"),
+    Effect("pinned base", {"wall": {"base": "pinned"}}, "wall"),
+    Effect("`published`", {"model": {"formulation": "published"}}, "model"),
+    Effect("`exact`", {"model": {"formulation": "exact"}}, "model"),
+    Effect("cable, linear", {"cable": CABLE | {"law": "linear"}}, "cable"),
+    Effect("cable, truss", {"cable": CABLE | {"law": "truss"}}, "cable"),
+    Effect("cable yields", {"cable": CABLE | {"eta_y": 1.2}}, "cable"),
+    Effect("cable breaks", {"cable": CABLE | {"rupture_strain": 0.01}}, "cable"),
+    Effect("`&link`", {"link": {"L": 6.0}}, "link"),
+    Effect("`&damper`", {"damper": {"c_over_m_w": 0.5}}, "damper"),
+    Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
+    Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),
+    Effect("`&yielding`, Bouc-Wen", {"yielding": {"u_y": 0.01, "law": "bouc_wen"}}, "yielding"),
+    *(
+        Effect(
+            f"`&storeys`, {coupling}",
+            NO_PERIOD | {"storeys": STOREYS | {"coupling": coupling}},
+            "storeys",
+        )
+        for coupling in ("reduced", "every_floor", "full")
+    ),
+    Effect("`&inerter`", {"inerter": {"inertance_over_m_w": 1.0}}, "inerter"),
+    Effect("impact, constant", {"impact": {"rule": "constant", "e": 0.8}}, "impact"),
+    Effect("impact, `housner`", {"impact": {"rule": "housner"}}, "impact"),
+    Effect("impact, `coupled`", {"impact": {"rule": "coupled"}}, "impact"),
+    Effect(
+        "impact, table",
+        {"impact": {"rule": "table", "table_theta_dot": [0.1, 1.0], "table_e": [0.95, 0.7]}},
+        "impact",
+    ),
+    Effect("vertical, ratio", {"vertical": {"ratio": 0.5}}, "vertical"),
+    Effect(
+        "vertical, record",
+        {
+            "vertical": RECORD,
+            "motion": {"kind": "record", "a_max_g": None, "omega_p": None} | RECORD,
+        },
+        "vertical",
+    ),
+    Effect("no motion", {"motion": None}, "motion"),
+    Effect("`&initial`", {"initial": {"theta_over_alpha": 0.2}}, "initial"),
+]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
+
+    kind: str
+    message: str = ""
+
+
+def joined(*effects: Effect) -> Groups | None:
+    """Scene with some effects.
+
+    Parameters
+    ----------
+    *effects
+        Any number.
+
+    Returns
+    -------
+    dict or None
+        Groups with their keys; None when two effects want the same key, or the same group, in two
+        ways.
+    """
+    wanted: Groups = {}
+    for effect in effects:
+        for group, keys in effect.changes.items():
+            here = wanted.setdefault(group, keys)
+            if here is None or keys is None:
+                if here is not keys:
+                    return None
+            elif any(here.get(key, value) != value for key, value in keys.items()):
+                return None
+            else:
+                wanted[group] = here | keys
+    groups: Groups = {}
+    for group in SCENE | wanted:
+        keys = wanted.get(group, {})
+        if keys is None:
+            continue
+        both = (SCENE.get(group) or {}) | keys
+        groups[group] = {key: value for key, value in both.items() if value is not None}
+    return groups
+
+
+def prepare(folder: Path) -> None:
+    """Write the record that the effects name.
+
+    Parameters
+    ----------
+    folder
+        Where the cases stand.
+    """
+    (folder / "record.csv").write_text(SAMPLES, encoding="utf-8")
+
+
+def try_pair(first: Effect, second: Effect, folder: Path) -> Outcome:
+    """Read and run a pair.
+
+    Parameters
+    ----------
+    first, second
+        The effects.
+    folder
+        From `prepare`.
+
+    Returns
+    -------
+    Outcome
+        A run has finite results, and its energy ledger closes unless it is `published`.
+
+    Raises
+    ------
+    AssertionError
+        When a run delivers anything else.
+    """
+    groups = joined(first, second)
+    if groups is None:
+        return Outcome("alternatives")
+    text = "\n".join(
+        f"&{group} " + ", ".join(f"{key} = {_value(value)}" for key, value in keys.items()) + " /"
+        for group, keys in groups.items()
+    )
+    try:
+        case = rwmf.Case.from_text(text + "\n", source=folder / "pair.nml")
+    except rwmf.InputError as error:
+        return Outcome("refused", str(error).split("pair.nml: ", 1)[1])
+    run = rwmf.simulate(case)
+    for name in ("u_s_max", "theta_max_over_alpha", "base_shear_max_over_weight"):
+        assert name not in run or math.isfinite(float(run[name])), (text, name)
+    if groups["model"] != {"formulation": "published"}:
+        assert abs(float(run["energy_balance_relative"])) < BALANCE, text
+    return Outcome("runs")
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return f".{str(value).lower()}."
+    if isinstance(value, list):
+        return ", ".join(map(repr, value))
+    return repr(value)
+
+
+def _reason(message: str) -> str:
+    """Drop the line of a file that nobody has from a message."""
+    return re.sub(r" \(line \d+\)", "", message)
+
+
+def main() -> None:
+    """Print the table and the reasons."""
+    with tempfile.TemporaryDirectory() as place:
+        prepare(Path(place))
+        outcomes = {
+            (a.name, b.name): try_pair(a, b, Path(place)) for a, b in combinations(EFFECTS, 2)
+        }
+    reasons: list[str] = []
+    print("+ runs, · alternatives of one key or group, a letter: refused, with the reason below.\n")
+    print("| | effect | " + " | ".join(str(i + 1) for i in range(len(EFFECTS) - 1)) + " |")
+    print("|---|---|" + "---|" * (len(EFFECTS) - 1))
+    for row, effect in enumerate(EFFECTS):
+        cells = []
+        for other in EFFECTS[:row]:
+            outcome = outcomes[other.name, effect.name]
+            if outcome.kind == "refused":
+                reason = _reason(outcome.message)
+                if reason not in reasons:
+                    reasons.append(reason)
+                cells.append(f"{_letter(reasons.index(reason))}")
+            else:
+                cells.append({"runs": "+", "alternatives": "·"}[outcome.kind])
+        cells += [""] * (len(EFFECTS) - 1 - row)
+        print(f"| {row + 1} | {effect.name} | " + " | ".join(cells[: len(EFFECTS) - 1]) + " |")
+    print()
+    for i, reason in enumerate(reasons):
+        print(f"* {_letter(i)}: {reason}")
+    kinds = [outcome.kind for outcome in outcomes.values()]
+    print(f"\n{kinds.count('runs')} pairs run, {kinds.count('refused')} are refused, ", end="")
+    print(f"{kinds.count('alternatives')} are alternatives.")
+
+
+def _letter(i: int) -> str:
+    return chr(ord("a") + i) if i < 26 else "a" + chr(ord("a") + i - 26)
+
+
+if __name__ == "__main__":
+    main()
