@@ -28,7 +28,8 @@ module effects_by_hand
       real(wp) :: damper
       real(wp) :: inertance
       real(wp) :: fuse_stiffness, fuse_yield, fuse_hard
-      !! moment over m_w R**2: elastic, over sin(phi/2) cos(phi/2); yielding, at 0 and over sin(phi/2)
+      !! moment over m_w R**2: elastic, over sin(phi/2) cos(phi/2); yielding, at 0 and over
+      !! sin(phi/2)
       real(wp) :: yield, yield_drop, soft
       !! of the frame, over R: displacement at yield, the rest times omega**2; slope beyond it
       real(wp) :: tendon_0, tendon_rate
@@ -472,7 +473,8 @@ contains
       y_dot(1) = y(2)
       y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
          + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
-         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + (p%fuse_yield + p%fuse_hard*sin(phi/2))*cos(phi/2)) &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + (p%fuse_yield + &
+         p%fuse_hard*sin(phi/2))*cos(phi/2)) &
          + p%one_plus_two_gamma_over_R*c*(p%a_k + p%slope*(t - p%t_k))) &
          /(p%inertia + p%four_gamma*c**2)
    end subroutine fused_yielding

@@ -79,7 +79,8 @@ contains
       end if
    end subroutine build_equation
 
-   !> Effects that are straight lines, with the link at the top corner, have their terms written out.
+   !> Effects that are straight lines, with the link at the top corner, have their terms written
+   !> out.
    subroutine write_out(equation)
       type(equation_t), intent(inout) :: equation
 

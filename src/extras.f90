@@ -66,7 +66,8 @@ contains
       end if
    end subroutine choose_extras
 
-   !> Are all further effects those that `corner_with_lines` and `frame_with_lines` have written out?
+   !> Are all further effects those that `corner_with_lines` and `frame_with_lines` have written
+   !> out?
    pure logical function are_lines(equation)
       type(equation_t), intent(in) :: equation
       integer :: i
