@@ -169,7 +169,7 @@ contains
       if (.not. jumps(equation, interval_of(equation), hybrid%t)) return
       !$omp critical (rwmf_text)
       call fail(error, err_numerical, 'the wall jumps at t = '//real_to_text(hybrid%t) &
-         //' s: the vertical motion takes all of weight and cable force from the base, and a ' &
+         //' s: vertical motion or fuses take all of weight and cable force from the base, and a ' &
          //'wall in the air is not in the model', 'wall_jumps')
       !$omp end critical (rwmf_text)
    end subroutine check_ground

@@ -2,11 +2,12 @@
 program test_reactions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use check, only: checks_t
-   use rwmf_case, only: case_t, damper_t, initial_t, link_t, output_t
+   use rwmf_case, only: case_t, damper_t, fuse_t, inerter_t, initial_t, link_t, output_t
    use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: pi, wp
+   use rwmf_memory, only: load_to
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_reactions, only: cable_force, link_force, reactions_at, reactions_t
    use rwmf_result, only: result_t
@@ -26,6 +27,11 @@ program test_reactions
    call check_balance(linked('exact'), 'link, exact')
    call check_balance(damped(), 'dampers')
    call check_balance(pinned(), 'pinned')
+   call check_balance(fused(), 'fuses')
+   call check_balance(with_inerter(), 'inerters')
+   call check_balance(shaken_vertically(), 'vertical motion')
+   call check_balance(with_tendon('linear'), 'tendon')
+   call check_balance(with_tendon('truss'), 'straight tendon')
    call check_damper_power()
    call check_static()
    call check_at_rest()
@@ -78,6 +84,39 @@ contains
       case%wall%base = 'pinned'
    end function pinned
 
+   !> Fuses that yield far below the rotation of the test.
+   function fused() result(case)
+      type(case_t) :: case
+
+      case = scene('exact', 'truss')
+      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+   end function fused
+
+   function with_inerter() result(case)
+      type(case_t) :: case
+
+      case = scene('exact', 'truss')
+      case%inerter = inerter_t(1.5_wp)
+   end function with_inerter
+
+   function shaken_vertically() result(case)
+      type(case_t) :: case
+
+      case = scene('exact', 'truss')
+      allocate (case%vertical)
+      case%vertical%ratio = 0.65_wp
+   end function shaken_vertically
+
+   !> A tendon that yields below the rotation of the test.
+   function with_tendon(law) result(case)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      case = scene('exact', law)
+      case%cable%eta_y = 1.3_wp
+      case%cable%hardening = 0.02_wp
+   end function with_tendon
+
    !> Moments of all forces about the centroid give its moment of inertia times theta'', although
    !> the reactions come from the balance of momentum alone; and the foundation's forces on wall,
    !> frame, cable and dampers together are the base shear, which comes from the accelerations.
@@ -96,17 +135,20 @@ contains
       integer :: i
 
       motion = motion_from_case(case)
-      call build_equation(case, motion, equation)
-      call enter_interval(equation, interval_at(motion, t))
       do side = -1, 1, 2
+         call build_equation(case, motion, equation)
+         call enter_interval(equation, interval_at(motion, t))
          if (equation%has_impacts) equation%side = side
+         ! what yields has done so, and unloads
+         if (equation%has_memory) call load_to(equation, side*0.13_wp)
          do i = -1, 1, 2
             y = [side*0.11_wp, i*0.7_wp]
             y_ddot = second_derivative(equation, t, y)
             reactions = reactions_at(equation, t, y, y_ddot)
             damper = 0
             if (allocated(equation%extras)) then
-               call equation%extras(1)%force(equation, t, y, y_ddot, damper)
+               if (associated(equation%extras(1)%force)) call equation%extras(1)%force(equation, &
+                  t, y, y_ddot, damper)
             end if
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
                + turn(link_corner(equation, case, y), link_force(equation, &
