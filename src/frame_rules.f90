@@ -83,9 +83,11 @@ contains
             //"whose storeys are elastic; the other couplings allow it", error)
          return
       end if
-      if (logical_of(groups, 'output', 'reactions')) then
-         call fail_key(groups, 'output', 'reactions', 'must be .false. with &storeys, whose ' &
-            //'floors they do not know', error)
+      if (logical_of(groups, 'output', 'reactions') &
+          .and. text_of(groups, 'storeys', 'coupling') == 'every_floor') then
+         call fail_key(groups, 'output', 'reactions', "must be .false. with &storeys coupling = " &
+            //"'every_floor': of the links at the floors their moment about the base is known, " &
+            //'not their sum; the other couplings allow it', error)
          return
       end if
       if (has_key(groups, 'spectrum', 'gamma')) then

@@ -104,6 +104,9 @@ module rwmf_scene
       !! of the wall about its pivot over m_w R**2 [-]
       real(wp) :: push = 1
       !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: floor_mass = 0
+      !! mass of the frame's floors beyond that which moves with the roof, over m_w; without wall
+      !! over the latter [-]
       real(wp) :: quickest = 0
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors

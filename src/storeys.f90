@@ -19,7 +19,7 @@ module rwmf_storeys
    private
 
    public :: prepare_storeys, add_push, push_input, add_storeys, storey_rates, storey_sizes
-   public :: storey_power, storey_energy, storey_input, resistance
+   public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
 
 contains
 
@@ -39,6 +39,7 @@ contains
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
+         equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          return
       end if
       unit = 1
@@ -46,6 +47,7 @@ contains
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%m = frame%m/unit
       equation%floors%k = frame%k*pace**2/unit
+      equation%floor_mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       equation%quickest = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
@@ -128,6 +130,30 @@ contains
       force = matmul(equation%floors%c, v) + shear
       force(:n - 1) = force(:n - 1) - shear(2:)
    end function resistance
+
+   !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
+   !> storeys [m/s2].
+   !>
+   !> One mode: they move as their share of the roof, and the modes that are left out follow the
+   !> ground. All modes: what the storeys do to them.
+   real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_ddot
+      !! acceleration of the roof relative to the ground [m/s2]
+      real(wp), allocatable :: force(:)
+
+      if (allocated(equation%floors%m)) then
+         force = resistance(equation, y)
+         inertia = -sum(force(:size(force) - 1))
+      else
+         inertia = frame_mass(equation)*(equation%push - 1)*u_ddot &
+            + equation%floor_mass*ground(equation, t)
+      end if
+   end function floor_inertia
 
    !> Displacements and velocities of ground, floors and roof relative to the ground.
    subroutine floor_motion(equation, y, u, v)

@@ -387,7 +387,8 @@ contains
       call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
          //', height = 3 3, coupling = ''full'' /', '&yielding (line 1): must not be given')
       call refuse(wall//'&frame xi_s = 0 / &output reactions = .true. /'//two &
-         //', height = 3 3 /', 'reactions = .true. (line 1): must be .false. with &storeys')
+         //', height = 3 3, coupling = ''every_floor'' /', 'reactions = .true. (line 1): must be ' &
+         //'.false. with &storeys')
       call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
          //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
