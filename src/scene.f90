@@ -52,6 +52,8 @@ module rwmf_scene
       !! (n) stiffness of the storey below over the same mass [1/s2]
       real(wp), allocatable :: c(:, :)
       !! (n, n) damping over the same mass [1/s]
+      real(wp), allocatable :: height(:)
+      !! (n) of each storey [m]
       integer :: first = 3
       !! place of their first state among all
    end type floors_t
