@@ -18,7 +18,7 @@ module rwmf_bouc_wen
    private
 
    public :: prepare_bouc_wen, add_bouc_wen, bouc_wen_rates, bouc_wen_sizes
-   public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual
+   public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
 
@@ -122,5 +122,15 @@ contains
             - law%u_y*y(law%place))
       end associate
    end function bouc_wen_residual
+
+   !> Restoring force of the frame over m_s [m/s2].
+   real(wp) function bouc_wen_force(equation, y) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      force = equation%p%omega_s**2*(frame_displacement(equation, y(1)) &
+         - bouc_wen_residual(equation, y))
+   end function bouc_wen_force
 
 end module rwmf_bouc_wen

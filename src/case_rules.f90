@@ -1,6 +1,6 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_case_rules
-   use rwmf_case_springs, only: check_tendon, check_yielding
+   use rwmf_case_springs, only: check_fuse, check_tendon, check_yielding
    use rwmf_effect_rules, only: check_impact, check_massless, check_vertical
    use rwmf_errors, only: err_input, error_t, fail
    use rwmf_frame_rules, only: check_frame, check_hysteresis, check_storeys
@@ -36,6 +36,7 @@ contains
       if (.not. allocated(error)) call check_link(groups, error)
       if (.not. allocated(error)) call check_cable(groups, error)
       if (.not. allocated(error)) call check_yielding(groups, error)
+      if (.not. allocated(error)) call check_fuse(groups, error)
       if (.not. allocated(error)) call check_motion(groups, error)
       if (.not. allocated(error)) call check_vertical(groups, error)
       if (.not. allocated(error)) call check_initial(groups, error)

@@ -1,6 +1,6 @@
 !> Rules of the springs with memory: a tendon that yields or breaks, a yielding frame.
 module rwmf_case_springs
-   use rwmf_rule_tools, only: check_one_of, fail_key
+   use rwmf_rule_tools, only: check_one_of, fail_key, too_stiff
    use rwmf_errors, only: error_t
    use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_kinds, only: pi, wp
@@ -9,7 +9,7 @@ module rwmf_case_springs
    implicit none
    private
 
-   public :: check_tendon, check_yielding
+   public :: check_fuse, check_tendon, check_yielding
 
 contains
 
@@ -30,6 +30,19 @@ contains
          //' rad with &yielding: at larger rotations the frame turns back while the wall goes on', &
          error)
    end subroutine check_yielding
+
+   !> The stiffness of a fuse must leave the wall a period that can be followed.
+   subroutine check_fuse(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: problem
+
+      if (.not. has_group(groups, 'fuse')) return
+      problem = too_stiff(real_of(groups, 'fuse', 'eta_y')*real_of(groups, 'model', 'g') &
+         /real_of(groups, 'fuse', 'stroke_y'))
+      if (len(problem) == 0) return
+      call fail_key(groups, 'fuse', 'stroke_y', problem//', eta_y m_w g/stroke_y', error)
+   end subroutine check_fuse
 
    !> Rotation to the left at which the displacement of the link's far end is largest, by
    !> bisection: u = 2h sin(phi) - (L - sqrt(L**2 - v**2)), v = 2h (1 - cos(phi)) [rad].
@@ -82,9 +95,41 @@ contains
                error)
          end if
       end if
+      if (.not. allocated(error)) call check_tendon_stiffness(groups, error)
       if (allocated(error) .or. .not. has_key(groups, 'cable', 'rupture_strain')) return
       call check_strain(groups, eta_0, error)
    end subroutine check_tendon
+
+   !> The stiffness of the tendon must leave the wall a period that can be followed, for any width
+   !> of the spectrum.
+   subroutine check_tendon_stiffness(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: problem
+      real(wp), allocatable :: b(:)
+      real(wp) :: shortest
+      !! elongation up to theta = alpha [m]
+      integer :: i
+
+      b = widths(groups)
+      shortest = huge(shortest)
+      do i = 1, size(b)
+         shortest = min(shortest, elongation_at_alpha(text_of(groups, 'cable', 'law'), &
+            real_of(groups, 'wall', 'h'), b(i)))
+      end do
+      problem = too_stiff((real_of(groups, 'cable', 'eta_alpha') &
+         - real_of(groups, 'cable', 'eta_0'))*real_of(groups, 'model', 'g')/shortest)
+      if (len(problem) > 0) call fail_key(groups, 'cable', 'eta_alpha', problem, error)
+   end subroutine check_tendon_stiffness
+
+   !> Half widths of the wall in a run or a spectrum [m].
+   function widths(groups) result(b)
+      type(group_t), intent(in) :: groups(:)
+      real(wp), allocatable :: b(:)
+
+      call get_list(groups, 'spectrum', 'b', b)
+      if (.not. allocated(b)) b = [real_of(groups, 'wall', 'b')]
+   end function widths
 
    !> The prestress alone must not break the cable, for any width of the spectrum.
    subroutine check_strain(groups, eta_0, error)
@@ -97,8 +142,7 @@ contains
       integer :: i
 
       h = real_of(groups, 'wall', 'h')
-      call get_list(groups, 'spectrum', 'b', b)
-      if (.not. allocated(b)) b = [real_of(groups, 'wall', 'b')]
+      b = widths(groups)
       strain = 0
       do i = 1, size(b)
          strain = max(strain, eta_0/(2*h)*elongation_at_alpha(text_of(groups, 'cable', 'law'), h, &

@@ -112,7 +112,8 @@ contains
       real(wp) :: t_a
 
       t_a = stepper%t0
-      is_plain = (t_b - t_a)*max(equation%p%omega_s, sqrt(equation%p%g/equation%p%R)) < short
+      is_plain = (t_b - t_a)*max(equation%p%omega_s, equation%quickest, &
+         sqrt(equation%p%g/equation%p%R)) < short
       if (is_plain) then
          is_plain = turning_point(equation%motion, interval_of(equation), t_a) >= t_b
       end if

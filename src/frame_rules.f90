@@ -4,7 +4,7 @@ module rwmf_frame_rules
    use rwmf_given, only: get_list, has_group, has_key, logical_of, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
-   use rwmf_rule_tools, only: fail_group, fail_key
+   use rwmf_rule_tools, only: fail_group, fail_key, too_stiff
    use rwmf_text, only: integer_to_text, real_to_text
    implicit none
    private
@@ -61,6 +61,7 @@ contains
       real(wp), allocatable :: k(:)
       real(wp), allocatable :: height(:)
       real(wp) :: top
+      character(:), allocatable :: problem
       character(5), parameter :: keys(2) = ['T_s  ', 'gamma']
       integer :: i
 
@@ -83,9 +84,11 @@ contains
             //"whose storeys are elastic; the other couplings allow it", error)
          return
       end if
-      if (logical_of(groups, 'output', 'reactions')) then
-         call fail_key(groups, 'output', 'reactions', 'must be .false. with &storeys, whose ' &
-            //'floors they do not know', error)
+      if (logical_of(groups, 'output', 'reactions') &
+          .and. text_of(groups, 'storeys', 'coupling') == 'every_floor') then
+         call fail_key(groups, 'output', 'reactions', "must be .false. with &storeys coupling = " &
+            //"'every_floor': of the links at the floors their moment about the base is known, " &
+            //'not their sum; the other couplings allow it', error)
          return
       end if
       if (has_key(groups, 'spectrum', 'gamma')) then
@@ -98,6 +101,10 @@ contains
       call get_list(groups, 'storeys', 'height', height)
       if (size(k) /= size(m)) call fail_length('k_over_m_w', size(k))
       if (size(height) /= size(m)) call fail_length('height', size(height))
+      if (allocated(error)) return
+      problem = too_stiff(maxval((k + [k(2:), 0.0_wp])/m))
+      if (len(problem) > 0) call fail_key(groups, 'storeys', 'k_over_m_w', 'between its storeys ' &
+         //'a floor is too stiff: '//problem, error)
       if (allocated(error) .or. .not. has_group(groups, 'wall')) return
       top = 2*real_of(groups, 'wall', 'h')
       if (abs(sum(height) - top) <= 1.0e-6_wp*top) return

@@ -3,6 +3,7 @@ module rwmf_inventory
    use rwmf_case, only: case_t
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
+   use rwmf_memory, only: is_elastic_plastic
    use rwmf_result, only: event_branch, event_impact, event_lift_off, event_name, &
       event_overturned, event_peak, &
       event_rest, event_rupture, result_t
@@ -65,11 +66,27 @@ contains
    !> Unknowns of the equation of motion.
    pure function list_states(case) result(names)
       type(case_t), intent(in) :: case
-      character(16), allocatable :: names(:)
+      character(24), allocatable :: names(:)
       !! (states)
+      character(24), allocatable :: places(:)
+      character(24), allocatable :: velocities(:)
+      integer :: n
+      integer :: i
 
-      names = [character(16) :: 'u_s_m', 'u_s_dot_m_s']
-      if (allocated(case%wall)) names = [character(16) :: 'theta_rad', 'theta_dot_rad_s']
+      names = [character(24) :: 'u_s_m', 'u_s_dot_m_s']
+      if (allocated(case%wall)) names = [character(24) :: 'theta_rad', 'theta_dot_rad_s']
+      if (allocated(case%yielding)) then
+         if (.not. is_elastic_plastic(case%yielding)) names = [character(24) :: names, 'z']
+      end if
+      if (.not. allocated(case%storeys)) return
+      if (case%storeys%coupling /= 'full') return
+      n = size(case%storeys%frame%m) - 1
+      allocate (places(n), velocities(n))
+      do i = 1, n
+         write (places(i), '(a, i0, a)') 'floor_', i, '_m'
+         write (velocities(i), '(a, i0, a)') 'floor_', i, '_dot_m_s'
+      end do
+      names = [character(24) :: names, places, velocities]
    end function list_states
 
    !> Events that are located.

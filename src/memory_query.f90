@@ -8,6 +8,10 @@ module rwmf_memory_query
    private
 
    public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
+   public :: frame_force_column
+
+   character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
+   !! of every law
 
 contains
 
@@ -39,7 +43,7 @@ contains
       do i = 1, size(names)
          select case (equation%springs(i)%place)
          case (place_frame)
-            names(i) = 'frame_force_over_m_s_g'
+            names(i) = frame_force_column
          case (place_left)
             names(i) = 'fuse_left_force_over_m_w_g'
          case default

@@ -2,6 +2,7 @@
 !>
 !> The observer reads the states that the hybrid loop passes by; nothing that it does changes them.
 module rwmf_observer
+   use rwmf_bouc_wen, only: bouc_wen_force
    use rwmf_cable, only: cable_state_t
    use rwmf_case, only: case_t
    use rwmf_energy, only: impact_loss, mechanical_energy
@@ -13,12 +14,13 @@ module rwmf_observer
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_locate, only: stationary_point
-   use rwmf_memory_query, only: spring_columns, spring_forces
+   use rwmf_memory_query, only: frame_force_column, spring_columns, spring_forces
    use rwmf_motion, only: acceleration, vertical_acceleration
    use rwmf_observer_energy, only: energy_names, energy_values, integrate_powers
    use rwmf_observer_forces, only: force_columns, force_values
    use rwmf_result, only: append_event, energy_t, event_t, history_t, shorten_events
    use rwmf_stepper, only: stepper_t
+   use rwmf_storeys, only: floor_columns, floor_values
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
    private
@@ -144,7 +146,9 @@ contains
          names = [character(32) :: names, 'cable_force_over_m_w_g']
          if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
       end if
+      if (equation%has_course) names = [character(32) :: names, frame_force_column]
       if (equation%has_memory) names = [character(32) :: names, spring_columns(equation)]
+      names = [character(32) :: names, floor_columns(equation)]
       if (allocated(observer%forces)) then
          names = [character(32) :: names, force_columns(equation, observer%m_w_g)]
       end if
@@ -323,7 +327,9 @@ contains
             i = i + 1
          end if
       end if
+      if (equation%has_course) call put([bouc_wen_force(equation, y)/equation%p%g])
       if (equation%has_memory) call put(spring_forces(equation, y(1)))
+      if (allocated(equation%floors%m)) call put(floor_values(equation, y))
       if (allocated(observer%forces)) call put(force_values(equation, observer%m_w_g, t, y, &
          y_ddot, frame_displacement(equation, y(1))))
       if (observer%keeps_energy) call put(energy_values(energy, equation, y))

@@ -100,8 +100,7 @@ contains
    pure real(wp) function weight(equation)
       type(equation_t), intent(in) :: equation
 
-      weight = equation%p%g
-      if (equation%has_wall) weight = weight*(1 + equation%p%gamma)
+      weight = equation%p%g*(1 + equation%p%gamma + equation%floor_mass)
    end function weight
 
    pure real(wp) function roof_height(equation)

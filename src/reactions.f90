@@ -8,6 +8,7 @@ module rwmf_reactions
       rise_of_top_corner
    use rwmf_memory_query, only: frame_residual
    use rwmf_scene, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
+   use rwmf_storeys, only: floor_inertia, resistance
    implicit none
    private
 
@@ -40,10 +41,12 @@ contains
       !! acceleration of the wall's centroid [m/s2]
       real(wp) :: applied(2)
       !! force on the wall beyond weight and foundation [m/s2]
+      real(wp) :: u_ddot
       integer :: i
 
       if (.not. equation%has_wall) then
-         reactions = reactions_t(0, 0, y_ddot + ground(equation, t))
+         reactions = reactions_t(0, 0, y_ddot + ground(equation, t) &
+            + floor_inertia(equation, t, y, y_ddot))
          return
       end if
       kin = kinematics_at(equation, y(1))
@@ -61,7 +64,11 @@ contains
       end if
       reactions%horizontal = mean(1) - applied(1)
       reactions%normal = mean(2) + equation%p%g - applied(2)
-      reactions%base_shear = mean(1) + frame_inertia(equation, kin, t, y, y_ddot)
+      reactions%base_shear = mean(1)
+      if (.not. equation%has_frame) return
+      u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+      reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
+         + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot)
    end function reactions_at
 
    !> |H|/N, the coefficient of friction that keeps the pivot in its place; not finite where the
@@ -86,6 +93,8 @@ contains
       real(wp), intent(in) :: y_ddot
       real(wp) :: force(2)
       !! [m/s2]
+      real(wp), allocatable :: resisting(:)
+      !! forces of the storeys [m/s2]
       real(wp) :: rise
       !! of the link's corner over R [-]
       real(wp) :: side_of_frame
@@ -94,8 +103,15 @@ contains
       force = 0
       if (.not. equation%has_frame) return
       associate (p => equation%p)
-         force(1) = -frame_inertia(equation, kin, t, y, y_ddot) - p%gamma*p%omega_s*p%R &
-            *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
+         force(1) = -p%gamma*(roof_acceleration(equation, kin, y, y_ddot) &
+            + equation%push*ground(equation, t))
+         if (allocated(equation%floors%m)) then
+            resisting = resistance(equation, y)
+            force(1) = force(1) - resisting(size(resisting))
+         else
+            force(1) = force(1) - p%gamma*p%omega_s*p%R &
+               *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
+         end if
          if (equation%has_memory) force(1) = force(1) + p%gamma*p%omega_squared &
             *frame_residual(equation, y(1))
          if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
@@ -150,16 +166,14 @@ contains
       end if
    end function wall_drift
 
-   !> Rate of momentum of the frame, gamma (u_s'' + u_g'') [m/s2].
-   real(wp) function frame_inertia(equation, kin, t, y, y_ddot) result(inertia)
+   !> Acceleration of the frame (of its roof) relative to the ground, u_s'' [m/s2].
+   pure real(wp) function roof_acceleration(equation, kin, y, y_ddot) result(u_ddot)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
-      real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
 
-      inertia = equation%p%gamma*(equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot) &
-         + ground(equation, t))
-   end function frame_inertia
+      u_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+   end function roof_acceleration
 
 end module rwmf_reactions

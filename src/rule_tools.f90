@@ -3,14 +3,34 @@
 module rwmf_rule_tools
    use rwmf_errors, only: error_t
    use rwmf_given, only: entry_of, group_of, has_group, has_key
+   use rwmf_kinds, only: pi, wp
    use rwmf_namelist, only: group_t
+   use rwmf_text, only: real_to_text
    use rwmf_validation, only: fail_at_entry, fail_at_group
    implicit none
    private
 
    public :: check_needs, check_one_of, fail_group, fail_key
+   public :: too_stiff
 
 contains
+
+   !> What is wrong with a spring so stiff that no method follows its mass; empty for others.
+   !>
+   !> A period of 1e-5 s is a thousandth of what any part of a building has; far below, the motion
+   !> of the mass is lost in the round-off of its rotation.
+   pure function too_stiff(omega_squared) result(problem)
+      real(wp), intent(in) :: omega_squared
+      !! stiffness over mass [1/s2]
+      character(:), allocatable :: problem
+      real(wp), parameter :: shortest = 1.0e-5_wp
+      !! [s]
+
+      problem = ''
+      if (omega_squared*shortest**2 <= (2*pi)**2) return
+      problem = 'the period 2 pi sqrt(mass/stiffness) is '//real_to_text(2*pi/sqrt(omega_squared)) &
+         //' s, must be >= '//real_to_text(shortest)//' s: lower the stiffness'
+   end function too_stiff
 
    !> A group that is given needs another one.
    subroutine check_needs(groups, group, other, reason, error)

@@ -53,6 +53,8 @@ module rwmf_scene
       !! (n) stiffness of the storey below over the same mass [1/s2]
       real(wp), allocatable :: c(:, :)
       !! (n, n) damping over the same mass [1/s]
+      real(wp), allocatable :: height(:)
+      !! (n) of each storey [m]
       integer :: first = 3
       !! place of their first state among all
    end type floors_t
@@ -109,6 +111,9 @@ module rwmf_scene
       !! of the wall about its pivot over m_w R**2 [-]
       real(wp) :: push = 1
       !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: floor_mass = 0
+      !! mass of the frame's floors beyond that which moves with the roof, over m_w; without wall
+      !! over the latter [-]
       real(wp) :: quickest = 0
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors

@@ -19,7 +19,8 @@ module rwmf_storeys
    private
 
    public :: prepare_storeys, add_push, push_input, add_storeys, storey_rates, storey_sizes
-   public :: storey_power, storey_energy, storey_input, resistance
+   public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
+   public :: floor_columns, floor_values
 
 contains
 
@@ -39,13 +40,16 @@ contains
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
+         equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          return
       end if
       unit = 1
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%m = frame%m/unit
+      equation%floors%height = frame%height
       equation%floors%k = frame%k*pace**2/unit
+      equation%floor_mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       equation%quickest = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
@@ -129,6 +133,30 @@ contains
       force(:n - 1) = force(:n - 1) - shear(2:)
    end function resistance
 
+   !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
+   !> storeys [m/s2].
+   !>
+   !> One mode: they move as their share of the roof, and the modes that are left out follow the
+   !> ground. All modes: what the storeys do to them.
+   real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_ddot
+      !! acceleration of the roof relative to the ground [m/s2]
+      real(wp), allocatable :: force(:)
+
+      if (allocated(equation%floors%m)) then
+         force = resistance(equation, y)
+         inertia = -sum(force(:size(force) - 1))
+      else
+         inertia = frame_mass(equation)*(equation%push - 1)*u_ddot &
+            + equation%floor_mass*ground(equation, t)
+      end if
+   end function floor_inertia
+
    !> Displacements and velocities of ground, floors and roof relative to the ground.
    subroutine floor_motion(equation, y, u, v)
       class(equation_t), intent(in) :: equation
@@ -146,6 +174,41 @@ contains
       u(n) = frame_displacement(equation, y(1))
       v(n) = frame_velocity(equation, y)
    end subroutine floor_motion
+
+   !> Columns of the history of a frame with all its modes; none for others.
+   pure function floor_columns(equation) result(names)
+      class(equation_t), intent(in) :: equation
+      character(32), allocatable :: names(:)
+      integer :: n
+      integer :: i
+
+      allocate (names(0))
+      if (.not. allocated(equation%floors%m)) return
+      n = size(equation%floors%m)
+      deallocate (names)
+      allocate (names(2*n - 1))
+      do i = 1, n
+         if (i < n) write (names(i), '(a, i0, a)') 'floor_', i, '_m'
+         write (names(n - 1 + i), '(a, i0, a)') 'storey_', i, '_drift'
+      end do
+   end function floor_columns
+
+   !> Their values: displacements of the floors below the roof relative to the ground [m], and what
+   !> each storey is displaced by over its height [-].
+   function floor_values(equation, y) result(values)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: values(2*size(equation%floors%m) - 1)
+      real(wp) :: u(0:size(equation%floors%m))
+      real(wp) :: v(size(equation%floors%m))
+      integer :: n
+
+      n = size(v)
+      call floor_motion(equation, y, u, v)
+      values(:n - 1) = u(1:n - 1)
+      values(n:) = (u(1:) - u(:n - 1))/equation%floors%height
+   end function floor_values
 
    !> Of the floors below the roof [m/s].
    pure function velocities(equation, y) result(v)

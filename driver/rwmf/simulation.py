@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -141,6 +142,12 @@ def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, 
 
 def _label(key: str) -> tuple[str, dict[str, str]]:
     """Name and attributes of a quantity; one that is not in the table keeps its key."""
+    numbered = re.fullmatch(r"(floor|storey)_(\d+)_(m|drift)", key)
+    if numbered:
+        part, number, _ = numbered.groups()
+        if part == "floor":
+            return f"floor_{number}", {"units": "m", "long_name": f"displacement of floor {number}"}
+        return key, {"units": "1", "long_name": f"drift of storey {number} over its height"}
     if key not in QUANTITIES:
         return key, {}
     quantity = QUANTITIES[key]

@@ -186,6 +186,7 @@ def test_spectrum_of_equal_strength() -> None:
         cable={"eta_y": 1.4},
         fuse={"eta_y": 0.2, "stroke_y": 0.005},
         yielding={"f_y_over_m_s_g": 0.1},
+        solver={"method": "dop853"},
         spectrum={"T_s_min": 0.5, "T_s_max": 1.5, "n": 3, "b": [0.4, 0.6]},
     )
     spectrum = rwmf.spectrum(case)

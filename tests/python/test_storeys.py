@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import rwmf
+from rwmf import _library
 from scenes import bare_frame, coupled
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
@@ -230,3 +231,43 @@ def test_keys_of_the_reduction() -> None:
     arms = np.cumsum(height) * model.m @ modes[:, 0]
     assert attributes["modal_height_m"] == pytest.approx(arms / share, rel=1e-12)
     assert attributes["roof_factor"] == pytest.approx(share * modes[-1, 0], rel=1e-12)
+
+
+def test_history_of_the_floors() -> None:
+    """Floors, roof and the drifts between them; states as the kernel has them."""
+    m, k, height = [3.0, 2.0, 1.5], [600.0, 500.0, 300.0], [5.0, 4.0, 3.0]
+    frame = Storeys(m, k, 0.05, 1.0)
+    case = bare_frame(
+        frame={"T_s": None, "xi_s": 0.05},
+        motion=PULSE,
+        storeys={"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": "full"},
+        solver={"t_end": 2.0, "rtol": 1e-11, "method": "dop853"},
+    )
+    run = rwmf.simulate(case, dt=0.1)
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        u, v = y[:3], y[3:]
+        return np.concatenate([v, -(frame.k @ u + frame.c @ v) / frame.m - ground(t)])
+
+    pieces = [(0.0, PULSE_END), (PULSE_END, 2.0)]
+    y, found = np.zeros(6), []
+    t = run["time"].values
+    for begin, end in pieces:
+        part = t[(t >= begin) & (t <= end)]
+        flow = solve_ivp(rates, (begin, end), y, dense_output=True, **TIGHT)
+        found.append(flow.sol(part))
+        y = flow.y[:, -1]
+    u = np.hstack(found)[:3]
+    for i, name in enumerate(("floor_1", "floor_2", "u_s")):
+        assert run[name].values == pytest.approx(u[i], abs=1e-8)
+        drift = np.diff(np.vstack([np.zeros(t.size), u]), axis=0)[i] / height[i]
+        assert run[f"storey_{i + 1}_drift"].values == pytest.approx(drift, abs=1e-8)
+    assert run["floor_1"].attrs["units"] == "m"
+    assert _library.inventory(case.text, case.kernel_source())["states"] == [
+        "u_s_m",
+        "u_s_dot_m_s",
+        "floor_1_m",
+        "floor_2_m",
+        "floor_1_dot_m_s",
+        "floor_2_dot_m_s",
+    ]

@@ -24,6 +24,7 @@ program test_case
    call test_spectrum()
    call test_record()
    call test_bad_names()
+   call test_stiff_springs()
    call test_bad_values()
    call test_bad_scenes()
    call test_bad_motions()
@@ -347,6 +348,23 @@ contains
       call checks%no_error(error, 'accepted')
       if (allocated(error)) call checks%finish()
    end subroutine accept
+
+   !> Springs that would make a part of the scene swing within less than 1e-5 s: on both sides of
+   !> the limit (2 pi)**2 1e10/g = 4.024e10 1/m for the stiffness of a fuse over m_w g.
+   subroutine test_stiff_springs()
+      character(*), parameter :: exact = '&model formulation = ''exact'' /'//nl//wall//ends
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(exact//'&fuse eta_y = 40, stroke_y = 1e-9 /', '', case, error)
+      call checks%no_error(error, 'a fuse just below the limit')
+      call refuse(exact//'&fuse eta_y = 41, stroke_y = 1e-9 /', 'must be >= 1.0e-5 s')
+      call refuse(exact//'&fuse eta_y = 1e300, stroke_y = 1e-9 /', '&fuse: stroke_y = 1e-9')
+      call refuse(exact//'&cable eta_0 = 1, eta_alpha = 1e300, eta_y = 2 /', &
+         '&cable: eta_alpha = 1e300 (line 4): the period 2 pi sqrt(mass/stiffness) is')
+      call refuse(exact//'&cable eta_0 = 1, eta_alpha = 1e12, eta_y = 2, law = ''truss'' /', &
+         'lower the stiffness')
+   end subroutine test_stiff_springs
 
    subroutine refuse(text, message)
       character(*), intent(in) :: text

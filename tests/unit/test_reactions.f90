@@ -5,12 +5,16 @@ program test_reactions
    use rwmf_case, only: case_t, damper_t, fuse_t, inerter_t, initial_t, link_t, output_t
    use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
+   use rwmf_equivalent_frame, only: set_equivalent_frame
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: pi, wp
    use rwmf_memory, only: load_to
+   use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_reactions, only: cable_force, link_force, reactions_at, reactions_t
    use rwmf_result, only: result_t
+   use rwmf_scene, only: ground
+   use rwmf_shear_frame, only: damping_matrix, modal_mass
    use rwmf_simulation, only: simulate
    use scenes, only: block_scene, frame_scene, rwmf_scene
    implicit none
@@ -32,6 +36,17 @@ program test_reactions
    call check_balance(shaken_vertically(), 'vertical motion')
    call check_balance(with_tendon('linear'), 'tendon')
    call check_balance(with_tendon('truss'), 'straight tendon')
+   call check_balance(hysteretic('exact'), 'Bouc and Wen')
+   call check_balance(hysteretic('symmetric'), 'Bouc and Wen, symmetric')
+   call check_balance(storeys('reduced', 'exact'), 'one mode')
+   call check_balance(storeys('reduced', 'symmetric'), 'one mode, symmetric')
+   call check_balance(storeys('full', 'exact'), 'all modes')
+   call check_balance(storeys('full', 'published'), 'all modes, published')
+   call check_balance(linked_storeys('full'), 'all modes, link')
+   call check_balance(linked_storeys('reduced'), 'one mode, link')
+   call check_modal_base_shear('full')
+   call check_modal_base_shear('reduced')
+   call check_storeys_at_rest()
    call check_damper_power()
    call check_static()
    call check_at_rest()
@@ -117,6 +132,52 @@ contains
       case%cable%hardening = 0.02_wp
    end function with_tendon
 
+   !> The frame yields smoothly.
+   function hysteretic(formulation) result(case)
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+
+      case = scene(formulation, 'linear')
+      allocate (case%yielding)
+      case%yielding%law = 'bouc_wen'
+      case%yielding%u_y = 0.1_wp
+      case%yielding%hardening = 0.07_wp
+      case%yielding%exponent = 2
+      case%yielding%beta = 0.6_wp
+   end function hysteretic
+
+   !> Three unequal storeys under the roof at the wall's top.
+   function storeys(coupling, formulation) result(case)
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+
+      case = scene(formulation, 'linear')
+      call add_storeys(case, coupling)
+   end function storeys
+
+   function linked_storeys(coupling) result(case)
+      character(*), intent(in) :: coupling
+      type(case_t) :: case
+
+      case = linked('exact')
+      call add_storeys(case, coupling)
+   end function linked_storeys
+
+   subroutine add_storeys(case, coupling)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: coupling
+      type(error_t), allocatable :: error
+
+      allocate (case%storeys)
+      case%storeys%coupling = coupling
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.5_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'storeys')
+   end subroutine add_storeys
+
    !> Moments of all forces about the centroid give its moment of inertia times theta'', although
    !> the reactions come from the balance of momentum alone; and the foundation's forces on wall,
    !> frame, cable and dampers together are the base shear, which comes from the accelerations.
@@ -126,13 +187,14 @@ contains
       type(motion_t), target :: motion
       type(equation_t) :: equation
       type(reactions_t) :: reactions
-      real(wp) :: y(2)
+      real(wp), allocatable :: y(:)
       real(wp) :: y_ddot
       real(wp) :: moment
       real(wp) :: shear
       real(wp) :: damper(2)
       integer :: side
       integer :: i
+      integer :: j
 
       motion = motion_from_case(case)
       do side = -1, 1, 2
@@ -142,7 +204,7 @@ contains
          ! what yields has done so, and unloads
          if (equation%has_memory) call load_to(equation, side*0.13_wp)
          do i = -1, 1, 2
-            y = [side*0.11_wp, i*0.7_wp]
+            y = [side*0.11_wp, i*0.7_wp, (0.1_wp*j*i, j=3, equation%n)]
             y_ddot = second_derivative(equation, t, y)
             reactions = reactions_at(equation, t, y, y_ddot)
             damper = 0
@@ -158,7 +220,7 @@ contains
             call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
                //name, atol=round_off*equation%p%g*equation%p%R*(1 + equation%p%gamma))
             shear = reactions%horizontal + sum([1.0_wp, 0.0_wp]*(cable_force(equation, y(1)) &
-               + damper)) - frame_shear(equation, y)
+               + damper)) - frame_shear(equation, case, y)
             call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
                atol=round_off*equation%p%g*(1 + equation%p%gamma))
          end do
@@ -231,8 +293,9 @@ contains
    end function lifting_corner
 
    !> Spring and damper of the frame on its mass, against its motion.
-   real(wp) function frame_shear(equation, y) result(shear)
+   real(wp) function frame_shear(equation, case, y) result(shear)
       type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
       real(wp), intent(in) :: y(:)
       real(wp), parameter :: step = 1.0e-30_wp
       real(wp) :: u
@@ -262,7 +325,141 @@ contains
       slope = equation%p%R*root%im/step
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
+      if (allocated(case%yielding)) then
+         associate (law => case%yielding)
+            shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
+               *(law%u_y*y(3) - u)
+         end associate
+      else if (allocated(case%storeys)) then
+         shear = storey_shear(equation, case, y, u, slope*y(2))
+      end if
    end function frame_shear
+
+   !> The columns of the lowest storey and all dampers; one mode: what its floors need less what
+   !> the link brings.
+   real(wp) function storey_shear(equation, case, y, roof, rate) result(shear)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: roof
+      !! its displacement [m]
+      real(wp), intent(in) :: rate
+      !! and velocity [m/s]
+      real(wp) :: link(2)
+      real(wp) :: roof_ddot
+      type(kinematics_t) :: kin
+
+      associate (frame => case%storeys%frame)
+         if (case%storeys%coupling == 'full') then
+            shear = frame%k(1)*y(3) + sum(matmul(damping_matrix(frame, case%frame%xi_s), &
+               [y(5:6), rate]))
+            return
+         end if
+         kin = kinematics_at(equation, y(1))
+         link = link_force(equation, kin, t, y, second_derivative(equation, t, y))
+         roof_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 &
+            + kin%j*second_derivative(equation, t, y))
+         ! the link holds the roof's modal equation, every floor has the acceleration of its share
+         call checks%close_to(-link(1), sum(frame%shape(:, 1)*(frame%m*(frame%shape(:, 1) &
+            *roof_ddot/frame%shape(3, 1) + ground(equation, t)) + (frame%omega(1)**2*roof &
+            + 2*case%frame%xi_s*frame%omega(1)*rate)*frame%m*frame%shape(:, 1) &
+            /frame%shape(3, 1)))/frame%shape(3, 1), 'link of one mode', rtol=1.0e-12_wp)
+         shear = -link(1) - sum(frame%m*(frame%shape(:, 1)/frame%shape(3, 1)*roof_ddot &
+            + ground(equation, t)))
+      end associate
+   end function storey_shear
+
+   !> Without wall and damping: all modes, the sum over the modes of the base shear M*_j omega_j**2
+   !> D_j(t) (Chopra, section 13.2); one mode, its own, and the rest of the mass with the ground.
+   subroutine check_modal_base_shear(coupling)
+      character(*), intent(in) :: coupling
+      type(case_t) :: case
+      type(case_t) :: mode
+      type(result_t) :: result
+      type(result_t) :: part
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: shear(:)
+      real(wp), allocatable :: found(:)
+      integer :: modes
+      integer :: j
+
+      case = frame_scene(1.0_wp, 'dop853')
+      call add_storeys(case, coupling)
+      case%frame%xi_s = 0
+      case%solver%t_end = 3
+      case%solver%rtol = 1.0e-11_wp
+      case%output = output_t(dt=0.01_wp, energy=.false., reactions=.true.)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'base shear of '//coupling)
+      modes = merge(3, 1, coupling == 'full')
+      associate (frame => case%storeys%frame)
+         shear = (sum(frame%m) - sum([(modal_mass(frame, j), j=1, modes)])) &
+            *column(result, 'u_g_ddot_m_s2')
+         do j = 1, modes
+            mode = frame_scene(2*pi/frame%omega(j), 'dop853')
+            mode%frame%xi_s = 0
+            mode%solver = case%solver
+            mode%output = output_t(dt=0.01_wp, energy=.false., reactions=.false.)
+            call simulate(mode, part, error)
+            call checks%no_error(error, 'oscillator of a mode')
+            shear = shear - modal_mass(frame, j)*frame%omega(j)**2*column(part, 'u_s_m')
+         end do
+         found = column(result, 'base_shear_over_weight')*sum(frame%m)*case%model%g
+      end associate
+      call checks%close_to(maxval(abs(found - shear))/maxval(abs(shear)), 0.0_wp, &
+         'base shear of the modes, '//coupling, atol=1.0e-8_wp)
+      call checks%close_to(result%reactions%base_shear_max, &
+         maxval(abs(column(result, 'base_shear_over_weight'))), 'its largest', rtol=1.0e-3_wp)
+   end subroutine check_modal_base_shear
+
+   !> A wall that rests throughout while its floors move: the roof goes with the ground, so that the
+   !> base shear is what wall, roof and the ground's shear of the others need; one mode is rigid.
+   subroutine check_storeys_at_rest()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: floors(:)
+      character(9), parameter :: couplings(2) = [character(9) :: 'reduced', 'full']
+      real(wp) :: omega
+      real(wp) :: demand
+      integer :: i
+
+      do i = 1, size(couplings)
+         case = scene('exact', 'linear')
+         case%motion%a_max_g = 0.01_wp
+         allocate (case%storeys)
+         case%storeys%coupling = trim(couplings(i))
+         case%storeys%frame%m = [3.0_wp, 2.0_wp]
+         case%storeys%frame%k = [600.0_wp, 500.0_wp]
+         case%storeys%frame%height = [2.0_wp, 2.0_wp]
+         call set_equivalent_frame(case, error)
+         case%frame%xi_s = 0
+         case%solver%t_end = 0.999_wp
+         case%output = output_t(dt=0.001_wp, energy=.false., reactions=.true.)
+         call simulate(case, result, error)
+         call checks%no_error(error, 'storeys at rest')
+         call checks%that(result%lift_offs == 0, 'the wall rests')
+         if (couplings(i) == 'reduced') then
+            call checks%close_to(result%reactions%base_shear_max, case%motion%a_max_g, &
+               'base shear of a rigid whole', rtol=1.0e-12_wp)
+            cycle
+         end if
+         ! the floor is an oscillator between two springs under a sine
+         omega = sqrt(1100/3.0_wp)
+         associate (t => column(result, 't_s'), rate => case%motion%omega_p, &
+            a => case%motion%a_max_g)
+            floors = 6*a*sin(rate*t) + 3*a/(omega**2 - rate**2)*(rate**2*sin(rate*t) &
+               - rate*omega*sin(omega*t))
+            call checks%close_to(maxval(abs(column(result, 'base_shear_over_weight')*6 &
+               - floors)), 0.0_wp, 'base shear over a moving floor', atol=1.0e-9_wp)
+            ! link: the roof's mass and the upper storey's columns
+            demand = maxval(abs(3*a*sin(rate*t) + 500*a/(omega**2 - rate**2)*(sin(rate*t) &
+               - rate/omega*sin(omega*t))))/2
+            call checks%close_to(result%reactions%demand_max, demand, 'its demand', &
+               rtol=1.0e-3_wp)
+         end associate
+      end do
+   end subroutine check_storeys_at_rest
 
    !> Does the link's end move as the left top corner while the wall rocks to the left?
    logical function is_left(equation)
@@ -276,7 +473,6 @@ contains
    end function is_left
 
    real(wp) function kinematic_u(equation, phi) result(u)
-      use rwmf_kinematics, only: kinematics_t
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: phi
       type(kinematics_t) :: kin

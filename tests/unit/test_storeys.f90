@@ -13,6 +13,7 @@ program test_storeys
       shear_frame_t
    use rwmf_simulation, only: simulate
    use rwmf_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_text, only: real_to_text
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 
@@ -387,9 +388,13 @@ contains
       call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
          //', height = 3 3, coupling = ''full'' /', '&yielding (line 1): must not be given')
       call refuse(wall//'&frame xi_s = 0 / &output reactions = .true. /'//two &
-         //', height = 3 3 /', 'reactions = .true. (line 1): must be .false. with &storeys')
+         //', height = 3 3, coupling = ''every_floor'' /', 'reactions = .true. (line 1): must be ' &
+         //'.false. with &storeys')
       call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
          //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
+      call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
+         //'height = 3 3 /', 'a floor is too stiff: the period 2 pi sqrt(mass/stiffness) is ' &
+         //real_to_text(2*pi/sqrt((1.0e13_wp + 300)/2)))
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
    end subroutine check_refusals
 
