@@ -38,8 +38,8 @@ contains
       character(:), allocatable :: problem
 
       if (.not. has_group(groups, 'fuse')) return
-      problem = too_stiff(real_of(groups, 'fuse', 'eta_y')*real_of(groups, 'model', 'g') &
-         /real_of(groups, 'fuse', 'stroke_y'))
+      problem = too_stiff(sqrt(real_of(groups, 'fuse', 'stroke_y')), &
+         sqrt(real_of(groups, 'fuse', 'eta_y'))*sqrt(real_of(groups, 'model', 'g')))
       if (len(problem) == 0) return
       call fail_key(groups, 'fuse', 'stroke_y', problem//', eta_y m_w g/stroke_y', error)
    end subroutine check_fuse
@@ -117,8 +117,8 @@ contains
          shortest = min(shortest, elongation_at_alpha(text_of(groups, 'cable', 'law'), &
             real_of(groups, 'wall', 'h'), b(i)))
       end do
-      problem = too_stiff((real_of(groups, 'cable', 'eta_alpha') &
-         - real_of(groups, 'cable', 'eta_0'))*real_of(groups, 'model', 'g')/shortest)
+      problem = too_stiff(sqrt(shortest), sqrt(real_of(groups, 'cable', 'eta_alpha') &
+         - real_of(groups, 'cable', 'eta_0'))*sqrt(real_of(groups, 'model', 'g')))
       if (len(problem) > 0) call fail_key(groups, 'cable', 'eta_alpha', problem, error)
    end subroutine check_tendon_stiffness
 

@@ -102,7 +102,7 @@ contains
       if (size(k) /= size(m)) call fail_length('k_over_m_w', size(k))
       if (size(height) /= size(m)) call fail_length('height', size(height))
       if (allocated(error)) return
-      problem = too_stiff(maxval((k + [k(2:), 0.0_wp])/m))
+      problem = too_stiff(minval(sqrt(m/2)/sqrt(k/2 + [k(2:)/2, 0.0_wp])), 1.0_wp)
       if (len(problem) > 0) call fail_key(groups, 'storeys', 'k_over_m_w', 'between its storeys ' &
          //'a floor is too stiff: '//problem, error)
       if (allocated(error) .or. .not. has_group(groups, 'wall')) return

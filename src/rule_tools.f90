@@ -19,17 +19,20 @@ contains
    !>
    !> A period of 1e-5 s is a thousandth of what any part of a building has; far below, the motion
    !> of the mass is lost in the round-off of its rotation.
-   pure function too_stiff(omega_squared) result(problem)
-      real(wp), intent(in) :: omega_squared
-      !! stiffness over mass [1/s2]
+   pure function too_stiff(root_mass, root_stiffness) result(problem)
+      real(wp), intent(in) :: root_mass
+      !! square root of the mass, or of its part of a quotient: neither overflows [sqrt(kg)]
+      real(wp), intent(in) :: root_stiffness
+      !! > 0, square root of the stiffness [sqrt(N/m)]
       character(:), allocatable :: problem
       real(wp), parameter :: shortest = 1.0e-5_wp
       !! [s]
 
       problem = ''
-      if (omega_squared*shortest**2 <= (2*pi)**2) return
-      problem = 'the period 2 pi sqrt(mass/stiffness) is '//real_to_text(2*pi/sqrt(omega_squared)) &
-         //' s, must be >= '//real_to_text(shortest)//' s: lower the stiffness'
+      if (2*pi*root_mass >= shortest*root_stiffness) return
+      problem = 'the period 2 pi sqrt(mass/stiffness) is ' &
+         //real_to_text(2*pi*root_mass/root_stiffness)//' s, must be >= ' &
+         //real_to_text(shortest)//' s: lower the stiffness'
    end function too_stiff
 
    !> A group that is given needs another one.
