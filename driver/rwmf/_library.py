@@ -17,7 +17,17 @@ import numpy.typing as npt
 from rwmf._kernel import rwmf_python as _kernel
 from rwmf._kernel import rwmf_python_cost as cost_kernel  # noqa: F401 (for _measure)
 from rwmf._reference import rwmf_reference as reference_kernel  # noqa: F401 (for _measure)
-from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+from rwmf._wire import (
+    FIRST_BUFFER,
+    decode,
+    encode,
+    fetch_text,
+    message_buffer,
+    raise_for,
+    split_table,
+    summary_item,
+)
+from rwmf.errors import Interrupted
 
 __all__ = [
     "Run",
@@ -34,12 +44,8 @@ __all__ = [
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
 
-_FIRST_BUFFER = 4096
-_MESSAGE_BYTES = 8192
 # how often the waiting thread looks for Ctrl-C and reports progress: well below 0.2 s
 _POLL_SECONDS = 0.05
-_INTERRUPTED = 130
-_ERRORS: dict[int, type[RwmfError]] = {1: NumericalError, 2: InputError}
 
 
 def version() -> str:
@@ -50,7 +56,7 @@ def version() -> str:
     str
         For example ``'0.1.0'``.
     """
-    return _fetch_text(_kernel.version)
+    return fetch_text(_kernel.version)
 
 
 def instruction_set() -> str:
@@ -61,7 +67,7 @@ def instruction_set() -> str:
     str
         For example ``'x86-64-v4'``.
     """
-    return _fetch_text(_kernel.instruction_set)
+    return fetch_text(_kernel.instruction_set)
 
 
 def schema() -> list[list[str]]:
@@ -72,7 +78,7 @@ def schema() -> list[list[str]]:
     list of list of str
         One row a key: group, key, type, unit, default, what is allowed, help.
     """
-    return _split_table(_fetch_text(_kernel.schema))
+    return split_table(fetch_text(_kernel.schema))
 
 
 def describe(text: str, source: str) -> list[list[str]]:
@@ -96,7 +102,7 @@ def describe(text: str, source: str) -> list[list[str]]:
     InputError
         When the case is not acceptable.
     """
-    return _split_table(_read_case(_kernel.describe, text, source))
+    return split_table(_read_case(_kernel.describe, text, source))
 
 
 def inventory(text: str, source: str) -> dict[str, list[str]]:
@@ -120,20 +126,20 @@ def inventory(text: str, source: str) -> dict[str, list[str]]:
     InputError, NumericalError
         When the case is not acceptable.
     """
-    rows = _split_table(_read_case(_kernel.inventory, text, source))
+    rows = split_table(_read_case(_kernel.inventory, text, source))
     return {word: [name for name in names if name] for word, *names in rows}
 
 
 def _read_case(procedure: Callable[..., tuple[int, int, int]], text: str, source: str) -> str:
     """Text that a procedure makes of a case, with a buffer as large as it asks for."""
-    message = _message_buffer()
-    size = _FIRST_BUFFER
+    message = message_buffer()
+    size = FIRST_BUFFER
     while True:
         buffer = np.zeros(size, dtype=np.int8)
-        length, status, n = procedure(_bytes(text), _bytes(source), buffer, message)
-        _raise_for(status, message, n)
+        length, status, n = procedure(encode(text), encode(source), buffer, message)
+        raise_for(status, message, n)
         if length <= size:
-            return _decode(buffer, length)
+            return decode(buffer, length)
         size = int(length)
 
 
@@ -155,9 +161,9 @@ def end_of_motion(text: str, source: str) -> float:
     InputError
         When the case is not acceptable.
     """
-    message = _message_buffer()
-    t, status, n = _kernel.end_of_motion(_bytes(text), _bytes(source), message)
-    _raise_for(status, message, n)
+    message = message_buffer()
+    t, status, n = _kernel.end_of_motion(encode(text), encode(source), message)
+    raise_for(status, message, n)
     return float(t)
 
 
@@ -207,8 +213,8 @@ class Run(_Handle):
 
     def summary(self) -> dict[str, Any]:
         """Named scalars and lists: the keys of ``rwmf run --json`` in their order."""
-        lines = _fetch_text(_kernel.result_summary, self.handle).splitlines()
-        return dict(_summary_item(line) for line in lines)
+        lines = fetch_text(_kernel.result_summary, self.handle).splitlines()
+        return dict(summary_item(line) for line in lines)
 
     def history(self) -> tuple[list[str], npt.NDArray[np.float64]]:
         """Column names and values (rows, columns); both empty without `&output dt`."""
@@ -217,7 +223,7 @@ class Run(_Handle):
         if n_columns == 0:
             return [], values
         _kernel.result_history(self.handle, values)
-        return _fetch_text(_kernel.result_columns, self.handle).splitlines(), values
+        return fetch_text(_kernel.result_columns, self.handle).splitlines(), values
 
     def events(self) -> dict[str, npt.NDArray[Any]]:
         """Arrays over the events: kind (names), t [s], theta [rad] and theta_dot [rad/s].
@@ -229,14 +235,14 @@ class Run(_Handle):
         t, theta, theta_dot = (np.zeros(n) for _ in range(3))
         if n > 0:
             _kernel.result_events(self.handle, kinds, t, theta, theta_dot)
-        names = np.array(_fetch_text(_kernel.event_names).splitlines(), dtype=str)
+        names = np.array(fetch_text(_kernel.event_names).splitlines(), dtype=str)
         return {"kind": names[kinds - 1], "t": t, "theta": theta, "theta_dot": theta_dot}
 
     def write(self, source: str, folder: str) -> None:
         """Write the files of the batch program, named after `source`, into `folder`."""
-        message = _message_buffer()
-        status, n = _kernel.result_write(self.handle, _bytes(source), _bytes(folder), message)
-        _raise_for(status, message, n, writing=True)
+        message = message_buffer()
+        status, n = _kernel.result_write(self.handle, encode(source), encode(folder), message)
+        raise_for(status, message, n, writing=True)
 
 
 class Sweep(_Handle):
@@ -256,7 +262,7 @@ class Sweep(_Handle):
         axes = [np.zeros(n) for n in shape]
         u_s_max = np.zeros(shape, order="F")
         _kernel.spectrum_values(self.handle, *axes, u_s_max)
-        status = np.array(_fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
+        status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
         return {
             "T_s": axes[0],
             "gamma": axes[1],
@@ -267,9 +273,9 @@ class Sweep(_Handle):
 
     def write(self, path: str) -> None:
         """Write the CSV file of the batch program."""
-        message = _message_buffer()
-        status, n = _kernel.spectrum_write(self.handle, _bytes(path), message)
-        _raise_for(status, message, n, writing=True)
+        message = message_buffer()
+        status, n = _kernel.spectrum_write(self.handle, encode(path), message)
+        raise_for(status, message, n, writing=True)
 
 
 def start_simulation(text: str, source: str) -> Run:
@@ -294,10 +300,10 @@ def start_simulation(text: str, source: str) -> Run:
     Interrupted
         After Ctrl-C.
     """
-    message = _message_buffer()
+    message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        return _kernel.simulate(_bytes(text), _bytes(source), control, message)
+        return _kernel.simulate(encode(text), encode(source), control, message)
 
     return _wait_for(call, message, source, Run, None)
 
@@ -330,10 +336,10 @@ def start_spectrum(
     Interrupted
         After Ctrl-C.
     """
-    message = _message_buffer()
+    message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        return _kernel.spectrum(_bytes(text), _bytes(source), threads, control, message)
+        return _kernel.spectrum(encode(text), encode(source), threads, control, message)
 
     return _wait_for(call, message, source, Sweep, progress)
 
@@ -377,7 +383,7 @@ def _wait_for(
     if isinstance(outcome[0], BaseException):
         raise outcome[0]
     handle, status, n = outcome[0]
-    _raise_for(status, message, n, source=source)
+    raise_for(status, message, n, source=source)
     result = wrap(handle)
     if progress is not None:
         progress(int(control[0]))
@@ -388,64 +394,3 @@ def _discard(outcome: tuple[int, int, int] | BaseException, wrap: Callable[[int]
     """Release a result that nobody wants any more."""
     if not isinstance(outcome, BaseException) and outcome[1] == 0:
         wrap(outcome[0]).close()
-
-
-def _raise_for(
-    status: int,
-    message: npt.NDArray[np.int8],
-    length: int,
-    *,
-    writing: bool = False,
-    source: str = "",
-) -> None:
-    """Turn the kernel's status into an exception; its message begins with the case's file."""
-    if status == 0:
-        return
-    text = _decode(message, min(length, message.size))
-    if source and not text.startswith(source):
-        text = f"{source}: {text}"
-    if status == _INTERRUPTED:
-        raise Interrupted(text)
-    raise (OutputError if writing else _ERRORS.get(status, NumericalError))(text)
-
-
-def _fetch_text(procedure: Callable[..., int], *arguments: int) -> str:
-    """Ask for a text; a second time with the room that it needs when the first is too small."""
-    size = _FIRST_BUFFER
-    while True:
-        buffer = np.zeros(size, dtype=np.int8)
-        length = int(procedure(*arguments, buffer))
-        if length <= size:
-            return _decode(buffer, length)
-        size = length
-
-
-def _summary_item(line: str) -> tuple[str, Any]:
-    """Key and typed value of a line ``key<TAB>kind<TAB>value``; a list has tabs between items."""
-    key, kind, value = line.split("\t", 2)
-    if kind == "real":
-        return key, float(value)
-    if kind == "int":
-        return key, int(value)
-    if kind == "logical":
-        return key, value == "true"
-    if kind == "list":
-        return key, value.split("\t") if value else []
-    return key, value
-
-
-def _split_table(text: str) -> list[list[str]]:
-    return [line.split("\t") for line in text.splitlines()]
-
-
-def _message_buffer() -> npt.NDArray[np.int8]:
-    return np.zeros(_MESSAGE_BYTES, dtype=np.int8)
-
-
-def _bytes(text: str) -> bytes:
-    # file names that are not UTF-8 come as surrogates and go back to the same bytes
-    return text.encode("utf-8", "surrogateescape")
-
-
-def _decode(buffer: npt.NDArray[np.int8], length: int) -> str:
-    return buffer[:length].tobytes().decode("utf-8", "surrogateescape")

