@@ -3,7 +3,7 @@ module rwmf_case_writer
    use rwmf_bounds, only: parse_bound, parse_logical
    use rwmf_case, only: case_t
    use rwmf_errors, only: error_t
-   use rwmf_given, only: has_group, has_key, text_of, values_of
+   use rwmf_given, only: has_group, has_key, text_of, values_for
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t, parse_namelist
    use rwmf_schema, only: all_keys, belongs_to, key_t
@@ -88,7 +88,7 @@ contains
       type(string_t), allocatable :: values(:)
       integer :: i
 
-      values = values_of(groups, trim(key%group), trim(key%key))
+      values = values_for(groups, key)
       text = ''
       do i = 1, size(values)
          if (i > 1) text = text//', '

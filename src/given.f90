@@ -11,7 +11,10 @@ module rwmf_given
    private
 
    public :: has_group, has_key, group_of, entry_of
-   public :: values_of, text_of, real_of, integer_of, logical_of, get_real, get_text, get_list
+   public :: values_of, values_for, text_of, real_of, integer_of, logical_of
+   public :: get_real, get_text, get_list
+
+   character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
 
 contains
 
@@ -58,31 +61,49 @@ contains
    end function has_key
 
    !> The values of a key: given, by default, or none.
-   pure recursive function values_of(groups, group, key) result(values)
+   pure function values_of(groups, group, key) result(values)
       type(group_t), intent(in) :: groups(:)
       character(*), intent(in) :: group
       character(*), intent(in) :: key
       type(string_t), allocatable :: values(:)
       !! (n) as they stand in the case, names of choices in small letters
       type(key_t), allocatable :: keys(:)
-      integer :: at
 
       keys = keys_of(group)
-      associate (row => keys(find_key(keys, key)))
-         if (has_key(groups, group, key)) then
-            at = group_of(groups, group)
-            values = groups(at)%entries(entry_of(groups(at), key))%values
-            if (row%type == 'choice') values(1)%text = to_lower(trim(values(1)%text))
-         else if (row%default == '') then
-            allocate (values(0))
-         else if (find_key(keys, trim(row%default)) > 0) then
-            values = values_of(groups, group, trim(row%default))
-         else
-            allocate (values(1))
-            values(1)%text = trim(row%default)
-         end if
-      end associate
+      values = values_for(groups, keys(find_key(keys, key)))
    end function values_of
+
+   !> The same for a row of the schema, which is then read again only where a default may be the
+   !> name of another key.
+   pure recursive function values_for(groups, row) result(values)
+      type(group_t), intent(in) :: groups(:)
+      type(key_t), intent(in) :: row
+      type(string_t), allocatable :: values(:)
+      !! (n) as they stand in the case, names of choices in small letters
+      type(key_t), allocatable :: keys(:)
+      integer :: at
+
+      if (has_key(groups, trim(row%group), trim(row%key))) then
+         at = group_of(groups, trim(row%group))
+         values = groups(at)%entries(entry_of(groups(at), trim(row%key)))%values
+         if (row%type == 'choice') values(1)%text = to_lower(trim(values(1)%text))
+         return
+      end if
+      if (row%default == '') then
+         allocate (values(0))
+         return
+      end if
+      if (scan(row%default(1:1), letters) > 0) then
+         keys = keys_of(trim(row%group))
+         at = find_key(keys, trim(row%default))
+         if (at > 0) then
+            values = values_for(groups, keys(at))
+            return
+         end if
+      end if
+      allocate (values(1))
+      values(1)%text = trim(row%default)
+   end function values_for
 
    !> The value of a key as text, '' when there is none.
    pure function text_of(groups, group, key) result(text)

@@ -261,7 +261,10 @@ contains
       integer :: i
       integer :: n
 
-      all = all_keys()
+      ! Most of the work is to write the table: only the part in which the group stands.
+      all = structure_keys()
+      if (.not. any(all%group == group)) all = motion_keys()
+      if (.not. any(all%group == group)) all = run_keys()
       n = 0
       do i = 1, size(all)
          if (all(i)%group /= group) cycle

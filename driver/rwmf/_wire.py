@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
-FIRST_BUFFER = 4096
+FIRST_BUFFER = 65536
 _MESSAGE_BYTES = 8192
 _INTERRUPTED = 130
 _ERRORS: dict[int, type[RwmfError]] = {1: NumericalError, 2: InputError}
