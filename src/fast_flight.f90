@@ -1,21 +1,22 @@
-!> What happens to the lanes inside a step: impacts, peaks, rest and lift-off.
+!> What happens to the ordinates inside a step: impacts, peaks, rest and lift-off.
 !>
-!> The flights of all lanes concerned are integrated and searched together (`fast_piece.F90`); here
-!> each one's outcome is judged. What goes on after an impact is put in a row with the others again,
-!> until nothing is left.
+!> Flights are integrated and searched in rows (`fast_piece.F90`, `fast_locate.F90`), whoever they
+!> belong to; here each one's outcome is judged.
 module rwmf_fast_flight
    use rwmf_fast_energy, only: is_over
-   use rwmf_fast_grid, only: fast_grid_t, ground_at
-   use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_state_t, step_t, width
-   use rwmf_fast_machine, only: depart, follow, locate
+   use rwmf_fast_lanes, only: fast_law_t, flights_t, team_t, width
+   use rwmf_fast_locate, only: place_impacts
+   use rwmf_fast_machine, only: depart, follow
    use rwmf_fast_ordinate, only: ordinate_t
    use rwmf_fast_rest, only: comes_to_rest, find_wake
+   use rwmf_fast_scope, only: fast_scope_t
    use rwmf_fast_search, only: search_again
+   use rwmf_fast_slots, only: lane_of, pool_t, pull, push, team_of
    use rwmf_kinds, only: wp
    implicit none
    private
 
-   public :: pass_events, fall_asleep
+   public :: follow_row, depart_row, fall_asleep
 
    integer, parameter :: most_impacts = 200000
    !! of one ordinate: beyond, the general kernel has the better rules
@@ -26,279 +27,348 @@ module rwmf_fast_flight
 
 contains
 
-   !> Rest from a position on.
-   pure subroutine fall_asleep(law, grid, loud, number, x, ordinate)
-      type(fast_law_t), intent(in) :: law
-      type(fast_grid_t), intent(in) :: grid
-      integer, intent(in) :: loud(:)
-      !! from `loud_steps`
+   !> Rest from the position x of a step on: until a flight begins, or for good.
+   pure subroutine fall_asleep(scope, slot, number, x, pool)
+      type(fast_scope_t), intent(in) :: scope
+      integer, intent(in) :: slot
       integer, intent(in) :: number
-      !! of the step
+      !! of the step in the grid
       real(wp), intent(in) :: x
-      !! position in it [-]
-      type(ordinate_t), intent(inout) :: ordinate
+      !! [-]
+      type(pool_t), intent(inout) :: pool
+      integer :: wake
+      real(wp) :: wake_x
 
-      ordinate%rests = .true.
-      ordinate%wake_step = number
-      ordinate%wake_x = x
-      call find_wake(law, grid, loud, ordinate%wake_step, ordinate%wake_x, ordinate%wake_side)
+      associate (one => pool%ordinate(slot))
+         associate (law => scope%law(one%law), grid => scope%grid(one%grid))
+            wake = number
+            wake_x = x
+            call find_wake(law, grid, scope%loud(one%law, one%grid)%next, wake, wake_x, one%side)
+            call stop_lane(slot, pool)
+            if (wake > size(grid%step)) then
+               call push(slot, pool%finished)
+            else
+               call plan_flight(wake, min(wake_x, last_x), 0.0_wp, one)
+               call push(slot, pool%starts)
+            end if
+         end associate
+      end associate
    end subroutine fall_asleep
 
-   !> Follow the lanes in which something happens to the end of the step, or to rest.
-   pure subroutine pass_events(level, law, grid, loud, number, wakes, flights, ordinate, now)
-      integer, intent(in) :: level
-      !! instruction set
-      type(fast_law_t), intent(in) :: law
-      type(fast_grid_t), intent(in) :: grid
-      integer, intent(in) :: loud(:)
-      !! from `loud_steps`
+   !> No motion.
+   pure subroutine stop_lane(slot, pool)
+      integer, intent(in) :: slot
+      type(pool_t), intent(inout) :: pool
+
+      associate (now => pool%team(team_of(slot))%now, i => lane_of(slot))
+         now%v(i) = 0
+         now%w(i) = 0
+         now%n(i) = 0
+         now%s(i) = 0
+         now%drive(i) = 0
+      end associate
+   end subroutine stop_lane
+
+   !> A flight that starts on the base.
+   pure subroutine plan_flight(number, x, w, ordinate)
       integer, intent(in) :: number
       !! of the step
-      logical, intent(in) :: wakes
-      !! a resting lane may lift off in it
-      type(flights_t), intent(inout) :: flights
-      !! in: the lanes in motion at its beginning
-      type(ordinate_t), intent(inout) :: ordinate(:)
-      !! (lanes)
-      type(lane_state_t), intent(inout) :: now
-      !! out: at its end, for these lanes and those that wake in it
-
-      associate (step => grid%step(number))
-         if (flights%used > 0) then
-            call pad(flights)
-            call follow(level, law, step, flights)
-            call locate(level, 0, flights)
-            call judge(law, grid, loud, number, flights, ordinate, now)
-         end if
-         if (wakes) call wake_up(number, flights, ordinate)
-         do while (flights%used > 0)
-            call pad(flights)
-            call depart(level, law, step, flights)
-            call locate(level, 1, flights)
-            call judge(law, grid, loud, number, flights, ordinate, now)
-         end do
-      end associate
-   end subroutine pass_events
-
-   !> Fill up to whole vectors.
-   pure subroutine pad(flights)
-      type(flights_t), intent(inout) :: flights
-      integer :: k
-
-      flights%n = width*((flights%used + width - 1)/width)
-      do k = flights%used + 1, flights%n
-         call copy_flight(1, k, flights)
-      end do
-   end subroutine pad
-
-   pure subroutine copy_flight(from, to, flights)
-      integer, intent(in) :: from
-      integer, intent(in) :: to
-      type(flights_t), intent(inout) :: flights
-
-      flights%lane(to) = flights%lane(from)
-      flights%x(to) = flights%x(from)
-      flights%span(to) = flights%span(from)
-      flights%v(to) = flights%v(from)
-      flights%w(to) = flights%w(from)
-      flights%side(to) = flights%side(from)
-      flights%damping(to) = flights%damping(from)
-      flights%stiffness(to) = flights%stiffness(from)
-      flights%v_max(to) = flights%v_max(from)
-      flights%small(to) = flights%small(from)
-      flights%n_0(to, :) = flights%n_0(from, :)
-      flights%finish%v(to) = flights%finish%v(from)
-      flights%finish%w(to) = flights%finish%w(from)
-   end subroutine copy_flight
-
-   !> Add the lanes that lift off in this step.
-   pure subroutine wake_up(number, flights, ordinate)
-      integer, intent(in) :: number
-      type(flights_t), intent(inout) :: flights
-      type(ordinate_t), intent(inout) :: ordinate(:)
-      integer :: i
-
-      do i = 1, size(ordinate)
-         if (.not. ordinate(i)%rests .or. ordinate(i)%wake_step /= number) cycle
-         ordinate(i)%rests = .false.
-         ordinate(i)%side = ordinate(i)%wake_side
-         call start_flight(i, min(ordinate(i)%wake_x, last_x), 0.0_wp, ordinate(i), flights)
-      end do
-   end subroutine wake_up
-
-   !> Put a flight that starts on the base in the row.
-   pure subroutine start_flight(lane, x, w, ordinate, flights)
-      integer, intent(in) :: lane
       real(wp), intent(in) :: x
       !! [-]
       real(wp), intent(in) :: w
       !! [1/s]
-      type(ordinate_t), intent(in) :: ordinate
-      type(flights_t), intent(inout) :: flights
+      type(ordinate_t), intent(inout) :: ordinate
 
-      flights%used = flights%used + 1
-      associate (k => flights%used)
-         flights%lane(k) = lane
-         flights%x(k) = x
-         flights%span(k) = 1 - x
-         flights%v(k) = 0
-         flights%w(k) = w
-         flights%side(k) = ordinate%side
-         flights%damping(k) = ordinate%damping
-         flights%stiffness(k) = ordinate%stiffness
-         flights%v_max(k) = ordinate%v_max
-         flights%small(k) = negligible_n*ordinate%rtol*ordinate%v_max
-         flights%n_0(k, :) = 0
-      end associate
-   end subroutine start_flight
+      ordinate%number = number
+      ordinate%x = x
+      ordinate%span = 1 - x
+      ordinate%w = w
+   end subroutine plan_flight
 
-   !> Draw the conclusions from what the flights met; those that go on move to the front.
-   pure subroutine judge(law, grid, loud, number, flights, ordinate, now)
-      type(fast_law_t), intent(in) :: law
-      type(fast_grid_t), intent(in) :: grid
-      integer, intent(in) :: loud(:)
-      integer, intent(in) :: number
-      type(flights_t), intent(inout) :: flights
-      type(ordinate_t), intent(inout) :: ordinate(:)
-      type(lane_state_t), intent(inout) :: now
-      integer :: used
+   !> Search the steps of a row of lanes for what was announced there.
+   pure subroutine follow_row(scope, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(pool_t), intent(inout) :: pool
       integer :: k
 
-      used = flights%used
-      flights%used = 0
-      do k = 1, used
-         associate (one => ordinate(flights%lane(k)))
-            if (flights%is_odd(k) > 0) call search_again(k, flights, one%failed)
-            one%v_max = max(one%v_max, flights%peak(k))
-            if (one%failed) then
-               call give_up(flights%lane(k), size(loud), one, now)
-            else if (flights%hits(k) > 0) then
-               call hit(law, grid, loud, number, k, one, flights, now)
-            else if (flights%span(k) < 1 - flights%x(k)) then
-               ! It was followed for as long as the flight was expected to take.
-               call start_flight(flights%lane(k), flights%x(k), flights%w(k), one, flights)
-            else
-               one%v_max = max(one%v_max, flights%finish%v(k))
-               call land(k, flights, now)
-            end if
+      associate (row => pool%flights)
+         call pull(pool%events, row%slot, row%used)
+         do k = 1, row%used
+            call seat(scope, (row%slot(k)), k, pool)
+            call enter_step((row%slot(k)), k, pool)
+         end do
+         call pad(row)
+         call follow(scope%instructions, row)
+      end associate
+      call judge(scope, pool)
+   end subroutine follow_row
+
+   !> Integrate a row of flights that start on the base, and search them.
+   pure subroutine depart_row(scope, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(pool_t), intent(inout) :: pool
+      integer :: k
+
+      associate (row => pool%flights)
+         call pull(pool%starts, row%slot, row%used)
+         do k = 1, row%used
+            call seat(scope, (row%slot(k)), k, pool)
+            call enter_flight(scope, (row%slot(k)), k, pool)
+         end do
+         call pad(row)
+         call depart(scope%instructions, row)
+      end associate
+      call judge(scope, pool)
+   end subroutine depart_row
+
+   !> The constants of an ordinate.
+   pure subroutine seat(scope, slot, k, pool)
+      type(fast_scope_t), intent(in) :: scope
+      integer, intent(in) :: slot
+      integer, intent(in) :: k
+      !! its place in the row
+      type(pool_t), intent(inout) :: pool
+
+      associate (row => pool%flights, one => pool%ordinate(slot))
+         row%damping(k) = one%damping
+         row%stiffness(k) = one%stiffness
+         associate (law => scope%law(one%law))
+            row%m1(k) = law%m1
+            row%m2(k) = law%m2
+            row%m3(k) = law%m3
+            row%m3_1(k) = law%m3_1
          end associate
+      end associate
+   end subroutine seat
+
+   !> A whole step, as its team has made it.
+   pure subroutine enter_step(slot, k, pool)
+      integer, intent(in) :: slot
+      integer, intent(in) :: k
+      type(pool_t), intent(inout) :: pool
+
+      associate (row => pool%flights, one => pool%ordinate(slot), i => lane_of(slot), &
+         team => pool%team(team_of(slot)))
+         one%v_max = team%v_max(i)
+         row%step(k) = team%rate%h(i)
+         row%f(k, :) = team%ground%f(i, :)
+         row%x(k) = 0
+         row%span(k) = 1
+         row%v(k) = team%now%v(i)
+         row%w(k) = team%now%w(i)
+         row%side(k) = team%rate%side(i)
+         row%v_max(k) = one%v_max
+         row%n_0(k, :) = team%difference(i, :)
+         row%finish%v(k) = team%next%v(i)
+         row%finish%w(k) = team%next%w(i)
+         row%finish%n(k) = team%next%n(i)
+         row%finish%s(k) = team%next%s(i)
+         row%finish%drive(k) = team%next%drive(i)
+      end associate
+   end subroutine enter_step
+
+   !> A flight as it is planned.
+   pure subroutine enter_flight(scope, slot, k, pool)
+      type(fast_scope_t), intent(in) :: scope
+      integer, intent(in) :: slot
+      integer, intent(in) :: k
+      type(pool_t), intent(inout) :: pool
+
+      associate (row => pool%flights, one => pool%ordinate(slot))
+         associate (step => scope%ground(one%offset + one%number))
+            row%step(k) = step%h
+            row%f(k, :) = step%f
+         end associate
+         row%x(k) = one%x
+         row%span(k) = one%span
+         row%v(k) = 0
+         row%w(k) = one%w
+         row%side(k) = one%side
+         row%v_max(k) = one%v_max
+         row%small(k) = negligible_n*one%rtol*one%v_max
+         row%n_0(k, :) = 0
+         if (row%curve(k) == curve_of(scope%law(one%law), one)) return
+         row%curve(k) = curve_of(scope%law(one%law), one)
+         row%coef(k, :, :) = scope%law(one%law)%coef(:, :, merge(1, 2, one%side > 0))
+      end associate
+   end subroutine enter_flight
+
+   !> Which polynomials an ordinate is on: the number of its law, negative for theta < 0 where the
+   !> sides differ.
+   pure integer function curve_of(law, ordinate) result(curve)
+      type(fast_law_t), intent(in) :: law
+      type(ordinate_t), intent(in) :: ordinate
+
+      curve = ordinate%law
+      if (ordinate%side < 0 .and. .not. law%is_even) curve = -curve
+   end function curve_of
+
+   !> Flights that need no search where there are none: their other numbers may be of any flight.
+   pure subroutine pad(row)
+      type(flights_t), intent(inout) :: row
+      integer :: k
+
+      do k = row%used + 1, width
+         row%step(k) = 1.0e-3_wp
+         row%f(k, :) = 0
+         row%x(k) = 0
+         row%span(k) = 1
+         row%v(k) = 1
+         row%w(k) = 1
+         row%v_max(k) = huge(1.0_wp)
+         row%small(k) = huge(1.0_wp)
+         row%n_0(k, :) = 0
+         row%finish%v(k) = 1
+         row%finish%w(k) = 1
       end do
+   end subroutine pad
+
+   !> Draw the conclusions from what the flights met.
+   pure subroutine judge(scope, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(pool_t), intent(inout) :: pool
+      integer :: k
+
+      associate (row => pool%flights)
+         do k = 1, row%used
+            associate (one => pool%ordinate(row%slot(k)))
+               if (row%is_odd(k) > 0) then
+                  call search_again(k, row, one%failed)
+                  call place_impacts(row)
+               end if
+               one%v_max = max(one%v_max, row%peak(k))
+               if (one%failed) then
+                  call push(row%slot(k), pool%finished)
+               else if (row%hits(k) > 0) then
+                  call hit(scope, k, pool)
+               else if (row%span(k) < 1 - row%x(k)) then
+                  ! It was followed for as long as the flight was expected to take.
+                  one%span = 1 - row%x(k)
+                  call push(row%slot(k), pool%starts)
+               else
+                  one%v_max = max(one%v_max, row%finish%v(k))
+                  call land(scope, k, pool)
+               end if
+            end associate
+         end do
+      end associate
    end subroutine judge
 
-   !> State of a lane at the end of the step.
-   pure subroutine land(k, flights, now)
+   !> The end of the step: the ordinate goes on with its team.
+   pure subroutine land(scope, k, pool)
+      type(fast_scope_t), intent(in) :: scope
       integer, intent(in) :: k
-      type(flights_t), intent(in) :: flights
-      type(lane_state_t), intent(inout) :: now
+      type(pool_t), intent(inout) :: pool
 
-      associate (i => flights%lane(k), finish => flights%finish)
-         now%v(i) = finish%v(k)
-         now%w(i) = finish%w(k)
-         now%n(i) = finish%n(k)
-         now%s(i) = finish%s(k)
-         now%drive(i) = finish%drive(k)
+      associate (finish => pool%flights%finish, slot => pool%flights%slot(k))
+         associate (team => pool%team(team_of(slot)), i => lane_of(slot), &
+            one => pool%ordinate(slot))
+            team%now%v(i) = finish%v(k)
+            team%now%w(i) = finish%w(k)
+            team%now%n(i) = finish%n(k)
+            team%now%s(i) = finish%s(k)
+            team%now%drive(i) = finish%drive(k)
+            call enter_peak(one%v_max, i, team)
+            if (abs(team%rate%side(i) - one%side) > 0) then
+               team%rate%side(i) = one%side
+               associate (law => scope%law(one%law))
+                  if (.not. law%is_even) team%rate%coef(i, :, :) = law%coef(:, :, &
+                     merge(1, 2, one%side > 0))
+               end associate
+            end if
+            one%number = one%number + 1
+            team%at(i) = one%offset + one%number
+            if (team%stop(i) == huge(1)) team%stop(i) = 0
+            pool%is_called(team_of(slot)) = pool%is_called(team_of(slot)) &
+               .or. team%at(i) >= team%stop(i)
+            pool%present(team_of(slot)) = pool%present(team_of(slot)) + 1
+            team%ready(i) = 1
+         end associate
       end associate
    end subroutine land
 
-   !> No motion.
-   pure subroutine stop_lane(i, now)
-      integer, intent(in) :: i
-      type(lane_state_t), intent(inout) :: now
-
-      now%v(i) = 0
-      now%w(i) = 0
-      now%n(i) = 0
-      now%s(i) = 0
-      now%drive(i) = 0
-   end subroutine stop_lane
-
-   !> Leave an ordinate to the general kernel.
-   pure subroutine give_up(i, never, ordinate, now)
+   !> The largest v so far, and how doubtful it is.
+   pure subroutine enter_peak(v_max, i, team)
+      real(wp), intent(in) :: v_max
       integer, intent(in) :: i
       !! lane
-      integer, intent(in) :: never
-      !! a step beyond the last one
-      type(ordinate_t), intent(inout) :: ordinate
-      type(lane_state_t), intent(inout) :: now
+      type(team_t), intent(inout) :: team
 
-      ordinate%failed = .true.
-      ordinate%rests = .true.
-      ordinate%wake_step = never
-      call stop_lane(i, now)
-   end subroutine give_up
+      if (v_max > team%v_max(i)) team%worst(i) = team%now%doubt(i)
+      team%v_max(i) = max(team%v_max(i), v_max)
+   end subroutine enter_peak
 
    !> A flight ends on the base: another one begins, or the wall rests.
-   pure subroutine hit(law, grid, loud, number, k, ordinate, flights, now)
-      type(fast_law_t), intent(in) :: law
-      type(fast_grid_t), intent(in) :: grid
-      integer, intent(in) :: loud(:)
-      integer, intent(in) :: number
+   pure subroutine hit(scope, k, pool)
+      type(fast_scope_t), intent(in) :: scope
       integer, intent(in) :: k
-      !! number of the flight
-      type(ordinate_t), intent(inout) :: ordinate
-      type(flights_t), intent(inout) :: flights
-      type(lane_state_t), intent(inout) :: now
-      real(wp) :: x
-      real(wp) :: w
-      !! rate after the impact [1/s]
-      integer :: i
+      !! number of the flight in the row
+      type(pool_t), intent(inout) :: pool
+      logical :: rests
 
-      i = flights%lane(k)
-      x = min(flights%x(k) + flights%span(k)*flights%y(k), last_x)
-      w = -flights%w_hit(k)/(flights%span(k)*grid%step(number)%h)
-      call bounce(law, grid, loud, number, x, w, ordinate)
-      w = law%e*w
-      if (ordinate%failed) then
-         call give_up(i, size(loud), ordinate, now)
-      else if (ordinate%rests) then
-         call fall_asleep(law, grid, loud, number, x, ordinate)
-         call stop_lane(i, now)
-         if (ordinate%wake_step /= number) return
-         ordinate%rests = .false.
-         ordinate%side = ordinate%wake_side
-         call start_flight(i, min(ordinate%wake_x, last_x), 0.0_wp, ordinate, flights)
-      else
-         call start_flight(i, x, w, ordinate, flights)
-         call shorten(law, grid%step(number), flights)
-      end if
+      associate (row => pool%flights, slot => pool%flights%slot(k))
+         associate (one => pool%ordinate(slot))
+            call bounce(scope, row%x_hit(k), row%f_hit(k), row%speed(k), one, rests)
+            if (one%failed) then
+               call push(slot, pool%finished)
+            else if (rests) then
+               call fall_asleep(scope, slot, one%number, row%x_hit(k), pool)
+            else
+               associate (law => scope%law(one%law))
+                  call plan_flight(one%number, row%x_hit(k), law%e*row%speed(k), one)
+                  call shorten(law, row%f_hit(k), row%step(k), one)
+               end associate
+               call push(slot, pool%starts)
+            end if
+         end associate
+      end associate
    end subroutine hit
 
    !> A flight after an impact is followed over the time that it is expected to take only, when
    !> that is much less than the rest of the step.
-   pure subroutine shorten(law, step, flights)
+   pure subroutine shorten(law, f, step, ordinate)
       type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
-      type(flights_t), intent(inout) :: flights
+      real(wp), intent(in) :: f
+      !! ground acceleration [m/s2]
+      real(wp), intent(in) :: step
+      !! length of the step [s]
+      type(ordinate_t), intent(inout) :: ordinate
       real(wp) :: pull
       !! towards the base [1/s2]
 
-      associate (k => flights%used)
-         pull = law%m3 + law%m2*flights%side(k)*ground_at(step, flights%x(k)) &
-            + law%m1*flights%damping(k)*flights%w(k)
-         if (2.5_wp*flights%w(k) < 0.5_wp*flights%span(k)*step%h*pull) then
-            flights%span(k) = 2.5_wp*flights%w(k)/(pull*step%h)
-         end if
-      end associate
+      pull = law%m3 + law%m2*ordinate%side*f &
+         + law%m1*ordinate%damping*ordinate%w
+      if (2.5_wp*ordinate%w < 0.5_wp*ordinate%span*step*pull) then
+         ordinate%span = 2.5_wp*ordinate%w/(pull*step)
+      end if
    end subroutine shorten
 
    !> Impact with the rate w towards the base.
-   pure subroutine bounce(law, grid, loud, number, x, w, ordinate)
-      type(fast_law_t), intent(in) :: law
-      type(fast_grid_t), intent(in) :: grid
-      integer, intent(in) :: loud(:)
-      integer, intent(in) :: number
+   pure subroutine bounce(scope, x, f, w, ordinate, rests)
+      type(fast_scope_t), intent(in) :: scope
       real(wp), intent(in) :: x
+      !! position in the step [-]
+      real(wp), intent(in) :: f
+      !! ground acceleration [m/s2]
       real(wp), intent(in) :: w
       !! [1/s]
       type(ordinate_t), intent(inout) :: ordinate
+      logical, intent(out) :: rests
 
-      ordinate%impacts = ordinate%impacts + 1
-      ordinate%failed = .not. w > 0 .or. ordinate%impacts > most_impacts
-      ordinate%side = -ordinate%side
-      ordinate%w_max = max(ordinate%w_max, w)
-      ordinate%rests = comes_to_rest(law, grid, loud, number, x, law%e*w, ordinate)
-      ! Not at rest yet, but nothing larger will come.
-      if (number >= grid%quiet) ordinate%rests = ordinate%rests .or. is_over(law, ordinate, law%e*w)
+      associate (law => scope%law(ordinate%law), grid => scope%grid(ordinate%grid), &
+         loud => scope%loud(ordinate%law, ordinate%grid)%next, number => ordinate%number)
+         ordinate%impacts = ordinate%impacts + 1
+         ordinate%failed = .not. w > 0 .or. ordinate%impacts > most_impacts
+         ordinate%side = -ordinate%side
+         ordinate%w_max = max(ordinate%w_max, w)
+         rests = .false.
+         ! A chatter that ends has flights that begin slower and slower.
+         if (abs(f) < law%threshold .and. law%e*w < ordinate%w) then
+            rests = comes_to_rest(law, grid, loud, number, x, f, law%e*w, ordinate)
+         end if
+         ! Not at rest yet, but nothing larger will come.
+         if (number >= grid%quiet) rests = rests .or. is_over(law, ordinate, law%e*w)
+      end associate
    end subroutine bounce
 
 end module rwmf_fast_flight

@@ -145,7 +145,7 @@ contains
       integer :: i
 
       do i = 1, n
-         weight = step_weights(frames%damping(i), frames%stiffness(i), h)
+         weight = step_weights(frames%damping(i), frames%stiffness(i), h, 0.5_wp)
          frames%weight(i, :) = weight(:, 3)
       end do
    end subroutine weigh

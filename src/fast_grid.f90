@@ -47,6 +47,7 @@ contains
       allocate (grid%step(number), grid%t(number))
       call walk(motion, t_end, h_max, grid, number)
       call find_kinks(grid)
+      call count_alike(grid)
       do number = size(grid%step), 1, -1
          if (any(abs(grid%step(number)%f) > 0)) exit
       end do
@@ -147,6 +148,19 @@ contains
          end associate
       end do
    end subroutine find_kinks
+
+   !> How many steps of the same length follow each other.
+   pure subroutine count_alike(grid)
+      type(fast_grid_t), intent(inout) :: grid
+      integer :: i
+
+      do i = size(grid%step), 1, -1
+         grid%step(i)%alike = 1
+         if (i == size(grid%step)) cycle
+         if (abs(grid%step(i + 1)%h - grid%step(i)%h) > 0) cycle
+         grid%step(i)%alike = grid%step(i + 1)%alike + 1
+      end do
+   end subroutine count_alike
 
    !> Ground acceleration at the position x of a step [m/s2].
    pure real(wp) function ground_at(step, x)

@@ -4,8 +4,8 @@ module rwmf_fast_lanes
    implicit none
    private
 
-   public :: wp, lanes, width, degree, curves, terms, c_2, c_3, weights
-   public :: lane_state_t, lane_rate_t, step_t, fast_law_t, flights_t
+   public :: wp, lanes, seats, width, degree, short_degree, curves, terms, c_2, c_3, weights
+   public :: team_t, lane_rate_t, lane_ground_t, step_t, fast_law_t, flights_t
 
 #ifdef RWMF_QUAD
    integer, parameter :: wp = real128
@@ -15,11 +15,16 @@ module rwmf_fast_lanes
    !! as in rwmf_kinds; this module uses no other, so that the vectorised loops, which are compiled
    !! with flags of their own, need nothing else
    integer, parameter :: lanes = 64
-   !! ordinates that advance together, a multiple of `width`
-   integer, parameter :: width = 8
-   !! flights are padded to a multiple of this: the widest instructions hold so many
+   !! bare frames that advance together, a multiple of `width`
+   integer, parameter :: seats = 16
+   !! ordinates of a team, a multiple of the 8 that the widest instructions hold: while one vector
+   !! waits for its results another one is worked on
+   integer, parameter :: width = 16
+   !! flights of a row, likewise
    integer, parameter :: degree = 6
    !! of the polynomials in v
+   integer, parameter :: short_degree = 4
+   !! of those where it does: the other coefficients are zero then
    integer, parameter :: curves = 4
    !! Q, D1, D2, H
    integer, parameter :: terms = 12
@@ -33,38 +38,19 @@ module rwmf_fast_lanes
 
    !> What the lanes carry from step to step.
    type :: lane_state_t
-      real(wp) :: v(lanes)
+      real(wp) :: v(seats)
       !! |u_s|/(2R) [-]
-      real(wp) :: w(lanes)
+      real(wp) :: w(seats)
       !! its rate [1/s]
-      real(wp) :: n(lanes)
+      real(wp) :: n(seats)
       !! N [1/s2]
-      real(wp) :: s(lanes)
+      real(wp) :: s(seats)
       !! rate of N [1/s3]
-      real(wp) :: drive(lanes)
+      real(wp) :: drive(seats)
       !! v D2: what the ground acceleration contributes to -N [1/m]
-      real(wp) :: doubt(lanes)
+      real(wp) :: doubt(seats)
       !! what the last evaluation of N changed in the rate; as `now`: summed up and damped [1/s]
    end type lane_state_t
-
-   !> Constants of the lanes; those of the side change at impacts.
-   type :: lane_rate_t
-      real(wp) :: side(lanes)
-      !! +1 or -1
-      real(wp) :: m2(lanes)
-      !! M2(0) [1/m]
-      real(wp) :: m3(lanes)
-      !! M3(0) [1/s2]
-      real(wp) :: damping(lanes)
-      !! 2 xi_s omega_s [1/s]
-      real(wp) :: stiffness(lanes)
-      !! omega_s**2 [1/s2]
-      real(wp) :: coef(lanes, 0:degree, curves)
-      !! polynomials of the side
-      real(wp) :: weight(lanes, weights)
-      real(wp) :: keep(lanes)
-      !! what the damping leaves of an error after the step [-]
-   end type lane_rate_t
 
    !> Ground motion in one step.
    type :: step_t
@@ -77,7 +63,62 @@ module rwmf_fast_lanes
       !! of the acceleration at the beginning [m/s2]
       real(wp) :: kink
       !! of its rate at the beginning [m/s3]
+      integer :: alike
+      !! steps from here on, itself included, that have the same length
    end type step_t
+
+   !> Ground motion in the step of each lane, as in `step_t`.
+   type :: lane_ground_t
+      real(wp) :: f(seats, 0:3)
+      real(wp) :: jump(seats)
+      real(wp) :: kink(seats)
+   end type lane_ground_t
+
+   !> Constants of the lanes; those of the side change at impacts.
+   type :: lane_rate_t
+      real(wp) :: h(seats)
+      !! length of the step [s]
+      real(wp) :: per_h(seats)
+      !! [1/s]
+      real(wp) :: side(seats)
+      !! +1 or -1
+      real(wp) :: m2(seats)
+      !! M2(0) [1/m]
+      real(wp) :: m3(seats)
+      !! M3(0) [1/s2]
+      real(wp) :: damping(seats)
+      !! 2 xi_s omega_s [1/s]
+      real(wp) :: stiffness(seats)
+      !! omega_s**2 [1/s2]
+      real(wp) :: keep(seats)
+      !! what the damping leaves of an error after the step [-]
+      real(wp) :: coef(seats, 0:degree, curves)
+      !! polynomials of the side
+      real(wp) :: weight(seats, weights)
+   end type lane_rate_t
+
+   !> Ordinates that step together, each in a step of its own.
+   type :: team_t
+      type(lane_state_t) :: now
+      type(lane_state_t) :: next
+      !! as if nothing happened in the step
+      real(wp) :: ready(seats)
+      !! 1: steps with the team, 0: waits until an event is followed, or nobody is there
+      real(wp) :: event(seats)
+      !! 1: something may happen in the step
+      real(wp) :: v_max(seats)
+      !! [-]
+      real(wp) :: worst(seats)
+      !! doubt when `v_max` was reached [1/s]
+      real(wp) :: difference(seats, 0:3)
+      !! divided differences of N on the nodes [1/s2]
+      type(lane_rate_t) :: rate
+      type(lane_ground_t) :: ground
+      integer :: at(seats)
+      !! number of the step; 1 where nobody is
+      integer :: stop(seats)
+      !! the first step that is not of the present length, or beyond the last one
+   end type team_t
 
    !> What all periods of one mass ratio and one width share; `rwmf_fast_law` makes it.
    type :: fast_law_t
@@ -91,6 +132,12 @@ module rwmf_fast_lanes
       !! slope of M3 at 0, mean of both sides [1/s2]
       real(wp) :: coef(0:degree, curves, 2)
       !! coefficients of Q, D1, D2 [1/m], H [1/s2] in powers of v; theta > 0 and theta < 0
+      logical :: is_short
+      !! the polynomials have `short_degree`
+      logical :: is_even
+      !! both sides have the same polynomials
+      real(wp) :: bound(curves)
+      !! largest |Q|, |D1|, |D2|, |H| at v = 0 of both sides
       real(wp) :: threshold
       !! ground acceleration that lifts the resting wall [m/s2]
       real(wp) :: e
@@ -103,48 +150,79 @@ module rwmf_fast_lanes
       !! largest error of the polynomials, relative to the acceleration that they contribute to [-]
    end type fast_law_t
 
-   !> Parts of a step, one of each lane in which something happens.
+   !> States at the ends of flights; see `lane_state_t`.
+   type :: landing_t
+      real(wp) :: v(width)
+      real(wp) :: w(width)
+      real(wp) :: n(width)
+      real(wp) :: s(width)
+      real(wp) :: drive(width)
+   end type landing_t
+
+   !> Parts of a step, of a row of lanes in which something happens.
    type :: flights_t
-      integer :: used
-      integer :: n
-      !! `used` padded to a multiple of `width` with copies of the first
-      integer :: lane(lanes)
-      real(wp) :: x(lanes)
+      real(wp) :: step(width)
+      !! length of the whole step [s]
+      real(wp) :: f(width, 0:3)
+      !! ground motion in the whole step, as in `step_t`
+      real(wp) :: x(width)
       !! beginning: position in the step [-]
-      real(wp) :: span(lanes)
+      real(wp) :: span(width)
       !! length over that of the step [-]
-      real(wp) :: v(lanes)
+      real(wp) :: v(width)
       !! at the beginning [-]
-      real(wp) :: w(lanes)
+      real(wp) :: w(width)
       !! [1/s]
-      real(wp) :: side(lanes)
+      real(wp) :: side(width)
       !! +1 or -1
-      real(wp) :: damping(lanes)
+      real(wp) :: damping(width)
       !! 2 xi_s omega_s [1/s]
-      real(wp) :: stiffness(lanes)
+      real(wp) :: stiffness(width)
       !! omega_s**2 [1/s2]
-      real(wp) :: v_max(lanes)
+      real(wp) :: m1(width)
+      !! M1(0) [-]
+      real(wp) :: m2(width)
+      !! M2(0) [1/m]
+      real(wp) :: m3(width)
+      !! M3(0) [1/s2]
+      real(wp) :: m3_1(width)
+      !! slope of M3 at 0 [1/s2]
+      real(wp) :: coef(width, 0:degree, curves)
+      !! polynomials of the side; for flights that start on the base
+      real(wp) :: v_max(width)
       !! so far [-]
-      real(wp) :: small(lanes)
+      real(wp) :: small(width)
       !! negligible change of v by N [-]
-      real(wp) :: n_0(lanes, 0:3)
+      real(wp) :: n_0(width, 0:3)
       !! divided differences of N [1/s2]
-      real(wp) :: h(lanes)
+      real(wp) :: h(width)
       !! length [s]
-      real(wp) :: p(lanes, 0:terms + 1)
+      real(wp) :: p(width, 0:terms + 1)
       !! v in powers of the position y in the part; the last one is zero, so that v/y is p(:, 1:)
-      type(lane_state_t) :: finish
+      type(landing_t) :: finish
       !! at the end of the part, as if nothing happened
-      real(wp) :: y(lanes)
+      real(wp) :: y(width)
       !! first impact, 1 without one [-]
-      real(wp) :: hits(lanes)
+      real(wp) :: hits(width)
       !! 1 with an impact, 0 without
-      real(wp) :: w_hit(lanes)
+      real(wp) :: w_hit(width)
       !! rate at y [1/s]
-      real(wp) :: peak(lanes)
+      real(wp) :: x_hit(width)
+      !! the impact: position in the step [-]
+      real(wp) :: speed(width)
+      !! there towards the base [1/s]
+      real(wp) :: f_hit(width)
+      !! ground acceleration there [m/s2]
+      real(wp) :: peak(width)
       !! largest v before y, where it can be a new maximum, otherwise 0 [-]
-      real(wp) :: is_odd(lanes)
-      !! 1: not such a plain flight; `rwmf_fast_flight` looks again
+      real(wp) :: is_odd(width)
+      !! 1: not such a plain flight; `rwmf_fast_search` looks again
+      integer :: slot(width)
+      !! whose flights they are
+      integer :: curve(width)
+      !! whose polynomials are in `coef`: number of the law, negative for theta < 0; 0: none
+      integer :: used
+      !! the others are copies of the first
    end type flights_t
 
 end module rwmf_fast_lanes

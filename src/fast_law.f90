@@ -15,7 +15,7 @@
 module rwmf_fast_law
    use, intrinsic :: iso_fortran_env, only: real128
    use rwmf_case, only: case_t
-   use rwmf_fast_lanes, only: curves, degree, fast_law_t
+   use rwmf_fast_lanes, only: curves, degree, fast_law_t, short_degree
    use rwmf_kinds, only: wp
    use rwmf_run, only: restitution
    implicit none
@@ -49,16 +49,20 @@ module rwmf_fast_law
 contains
 
    !> Fit the curves of a case on -0.3 v_high <= v <= v_high.
-   subroutine build_law(case, v_high, law)
+   subroutine build_law(case, v_high, accuracy, law)
       type(case_t), intent(in) :: case
       !! with wall and frame
       real(wp), intent(in) :: v_high
       !! [-]
+      real(wp), intent(in) :: accuracy
+      !! `fit_error` that is good enough [-]; a lower degree does if it has it
       type(fast_law_t), intent(out) :: law
       type(scene_t) :: scene
       real(qp) :: at_0(curves)
       real(qp) :: slope(2)
       integer :: side
+      integer :: sides
+      integer :: top
 
       scene = scene_of(case)
       at_0 = curves_at(scene, 1, 0.0_qp)
@@ -71,10 +75,18 @@ contains
       law%e = restitution(case, real(scene%alpha, wp))
       law%length = real(2*scene%R, wp)
       law%v_high = v_high
-      law%fit_error = 0
-      do side = 1, 2
-         call fit_side(scene, side, at_0, real(law%m3_1, qp), law)
+      law%is_even = .not. (scene%is_published .or. scene%is_exact)
+      sides = merge(1, 2, law%is_even)
+      do top = short_degree, degree, degree - short_degree
+         law%is_short = top == short_degree
+         law%fit_error = 0
+         do side = 1, sides
+            call fit_side(scene, side, top, at_0, real(law%m3_1, qp), law)
+         end do
+         if (law%fit_error < accuracy) exit
       end do
+      if (law%is_even) law%coef(:, :, 2) = law%coef(:, :, 1)
+      law%bound = max(abs(law%coef(0, :, 1)), abs(law%coef(0, :, 2)))
    end subroutine build_law
 
    pure type(scene_t) function scene_of(case) result(scene)
@@ -212,27 +224,30 @@ contains
    end function remainder_curves
 
    !> Interpolate at Chebyshev's nodes and keep the largest error found between them.
-   pure subroutine fit_side(scene, side, at_0, m3_1, law)
+   pure subroutine fit_side(scene, side, top, at_0, m3_1, law)
       type(scene_t), intent(in) :: scene
       integer, intent(in) :: side
+      integer, intent(in) :: top
+      !! degree of the polynomials
       real(qp), intent(in) :: at_0(curves)
       real(qp), intent(in) :: m3_1
       type(fast_law_t), intent(inout) :: law
-      real(qp) :: node(0:degree)
-      real(qp) :: values(0:degree, curves)
+      real(qp) :: node(0:top)
+      real(qp) :: values(0:top, curves)
       real(qp) :: v
       real(qp) :: miss(curves)
       integer :: i
 
-      do i = 0, degree
-         node(i) = chebyshev_node(real(law%v_high, qp), i + 0.5_qp)
+      do i = 0, top
+         node(i) = chebyshev_node(real(law%v_high, qp), top, i + 0.5_qp)
          values(i, :) = remainder_curves(scene, side, at_0, m3_1, node(i))
       end do
       do i = 1, curves
-         law%coef(:, i, side) = real(monomials(node, values(:, i)), wp)
+         law%coef(:, i, side) = 0
+         law%coef(:top, i, side) = real(monomials(node, values(:, i)), wp)
       end do
-      do i = 0, degree + 1
-         v = chebyshev_node(real(law%v_high, qp), real(i, qp)) + 1.0e-9_qp
+      do i = 0, top + 1
+         v = chebyshev_node(real(law%v_high, qp), top, real(i, qp)) + 1.0e-9_qp
          miss = abs(remainder_curves(scene, side, at_0, m3_1, v) - polynomials(law, side, v))
          miss(2:) = miss(2:)*abs(v)/[1.0_qp, at_0(3), scene%g/scene%R]
          ! Q v'**2 is measured against omega_s**2 v.
@@ -242,11 +257,13 @@ contains
    end subroutine fit_side
 
    !> Point number i (halves: roots, integers: extrema of the error) of the fit's interval [-].
-   pure real(qp) function chebyshev_node(v_high, i) result(v)
+   pure real(qp) function chebyshev_node(v_high, top, i) result(v)
       real(qp), intent(in) :: v_high
+      integer, intent(in) :: top
+      !! degree of the polynomial
       real(qp), intent(in) :: i
 
-      v = v_high*(0.35_qp + 0.65_qp*cos(i*acos(-1.0_qp)/(degree + 1)))
+      v = v_high*(0.35_qp + 0.65_qp*cos(i*acos(-1.0_qp)/(top + 1)))
    end function chebyshev_node
 
    pure function polynomials(law, side, v) result(values)

@@ -7,10 +7,10 @@ module rwmf_fast_machine
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_fast_lanes, only: fast_law_t, flights_t, lane_rate_t, lane_state_t, lanes, step_t, wp
+   use rwmf_fast_lanes, only: flights_t, lanes, step_t, team_t, wp
    use rwmf_fast_locate, only: locate_events
    use rwmf_fast_piece, only: depart_flights, follow_flights
-   use rwmf_fast_step, only: settle_lanes, step_frames, step_lanes
+   use rwmf_fast_step, only: advance_team, step_frames
 #ifdef FAST_LEVELS
    use FAST_LOCATE_V3, only: locate_events_v3 => locate_events
    use FAST_PIECE_V3, only: depart_flights_v3 => depart_flights, &
@@ -18,15 +18,13 @@ module rwmf_fast_machine
    use FAST_LOCATE_V4, only: locate_events_v4 => locate_events
    use FAST_PIECE_V4, only: depart_flights_v4 => depart_flights, &
       follow_flights_v4 => follow_flights
-   use FAST_STEP_V3, only: settle_lanes_v3 => settle_lanes, step_frames_v3 => step_frames, &
-      step_lanes_v3 => step_lanes
-   use FAST_STEP_V4, only: settle_lanes_v4 => settle_lanes, step_frames_v4 => step_frames, &
-      step_lanes_v4 => step_lanes
+   use FAST_STEP_V3, only: advance_team_v3 => advance_team, step_frames_v3 => step_frames
+   use FAST_STEP_V4, only: advance_team_v4 => advance_team, step_frames_v4 => step_frames
 #endif
    implicit none
    private
 
-   public :: best_level, instruction_set, advance_lanes, advance_frames, follow, depart, locate
+   public :: best_level, instruction_set, advance, advance_frames, follow, depart
 
 #ifdef FAST_LEVELS
    interface
@@ -41,7 +39,7 @@ module rwmf_fast_machine
 
 contains
 
-   !> Instruction set for `advance_lanes`: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
+   !> Instruction set for `advance` and the others: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
    integer function best_level() result(level)
       level = 1
 #ifdef FAST_LEVELS
@@ -67,106 +65,80 @@ contains
 #endif
    end function instruction_set
 
-   !> One step of all lanes; those in which something may happen are marked and left as they were.
-   pure subroutine advance_lanes(level, n, rate, step, awake, now, next, difference, v_max, &
-      worst, event)
+   !> One step of a team. The lanes in which something may happen are left as they were.
+   pure subroutine advance(level, ground, stages, is_short, is_straight, team, has_event, &
+      is_called)
       integer, intent(in) :: level
       !! from `best_level`
-      integer, intent(in) :: n
-      !! lanes in use, a multiple of `width`
-      type(lane_rate_t), intent(in) :: rate
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: awake(lanes)
-      !! 1 in motion, 0 at rest
-      type(lane_state_t), intent(inout) :: now
-      type(lane_state_t), intent(inout) :: next
-      !! as if nothing happened
-      real(wp), intent(inout) :: difference(lanes, 0:3)
-      !! divided differences of N [1/s2]
-      real(wp), intent(inout) :: v_max(lanes)
-      !! [-]
-      real(wp), intent(inout) :: worst(lanes)
-      !! doubt when `v_max` was reached [1/s]
-      real(wp), intent(out) :: event(lanes)
-      !! 1: something may happen in the step
+      type(step_t), contiguous, intent(in) :: ground(:)
+      !! (steps)
+      integer, intent(in) :: stages
+      !! evaluations of N
+      logical, intent(in) :: is_short
+      !! its polynomials have `short_degree`
+      logical, intent(in) :: is_straight
+      !! the ground acceleration is linear in every step
+      type(team_t), intent(inout) :: team
+      logical, intent(out) :: has_event
+      logical, intent(out) :: is_called
+      !! the next step of a lane may be another one than the last
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call step_lanes_v4(n, rate, step, now, next, difference)
-         call settle_lanes_v4(n, step%h, awake, rate%keep, next, now, v_max, worst, &
-            event)
+         call advance_team_v4(ground, stages, is_short, is_straight, team, has_event, &
+            is_called)
       case (3)
-         call step_lanes_v3(n, rate, step, now, next, difference)
-         call settle_lanes_v3(n, step%h, awake, rate%keep, next, now, v_max, worst, &
-            event)
+         call advance_team_v3(ground, stages, is_short, is_straight, team, has_event, &
+            is_called)
 #endif
       case default
-         call step_lanes(n, rate, step, now, next, difference)
-         call settle_lanes(n, step%h, awake, rate%keep, next, now, v_max, worst, &
-            event)
+         call advance_team(ground, stages, is_short, is_straight, team, has_event, &
+            is_called)
       end select
-   end subroutine advance_lanes
+   end subroutine advance
 
-   !> Series of whole steps whose differences of N are known.
-   pure subroutine follow(level, law, step, flights)
+   !> Series of whole steps whose differences of N are known; first impact and largest value.
+   pure subroutine follow(level, flights)
       integer, intent(in) :: level
       !! from `best_level`
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
       type(flights_t), intent(inout) :: flights
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call follow_flights_v4(law, step, flights)
+         call follow_flights_v4(flights)
+         call locate_events_v4(0, flights)
       case (3)
-         call follow_flights_v3(law, step, flights)
+         call follow_flights_v3(flights)
+         call locate_events_v3(0, flights)
 #endif
       case default
-         call follow_flights(law, step, flights)
+         call follow_flights(flights)
+         call locate_events(0, flights)
       end select
    end subroutine follow
 
-   !> Integrate from the base over a part of the step.
-   pure subroutine depart(level, law, step, flights)
+   !> Integrate from the base over a part of the step; first impact and largest value.
+   pure subroutine depart(level, flights)
       integer, intent(in) :: level
       !! from `best_level`
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
       type(flights_t), intent(inout) :: flights
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call depart_flights_v4(law, step, flights)
+         call depart_flights_v4(flights)
+         call locate_events_v4(1, flights)
       case (3)
-         call depart_flights_v3(law, step, flights)
+         call depart_flights_v3(flights)
+         call locate_events_v3(1, flights)
 #endif
       case default
-         call depart_flights(law, step, flights)
+         call depart_flights(flights)
+         call locate_events(1, flights)
       end select
    end subroutine depart
-
-   !> First impact and largest value of the flights.
-   pure subroutine locate(level, first, flights)
-      integer, intent(in) :: level
-      !! from `best_level`
-      integer, intent(in) :: first
-      !! 0: all start in the air, 1: all start on the base
-      type(flights_t), intent(inout) :: flights
-
-      select case (level)
-#ifdef FAST_LEVELS
-      case (4)
-         call locate_events_v4(first, flights)
-      case (3)
-         call locate_events_v3(first, flights)
-#endif
-      case default
-         call locate_events(first, flights)
-      end select
-   end subroutine locate
 
    !> One step of bare frames.
    pure subroutine advance_frames(level, n, h, f, weight, u, w, u_max, event)

@@ -1,11 +1,11 @@
-!> Which periods advance together: those whose steps are equal, in the order of the periods.
+!> In which order the ordinates of a fast spectrum are begun, and which bare frames advance together.
 module rwmf_fast_order
    use rwmf_fast_lanes, only: lanes
    use rwmf_kinds, only: wp
    implicit none
    private
 
-   public :: group_t, list_groups
+   public :: order_by_cost, group_t, list_groups
 
    !> Periods with the same step, at most `lanes`.
    type :: group_t
@@ -17,6 +17,26 @@ module rwmf_fast_order
    end type group_t
 
 contains
+
+   !> Indices of the periods, the most expensive ones first: those with the shortest steps, then in
+   !> rising order. Neighbours move alike, and nobody expensive is left alone at the end.
+   pure function order_by_cost(T_s, level, last_level) result(order)
+      real(wp), intent(in) :: T_s(:)
+      !! (n_T) [s]
+      integer, intent(in) :: level(:)
+      !! (n_T) halvings of the step
+      integer, intent(in) :: last_level
+      !! periods beyond it are left out
+      integer, allocatable :: order(:)
+      integer :: rising(size(T_s))
+      integer :: l
+
+      rising = sorted(T_s)
+      allocate (order(0))
+      do l = last_level, 0, -1
+         order = [order, pack(rising, level(rising) == l)]
+      end do
+   end function order_by_cost
 
    !> Group the periods; the shortest steps first, so that no thread is left alone with an expensive
    !> group at the end. Periods beyond the last level are in none.
@@ -52,19 +72,46 @@ contains
       group%member(:group%n) = member
    end function group_of
 
-   !> Indices of a list in rising order.
+   !> Indices of a list in rising order, by merging sorted runs.
    pure function sorted(x) result(order)
       real(wp), intent(in) :: x(:)
       integer :: order(size(x))
-      integer :: i, j
+      integer :: i, n
 
-      do i = 1, size(x)
-         do j = i, 2, -1
-            if (x(order(j - 1)) <= x(i)) exit
-            order(j) = order(j - 1)
+      order = [(i, i=1, size(x))]
+      n = 1
+      do while (n < size(x))
+         do i = 1, size(x) - n, 2*n
+            associate (last => min(i + 2*n - 1, size(x)))
+               order(i:last) = merged(x, order(i:i + n - 1), order(i + n:last))
+            end associate
          end do
-         order(max(1, j)) = i
+         n = 2*n
       end do
    end function sorted
+
+   pure function merged(x, left, right) result(order)
+      real(wp), intent(in) :: x(:)
+      integer, intent(in) :: left(:)
+      !! indices in the order of x
+      integer, intent(in) :: right(:)
+      integer :: order(size(left) + size(right))
+      integer :: i, j, k
+      logical :: takes_left
+
+      i = 1
+      j = 1
+      do k = 1, size(order)
+         takes_left = j > size(right)
+         if (.not. takes_left .and. i <= size(left)) takes_left = x(left(i)) <= x(right(j))
+         if (takes_left) then
+            order(k) = left(i)
+            i = i + 1
+         else
+            order(k) = right(j)
+            j = j + 1
+         end if
+      end do
+   end function merged
 
 end module rwmf_fast_order

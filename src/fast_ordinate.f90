@@ -8,6 +8,13 @@ module rwmf_fast_ordinate
 
    !> The part of a lane that only events read and write.
    type :: ordinate_t
+      integer :: task
+      !! its number in the list of tasks; 0: nobody is there
+      integer :: law
+      !! numbers of its law, its grid in the scope
+      integer :: grid
+      integer :: offset
+      !! steps of other grids before those of its own
       real(wp) :: damping
       !! 2 xi_s omega_s [1/s]
       real(wp) :: stiffness
@@ -21,14 +28,16 @@ module rwmf_fast_ordinate
       real(wp) :: w_max
       !! largest rate at an impact [1/s]
       integer :: impacts
-      logical :: rests
-      integer :: wake_step
-      !! number of the step in which it lifts off; beyond the last one: never
-      real(wp) :: wake_x
-      !! where it lifts off [-]
-      integer :: wake_side
       logical :: failed
       !! left to the general kernel
+      integer :: number
+      !! of the step in its grid in which its next flight begins
+      real(wp) :: x
+      !! where in the step that flight begins [-]
+      real(wp) :: span
+      !! for how much of the step it is followed [-]
+      real(wp) :: w
+      !! rate with which it begins [1/s]
    end type ordinate_t
 
 end module rwmf_fast_ordinate

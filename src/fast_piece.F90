@@ -9,7 +9,7 @@
 #endif
 module FAST_PIECE
    use FAST_LOCATE, only: state_at
-   use rwmf_fast_lanes, only: c_2, c_3, curves, degree, fast_law_t, flights_t, lanes, step_t, wp
+   use rwmf_fast_lanes, only: c_2, c_3, flights_t, width, wp
    implicit none
    private
 
@@ -17,34 +17,30 @@ module FAST_PIECE
 
    !> What a part needs beside its series.
    type :: part_t
-      real(wp) :: d(lanes)
+      real(wp) :: d(width)
       !! damping of the linear equation times h [-]
-      real(wp) :: k(lanes)
+      real(wp) :: k(width)
       !! its stiffness times h**2 [-]
-      real(wp) :: f(lanes, 0:3)
+      real(wp) :: f(width, 0:3)
       !! ground acceleration in powers of y [m/s2]
-      real(wp) :: g(lanes, 0:3)
+      real(wp) :: g(width, 0:3)
       !! forcing without N in powers of y, times h**2 [-]
-      real(wp) :: c(lanes, 0:degree, curves)
-      !! polynomials of the side
-      real(wp) :: slope(lanes)
+      real(wp) :: slope(width)
       !! rate of N at the beginning [1/s3]
-      real(wp) :: highest(lanes)
+      real(wp) :: highest(width)
       !! highest difference of N, with the slope at the beginning [1/s2]
-      real(wp) :: change(lanes)
+      real(wp) :: change(width)
       !! of N within the part, as far as it is not yet followed, times h**2 [-]
    end type part_t
 
 contains
 
    !> Series of whole steps whose differences of N are known.
-   pure subroutine follow_flights(law, step, flights)
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
+   pure subroutine follow_flights(flights)
       type(flights_t), intent(inout) :: flights
       type(part_t) :: part
 
-      call force_parts(law, step, flights, part)
+      call force_parts(flights, part)
       call sum_series(flights, part)
    end subroutine follow_flights
 
@@ -52,20 +48,17 @@ contains
    !>
    !> The higher differences of N are evaluated only where they are not negligible: late flights of
    !> a chatter need none.
-   pure subroutine depart_flights(law, step, flights)
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
+   pure subroutine depart_flights(flights)
       type(flights_t), intent(inout) :: flights
       type(part_t) :: part
       real(wp), parameter :: node(3) = [c_2, c_3, 1.0_wp]
       integer :: i
 
-      flights%v(:flights%n) = 0
-      call force_parts(law, step, flights, part)
-      call choose_side(law, flights, part)
+      flights%v = 0
+      call force_parts(flights, part)
       call begin_remainder(flights, part)
       do i = 1, 3
-         if (largest(flights%n, part%change, flights%small) <= 0) exit
+         if (largest(part%change, flights%small) <= 0) exit
          call sum_series(flights, part)
          call end_at(node(i), part, flights)
          call refine(i, part, flights)
@@ -76,83 +69,80 @@ contains
    end subroutine depart_flights
 
    !> Largest difference of two rows.
-   pure real(wp) function largest(n, a, b)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: a(lanes)
-      real(wp), intent(in) :: b(lanes)
+   pure real(wp) function largest(a, b)
+      real(wp), intent(in) :: a(width)
+      real(wp), intent(in) :: b(width)
       integer :: i
 
       largest = -huge(largest)
       !$omp simd reduction(max: largest)
-      do i = 1, n
+      do i = 1, width
          largest = max(largest, a(i) - b(i))
       end do
    end function largest
 
    !> Constants of the linear equation and its forcing, without N.
-   pure subroutine force_parts(law, step, flights, part)
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
+   pure subroutine force_parts(flights, part)
       type(flights_t), intent(inout) :: flights
       type(part_t), intent(inout) :: part
       real(wp) :: p_0, p_1, p_2, p_3, x, r, square
       integer :: i
 
-      p_0 = step%f(0)
-      p_1 = step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3)
-      p_2 = step%f(2) - step%f(3)
-      p_3 = step%f(3)
-      !$omp simd private(x, r, square)
-      do i = 1, flights%n
+      !$omp simd private(p_0, p_1, p_2, p_3, x, r, square)
+      do i = 1, width
+         p_0 = flights%f(i, 0)
+         p_1 = flights%f(i, 1) - c_2*flights%f(i, 2) + c_2*c_3*flights%f(i, 3)
+         p_2 = flights%f(i, 2) - flights%f(i, 3)
+         p_3 = flights%f(i, 3)
          x = flights%x(i)
          r = flights%span(i)
-         flights%h(i) = r*step%h
+         flights%h(i) = r*flights%step(i)
          square = flights%h(i)*flights%h(i)
-         part%d(i) = flights%damping(i)*law%m1*flights%h(i)
-         part%k(i) = (flights%stiffness(i)*law%m1 + law%m3_1)*square
+         part%d(i) = flights%damping(i)*flights%m1(i)*flights%h(i)
+         part%k(i) = (flights%stiffness(i)*flights%m1(i) + flights%m3_1(i))*square
          part%f(i, 0) = p_0 + x*(p_1 + x*(p_2 + x*p_3))
          part%f(i, 1) = r*(p_1 + x*(2*p_2 + x*3*p_3))
          part%f(i, 2) = r*r*(p_2 + x*3*p_3)
          part%f(i, 3) = r*r*r*p_3
-         part%g(i, 0) = square*(-law%m2*flights%side(i)*part%f(i, 0) - law%m3)
-         part%g(i, 1) = square*(-law%m2*flights%side(i)*part%f(i, 1))
-         part%g(i, 2) = square*(-law%m2*flights%side(i)*part%f(i, 2))
-         part%g(i, 3) = square*(-law%m2*flights%side(i)*part%f(i, 3))
+         part%g(i, 0) = square*(-flights%m2(i)*flights%side(i)*part%f(i, 0) - flights%m3(i))
+         part%g(i, 1) = square*(-flights%m2(i)*flights%side(i)*part%f(i, 1))
+         part%g(i, 2) = square*(-flights%m2(i)*flights%side(i)*part%f(i, 2))
+         part%g(i, 3) = square*(-flights%m2(i)*flights%side(i)*part%f(i, 3))
       end do
    end subroutine force_parts
 
    !> v in powers of y: in v'' = - d v' - k v + F with a cubic F every derivative follows from the
    !> two before it.
+   !>
+   !> What does not depend on the term before is computed apart: the processor then waits for one
+   !> product and one sum a term.
    pure subroutine sum_series(flights, part)
       type(flights_t), intent(inout) :: flights
       type(part_t), intent(in) :: part
-      real(wp) :: d, k, square, f_0, f_1, f_2, f_3
-      real(wp) :: p_0, p_1, p_2, p_3, p_4, p_5, p_6, p_7, p_8, p_9, p_10, p_11
+      real(wp) :: d, k, square, p_0, p_1, p_2, p_3, p_4, p_5, p_6, p_7, p_8, p_9, p_10, p_11
       integer :: i
 
       associate (p => flights%p, n => flights%n_0)
-         !$omp simd private(d, k, square, f_0, f_1, f_2, f_3, p_0, p_1, p_2, p_3, p_4, p_5, p_6, &
-         !$omp& p_7, p_8, p_9, p_10, p_11)
-         do i = 1, flights%n
+         !$omp simd private(d, k, square, p_0, p_1, p_2, p_3, p_4, p_5, p_6, p_7, p_8, p_9, p_10, &
+         !$omp& p_11)
+         do i = 1, width
             d = part%d(i)
             k = part%k(i)
             square = flights%h(i)*flights%h(i)
-            f_0 = part%g(i, 0) + square*n(i, 0)
-            f_1 = part%g(i, 1) + square*(n(i, 1) - c_2*n(i, 2) + c_2*c_3*n(i, 3))
-            f_2 = part%g(i, 2) + square*(n(i, 2) - n(i, 3))
-            f_3 = part%g(i, 3) + square*n(i, 3)
             p_0 = flights%v(i)
             p_1 = flights%h(i)*flights%w(i)
-            p_2 = ((f_0 - k*p_0) - d*p_1)*(1/2.0_wp)
-            p_3 = ((f_1 - k*p_1) - d*(2*p_2))*(1/6.0_wp)
-            p_4 = ((f_2 - k*p_2) - d*(3*p_3))*(1/12.0_wp)
-            p_5 = ((f_3 - k*p_3) - d*(4*p_4))*(1/20.0_wp)
-            p_6 = (k*p_4 + d*(5*p_5))*(-1/30.0_wp)
-            p_7 = (k*p_5 + d*(6*p_6))*(-1/42.0_wp)
-            p_8 = (k*p_6 + d*(7*p_7))*(-1/56.0_wp)
-            p_9 = (k*p_7 + d*(8*p_8))*(-1/72.0_wp)
-            p_10 = (k*p_8 + d*(9*p_9))*(-1/90.0_wp)
-            p_11 = (k*p_9 + d*(10*p_10))*(-1/110.0_wp)
+            p_2 = (((part%g(i, 0) + square*n(i, 0)) - k*p_0) - d*p_1)*(1/2.0_wp)
+            p_3 = ((part%g(i, 1) + square*((n(i, 1) - c_2*n(i, 2)) + c_2*c_3*n(i, 3))) - k*p_1) &
+               *(1/6.0_wp) - (d*(2/6.0_wp))*p_2
+            p_4 = ((part%g(i, 2) + square*(n(i, 2) - n(i, 3))) - k*p_2)*(1/12.0_wp) &
+               - (d*(3/12.0_wp))*p_3
+            p_5 = ((part%g(i, 3) + square*n(i, 3)) - k*p_3)*(1/20.0_wp) - (d*(4/20.0_wp))*p_4
+            p_6 = (k*(-1/30.0_wp))*p_4 - (d*(5/30.0_wp))*p_5
+            p_7 = (k*(-1/42.0_wp))*p_5 - (d*(6/42.0_wp))*p_6
+            p_8 = (k*(-1/56.0_wp))*p_6 - (d*(7/56.0_wp))*p_7
+            p_9 = (k*(-1/72.0_wp))*p_7 - (d*(8/72.0_wp))*p_8
+            p_10 = (k*(-1/90.0_wp))*p_8 - (d*(9/90.0_wp))*p_9
+            p_11 = (k*(-1/110.0_wp))*p_9 - (d*(10/110.0_wp))*p_10
             p(i, 0) = p_0
             p(i, 1) = p_1
             p(i, 2) = p_2
@@ -165,39 +155,11 @@ contains
             p(i, 9) = p_9
             p(i, 10) = p_10
             p(i, 11) = p_11
-            p(i, 12) = (k*p_10 + d*(11*p_11))*(-1/132.0_wp)
+            p(i, 12) = (k*(-1/132.0_wp))*p_10 - (d*(11/132.0_wp))*p_11
             p(i, 13) = 0
          end do
       end associate
    end subroutine sum_series
-
-   !> Polynomials of the sides on which the flights are.
-   pure subroutine choose_side(law, flights, part)
-      type(fast_law_t), intent(in) :: law
-      type(flights_t), intent(in) :: flights
-      type(part_t), intent(inout) :: part
-      real(wp) :: left
-      !! 1 for theta > 0, else 0: the compiler makes a scalar loop of a choice between addresses
-      real(wp) :: right
-      integer :: i, k
-
-      do k = 1, curves
-         associate (c => law%coef)
-            !$omp simd private(left, right)
-            do i = 1, flights%n
-               left = max(flights%side(i), 0.0_wp)
-               right = max(-flights%side(i), 0.0_wp)
-               part%c(i, 0, k) = left*c(0, k, 1) + right*c(0, k, 2)
-               part%c(i, 1, k) = left*c(1, k, 1) + right*c(1, k, 2)
-               part%c(i, 2, k) = left*c(2, k, 1) + right*c(2, k, 2)
-               part%c(i, 3, k) = left*c(3, k, 1) + right*c(3, k, 2)
-               part%c(i, 4, k) = left*c(4, k, 1) + right*c(4, k, 2)
-               part%c(i, 5, k) = left*c(5, k, 1) + right*c(5, k, 2)
-               part%c(i, 6, k) = left*c(6, k, 1) + right*c(6, k, 2)
-            end do
-         end associate
-      end do
-   end subroutine choose_side
 
    !> N and its slope at the beginning of a part, and how much N may change in it.
    pure subroutine begin_remainder(flights, part)
@@ -210,9 +172,9 @@ contains
       real(wp) :: w, square, reach
       integer :: i
 
-      associate (c => part%c, n => flights%n_0)
+      associate (c => flights%coef, n => flights%n_0)
          !$omp simd private(a, by_v, w, square, reach)
-         do i = 1, flights%n
+         do i = 1, width
             w = flights%w(i)
             square = flights%h(i)*flights%h(i)
             n(i, 0) = c(i, 0, 1)*w*w
@@ -238,16 +200,16 @@ contains
       real(wp), intent(in) :: y
       type(part_t), intent(in) :: part
       type(flights_t), intent(inout) :: flights
-      real(wp) :: at(lanes), v(lanes), rate(lanes)
+      real(wp) :: at(width), v(width), rate(width)
       integer :: i
 
-      do i = 1, flights%n
+      do i = 1, width
          at(i) = y
       end do
-      call state_at(flights%n, flights%p, at, v, rate)
+      call state_at(flights%p, at, v, rate)
       associate (finish => flights%finish)
          !$omp simd
-         do i = 1, flights%n
+         do i = 1, width
             finish%v(i) = v(i)
             finish%w(i) = rate(i)/flights%h(i)
          end do
@@ -260,22 +222,24 @@ contains
       real(wp), intent(in) :: y
       type(part_t), intent(in) :: part
       type(flights_t), intent(inout) :: flights
-      real(wp) :: x, w, q, d_1, d_2, h, f
+      real(wp) :: x, x_2, x_4, w, q, d_1, d_2, h, f
       integer :: i
 
-      associate (c => part%c, finish => flights%finish)
-         !$omp simd private(x, w, q, d_1, d_2, h, f)
-         do i = 1, flights%n
+      associate (c => flights%coef, finish => flights%finish)
+         !$omp simd private(x, x_2, x_4, w, q, d_1, d_2, h, f)
+         do i = 1, width
             x = finish%v(i)
+            x_2 = x*x
+            x_4 = x_2*x_2
             w = finish%w(i)
-            q = c(i, 0, 1) + x*(c(i, 1, 1) + x*(c(i, 2, 1) + x*(c(i, 3, 1) + x*(c(i, 4, 1) &
-               + x*(c(i, 5, 1) + x*c(i, 6, 1))))))
-            d_1 = c(i, 0, 2) + x*(c(i, 1, 2) + x*(c(i, 2, 2) + x*(c(i, 3, 2) + x*(c(i, 4, 2) &
-               + x*(c(i, 5, 2) + x*c(i, 6, 2))))))
-            d_2 = c(i, 0, 3) + x*(c(i, 1, 3) + x*(c(i, 2, 3) + x*(c(i, 3, 3) + x*(c(i, 4, 3) &
-               + x*(c(i, 5, 3) + x*c(i, 6, 3))))))
-            h = c(i, 0, 4) + x*(c(i, 1, 4) + x*(c(i, 2, 4) + x*(c(i, 3, 4) + x*(c(i, 4, 4) &
-               + x*(c(i, 5, 4) + x*c(i, 6, 4))))))
+            q = ((c(i, 0, 1) + x*c(i, 1, 1)) + x_2*(c(i, 2, 1) + x*c(i, 3, 1))) &
+               + x_4*((c(i, 4, 1) + x*c(i, 5, 1)) + x_2*c(i, 6, 1))
+            d_1 = ((c(i, 0, 2) + x*c(i, 1, 2)) + x_2*(c(i, 2, 2) + x*c(i, 3, 2))) &
+               + x_4*((c(i, 4, 2) + x*c(i, 5, 2)) + x_2*c(i, 6, 2))
+            d_2 = ((c(i, 0, 3) + x*c(i, 1, 3)) + x_2*(c(i, 2, 3) + x*c(i, 3, 3))) &
+               + x_4*((c(i, 4, 3) + x*c(i, 5, 3)) + x_2*c(i, 6, 3))
+            h = ((c(i, 0, 4) + x*c(i, 1, 4)) + x_2*(c(i, 2, 4) + x*c(i, 3, 4))) &
+               + x_4*((c(i, 4, 4) + x*c(i, 5, 4)) + x_2*c(i, 6, 4))
             f = part%f(i, 0) + y*(part%f(i, 1) + y*(part%f(i, 2) + y*part%f(i, 3)))
             finish%drive(i) = x*d_2
             finish%n(i) = q*w*w - x*(d_1*(flights%damping(i)*w + flights%stiffness(i)*x) + h) &
@@ -298,7 +262,7 @@ contains
          select case (node)
          case (1)
             !$omp simd private(first, second)
-            do i = 1, flights%n
+            do i = 1, width
                first = (value(i) - n(i, 0))*(1/c_2)
                second = (first - part%highest(i))*(1/c_2)
                n(i, 1) = merge(first, n(i, 1), part%change(i) > flights%small(i))
@@ -309,7 +273,7 @@ contains
             end do
          case (2)
             !$omp simd private(second, third)
-            do i = 1, flights%n
+            do i = 1, width
                second = ((value(i) - n(i, 0))*(1/c_3) - n(i, 1))*(1/(c_3 - c_2))
                third = (second - part%highest(i))*(1/c_3)
                n(i, 2) = merge(second, n(i, 2), part%change(i) > flights%small(i))
@@ -319,7 +283,7 @@ contains
             end do
          case default
             !$omp simd private(third)
-            do i = 1, flights%n
+            do i = 1, width
                third = (((value(i) - n(i, 0)) - n(i, 1))*(1/(1 - c_2)) - n(i, 2))*(1/(1 - c_3))
                n(i, 3) = merge(third, n(i, 3), part%change(i) > flights%small(i))
             end do
@@ -342,7 +306,7 @@ contains
 
       associate (n => flights%n_0)
          !$omp simd private(slope)
-         do i = 1, flights%n
+         do i = 1, width
             slope = (n(i, 1) + slope_2*n(i, 2) + slope_3*n(i, 3))/flights%h(i)
             flights%finish%s(i) = merge(part%slope(i), slope, flights%span(i) < short)
          end do

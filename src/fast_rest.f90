@@ -64,7 +64,7 @@ contains
    !> 2 F w/(p_min (1 - e)) together, and none rises above (F w)**2/(2 p_min). If that is within the
    !> span looked at and below the maximum so far, the true motion has come to rest by then and has
    !> changed nothing.
-   pure logical function comes_to_rest(law, grid, loud, number, x, w, ordinate) result(rests)
+   pure logical function comes_to_rest(law, grid, loud, number, x, f, w, ordinate) result(rests)
       type(fast_law_t), intent(in) :: law
       type(fast_grid_t), intent(in) :: grid
       integer, intent(in) :: loud(:)
@@ -73,9 +73,12 @@ contains
       !! of the step
       real(wp), intent(in) :: x
       !! position in it [-]
+      real(wp), intent(in) :: f
+      !! ground acceleration there [m/s2]
       real(wp), intent(in) :: w
       !! rate of v after the impact [1/s]
       type(ordinate_t), intent(in) :: ordinate
+      real(wp), parameter :: round_off = 64*epsilon(1.0_wp)
       real(wp), parameter :: room = 3
       !! span looked at over the time that a steady pressure would need
       real(wp) :: press
@@ -88,11 +91,11 @@ contains
       !! bound of v [-]
 
       rests = .false.
-      press = law%m2*(law%threshold - abs(ground_at(grid%step(number), x)))
+      press = law%m2*(law%threshold - abs(f))
       if (press <= 0) return
       rests = w <= max(negligible*ordinate%rtol*ordinate%w_max, &
-         press*64*spacing(grid%t(number)))
-      if (rests .or. law%e >= 1 .or. w**2 > 2*press*ordinate%v_max) return
+         press*round_off*grid%t(number))
+      if (rests .or. law%e >= 1 .or. w**2 > press*ordinate%v_max) return
       chatter = room*2*w/(press*(1 - law%e))
       if (loud(number) < loud(number + 1)) return
       if (loud(number) <= size(grid%t)) then
@@ -114,11 +117,11 @@ contains
       !! [1/s]
       real(wp), intent(in) :: v
       !! [-]
-      real(wp) :: c(4)
 
-      c = maxval(abs(law%coef(0, :, :)), dim=2)
-      hindrance = law%m1*ordinate%damping*w + 2*(c(1)*w**2 + v*(c(2)*(ordinate%damping*w &
-         + ordinate%stiffness*v) + c(3)*law%threshold + c(4) + abs(law%m3_1)))
+      associate (c => law%bound)
+         hindrance = law%m1*ordinate%damping*w + 2*(c(1)*w**2 + v*(c(2)*(ordinate%damping*w &
+            + ordinate%stiffness*v) + c(3)*law%threshold + c(4) + abs(law%m3_1)))
+      end associate
    end function hindrance
 
    !> Smallest deceleration of v from a position on for a time, and how much it lets velocities

@@ -27,6 +27,7 @@ contains
       flights%hits(k) = merge(1.0_wp, 0.0_wp, hits)
       call state_at(p, flights%y(k), v, flights%w_hit(k))
       if (flights%w_hit(k) < 0 .and. p(1) >= 0) call find_peak(p, flights%y(k), flights%peak(k))
+      if (.not. hits) call search_turns(k, p, flights)
    end subroutine search_again
 
    !> First return to v = 0 after the beginning of a series.
@@ -99,5 +100,54 @@ contains
       end if
       call state_at(p, x, peak, slope)
    end subroutine find_peak
+
+   !> Where v' changes its sign twice: the largest and the smallest v between.
+   pure subroutine find_turns(p, found, highest, lowest)
+      real(wp), contiguous, intent(in) :: p(0:)
+      logical, intent(out) :: found
+      real(wp), intent(out) :: highest
+      !! position [-]
+      real(wp), intent(out) :: lowest
+      real(wp) :: rate(0:size(p) - 2)
+      real(wp) :: bend(0:size(p) - 3)
+      real(wp) :: x, value, slope
+
+      highest = 0
+      lowest = 0
+      rate = derivative(p)
+      bend = derivative(rate)
+      found = bend(0)*sum(bend) < 0 .and. p(1)*sum(rate) > 0
+      if (.not. found) return
+      call find_root(bend, 0.0_wp, 1.0_wp, x)
+      call state_at(rate, x, value, slope)
+      found = value*p(1) < 0
+      if (.not. found) return
+      call find_root(rate, 0.0_wp, x, highest)
+      call find_root(rate, x, 1.0_wp, lowest)
+      if (p(1) < 0) then
+         x = highest
+         highest = lowest
+         lowest = x
+      end if
+   end subroutine find_turns
+
+   !> A flight that turns twice: it may touch the base between, and be highest between.
+   pure subroutine search_turns(k, p, flights)
+      integer, intent(in) :: k
+      real(wp), contiguous, intent(in) :: p(0:)
+      type(flights_t), intent(inout) :: flights
+      real(wp) :: highest, lowest, value, slope
+      logical :: found
+
+      call find_turns(p, found, highest, lowest)
+      if (.not. found) return
+      call state_at(p, lowest, value, slope)
+      if (value < 0) then
+         flights%hits(k) = 1
+         call find_root(p, merge(highest, 0.0_wp, highest < lowest), lowest, flights%y(k))
+         call state_at(p, flights%y(k), value, flights%w_hit(k))
+      end if
+      if (highest < flights%y(k)) call state_at(p, highest, flights%peak(k), slope)
+   end subroutine search_turns
 
 end module rwmf_fast_search

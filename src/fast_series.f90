@@ -91,20 +91,23 @@ contains
    end function newton_to_powers
 
    !> Weights of a step as `rwmf_fast_step` orders them.
-   pure function step_weights(damping, stiffness, h) result(weight)
+   pure function step_weights(damping, stiffness, h, middle) result(weight)
       real(wp), intent(in) :: damping
       !! [1/s]
       real(wp), intent(in) :: stiffness
       !! [1/s2]
       real(wp), intent(in) :: h
       !! [s]
+      real(wp), intent(in) :: middle
+      !! the second node [-]
       real(wp) :: weight(12, 3)
-      real(wp), parameter :: node(3) = [c_2, c_3, 1.0_wp]
+      real(wp) :: node(3)
       real(wp) :: p(0:series_terms, 6)
       real(wp) :: mode(0:3)
       integer :: i
       integer :: j
 
+      node = [c_2, middle, 1.0_wp]
       call series(damping, stiffness, h, 1.0_wp, 0.0_wp, [real(wp) :: 0, 0, 0, 0], p(:, 1))
       call series(damping, stiffness, h, 0.0_wp, 1.0_wp, [real(wp) :: 0, 0, 0, 0], p(:, 2))
       do j = 0, 3

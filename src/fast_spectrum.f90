@@ -4,13 +4,14 @@
 !> company. What the method has no proof for is left undone and to the general kernel.
 module rwmf_fast_spectrum
    use rwmf_case, only: case_t
-   use rwmf_control, only: control_t, count_done, is_cancelled
-   use rwmf_fast_block, only: run_block
-   use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps, pulse_step
-   use rwmf_fast_lanes, only: fast_law_t, lanes
+   use rwmf_control, only: control_t, is_cancelled
+   use rwmf_fast_grid, only: build_grid, pulse_step
+   use rwmf_fast_lanes, only: fast_law_t
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
-   use rwmf_fast_order, only: group_t, list_groups
+   use rwmf_fast_order, only: order_by_cost
+   use rwmf_fast_pool, only: fast_result_t, run_pool
+   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, list_loud_steps
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: motion_t
    implicit none
@@ -22,38 +23,45 @@ module rwmf_fast_spectrum
    !! mass ratio below which N is no small remainder [-]
    integer, parameter :: halvings = 5
    !! step sizes: the longest one halved up to so often
+   integer, parameter :: most_laws = 32
+   !! that are worked on at a time: each needs a number for every step
    real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
    !! of |u_s|/(2R) [-]
+   real(wp), parameter :: enough_for(2) = [150.0_wp, 5.0_wp]
+   !! mass ratios from which on one and two evaluations of N in a step do: its share is 1/gamma
+   integer, parameter :: most_stages = 3
    real(wp), parameter :: fit_share = 0.1_wp
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
    !! (g/R)/(omega_s**2 v), about 10 for flexible frames
 
-   !> What all tasks share.
-   type :: scope_t
+   !> An ordinate that is not done yet, and how it is tried.
+   type :: trial_t
+      integer :: i
+      !! indices of the period, the mass ratio, the width
+      integer :: j
+      integer :: k
+      integer :: range
+      !! of the fit
+      integer :: level
+      !! halvings of the step
+      integer :: stages
+      !! evaluations of N in a step
+      logical :: is_finer
+      !! the step is halved once more because the estimated error was too large
+   end type trial_t
+
+   !> What is given.
+   type :: inquiry_t
       type(case_t) :: case
       type(control_t) :: control
-      integer :: instructions
-      !! from `best_level`
+      integer :: threads
       real(wp), allocatable :: T_s(:)
       !! (n_T) [s]
       real(wp), allocatable :: gamma(:)
       !! (n_gamma) [-]
       real(wp), allocatable :: b(:)
       !! (n_b) [m]
-      type(fast_grid_t) :: grid(0:halvings + 1)
-      !! by halvings of the step
-      type(fast_law_t), allocatable :: law(:, :)
-      !! (n_gamma, n_b) on the narrowest range
-   end type scope_t
-
-   !> A group of periods for one mass ratio and one width.
-   type :: task_t
-      integer :: j
-      !! index of the mass ratio
-      integer :: k
-      !! index of the width
-      type(group_t) :: group
-   end type task_t
+   end type inquiry_t
 
 contains
 
@@ -74,56 +82,64 @@ contains
       !! (n_T, n_gamma, n_b) [m]
       logical, intent(out) :: is_done(:, :, :)
       !! (n_T, n_gamma, n_b)
-      type(scope_t) :: scope
-      type(task_t), allocatable :: task(:)
-      integer :: i
+      type(inquiry_t) :: inquiry
+      type(trial_t), allocatable :: trial(:)
+      integer :: pair
 
       is_done = .false.
-      call prepare(case, motion, threads, T_s, gamma, b, scope)
-      scope%control = control
-      task = list_tasks(case, motion, T_s, gamma, b)
-      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
-      do i = 1, size(task)
-         if (.not. is_cancelled(control)) then
-            call run_group(scope, 1, 0, task(i), task(i)%group%member(:task(i)%group%n), u_s_max, &
-               is_done)
-         end if
+      inquiry%case = scene_of(case, case%frame%gamma, case%wall%b)
+      inquiry%case%solver = case%solver
+      inquiry%control = control
+      inquiry%threads = threads
+      inquiry%T_s = T_s
+      inquiry%gamma = gamma
+      inquiry%b = b
+      do pair = 1, size(gamma)*size(b), most_laws
+         trial = first_trials(inquiry, motion, pair, min(pair + most_laws - 1, &
+            size(gamma)*size(b)))
+         do while (size(trial) > 0)
+            if (is_cancelled(control)) exit
+            call run_alike(inquiry, motion, trial, u_s_max, is_done)
+         end do
       end do
-      !$omp end parallel do
    end subroutine run_fast
 
-   !> Everything that is computed once: grids of steps, laws.
-   subroutine prepare(case, motion, threads, T_s, gamma, b, scope)
-      type(case_t), intent(in) :: case
+   !> All periods of some pairs of mass ratio and width.
+   pure function first_trials(inquiry, motion, first, last) result(trial)
+      type(inquiry_t), intent(in) :: inquiry
       type(motion_t), intent(in) :: motion
-      integer, intent(in) :: threads
-      real(wp), intent(in) :: T_s(:)
-      real(wp), intent(in) :: gamma(:)
-      real(wp), intent(in) :: b(:)
-      type(scope_t), intent(out) :: scope
-      integer :: i
+      integer, intent(in) :: first
+      !! number of the pair, the mass ratio running fastest
+      integer, intent(in) :: last
+      type(trial_t), allocatable :: trial(:)
+      integer, allocatable :: level(:)
+      integer, allocatable :: order(:)
+      integer :: i, n, pair, j, k
 
-      scope%case = scene_of(case, case%frame%gamma, case%wall%b)
-      scope%case%solver = case%solver
-      scope%instructions = best_level()
-      scope%T_s = T_s
-      scope%gamma = gamma
-      scope%b = b
-      allocate (scope%law(size(gamma), size(b)))
-      do i = 0, halvings + 1
-         if (any(levels(case, motion, T_s) == i) .or. any(levels(case, motion, T_s) + 1 == i)) then
-            call build_grid(case, motion, case%solver%t_end, longest_step(case, motion)/2.0_wp**i, &
-               scope%grid(i))
-         end if
+      level = levels(inquiry%case, motion, inquiry%T_s)
+      order = order_by_cost(inquiry%T_s, level, halvings)
+      allocate (trial(size(order)*(last - first + 1)))
+      n = 0
+      do pair = first, last
+         j = mod(pair - 1, size(inquiry%gamma)) + 1
+         k = (pair - 1)/size(inquiry%gamma) + 1
+         if (inquiry%gamma(j) < least_gamma) cycle
+         do i = 1, size(order)
+            n = n + 1
+            trial(n) = trial_t(order(i), j, k, 1, level(order(i)), &
+               stages_for(inquiry%gamma(j)), .false.)
+         end do
       end do
-      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) if (size(b) > 8)
-      do i = 1, size(scope%law)
-         associate (j => mod(i - 1, size(gamma)) + 1, k => (i - 1)/size(gamma) + 1)
-            call build_law(scene_of(case, gamma(j), b(k)), fit_range(1), scope%law(j, k))
-         end associate
-      end do
-      !$omp end parallel do
-   end subroutine prepare
+      trial = trial(:n)
+   end function first_trials
+
+   !> Evaluations of N that a mass ratio calls for.
+   pure integer function stages_for(gamma)
+      real(wp), intent(in) :: gamma
+      !! [-]
+
+      stages_for = most_stages - count(gamma >= enough_for)
+   end function stages_for
 
    !> Longest step [s]: a fraction of the wall's own time.
    pure real(wp) function longest_step(case, motion) result(h)
@@ -140,28 +156,6 @@ contains
       fineness = min(2.0_wp, (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
    end function fineness
 
-   !> The groups of periods for every mass ratio and width.
-   pure function list_tasks(case, motion, T_s, gamma, b) result(task)
-      type(case_t), intent(in) :: case
-      type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: T_s(:)
-      real(wp), intent(in) :: gamma(:)
-      real(wp), intent(in) :: b(:)
-      type(task_t), allocatable :: task(:)
-      type(group_t), allocatable :: group(:)
-      integer :: i, j, k
-
-      group = list_groups(T_s, levels(case, motion, T_s), halvings)
-      allocate (task(0))
-      do i = 1, size(group)
-         do k = 1, size(b)
-            do j = 1, size(gamma)
-               if (gamma(j) >= least_gamma) task = [task, task_t(j, k, group(i))]
-            end do
-         end do
-      end do
-   end function list_tasks
-
    !> Halvings that a period calls for; one more than there are: no step is short enough.
    pure function levels(case, motion, T_s)
       type(case_t), intent(in) :: case
@@ -172,70 +166,180 @@ contains
       real(wp) :: angle
       !! omega_s h allowed [rad]
 
-      angle = 0.5_wp*fineness(case)
+      angle = 0.69_wp*fineness(case)
       levels = max(0, ceiling(log(2*pi*longest_step(case, motion)/(T_s*angle))/log(2.0_wp)))
       levels = min(levels, halvings + 1)
    end function levels
 
-   !> Ordinates of one task; those that leave the fit are repeated on a wider one, those whose
-   !> estimated error is too large once on the halved step. What is not done then is left to the
-   !> general kernel.
-   recursive subroutine run_group(scope, range, halving, task, member, u_s_max, is_done)
-      type(scope_t), intent(in) :: scope
-      integer, intent(in) :: range
-      !! of the fit
-      integer, intent(in) :: halving
-      !! of the task's step
-      type(task_t), intent(in) :: task
-      integer, intent(in) :: member(:)
-      !! (n) indices of the periods
+   !> Try the ordinates with the fewest evaluations of N among them.
+   subroutine run_alike(inquiry, motion, trial, u_s_max, is_done)
+      type(inquiry_t), intent(in) :: inquiry
+      type(motion_t), intent(in) :: motion
+      type(trial_t), allocatable, intent(inout) :: trial(:)
+      !! out: what is still to be tried
       real(wp), intent(inout) :: u_s_max(:, :, :)
       logical, intent(inout) :: is_done(:, :, :)
-      type(fast_law_t) :: law
-      real(wp) :: v_max(size(member))
-      real(wp) :: error(size(member))
-      logical :: failed(size(member))
-      logical :: is_wide(size(member))
-      logical :: is_poor(size(member))
+      type(trial_t), allocatable :: now(:)
+      logical, allocatable :: is_alike(:)
+
+      is_alike = trial%stages == minval(trial%stages)
+      now = pack(trial, is_alike)
+      call run_trials(inquiry, motion, now, u_s_max, is_done)
+      trial = [now, pack(trial, .not. is_alike)]
+   end subroutine run_alike
+
+   !> Try the ordinates; those that leave the fit are tried again on a wider one, those whose
+   !> estimated error is too large with more evaluations of N, then on the halved step.
+   subroutine run_trials(inquiry, motion, trial, u_s_max, is_done)
+      type(inquiry_t), intent(in) :: inquiry
+      type(motion_t), intent(in) :: motion
+      type(trial_t), allocatable, intent(inout) :: trial(:)
+      !! out: what is to be tried again
+      real(wp), intent(inout) :: u_s_max(:, :, :)
+      logical, intent(inout) :: is_done(:, :, :)
+      type(fast_scope_t) :: scope
+      type(fast_task_t), allocatable :: task(:)
+      type(fast_result_t), allocatable :: result(:)
+      integer :: next
+      integer :: thread
+
+      call prepare(inquiry, motion, trial, scope, task)
+      allocate (result(size(task)))
+      next = 0
+      !$omp parallel do num_threads(inquiry%threads) schedule(static, 1) default(shared)
+      do thread = 1, inquiry%threads
+         call run_pool(scope, task, thread, inquiry%threads, next, result)
+      end do
+      !$omp end parallel do
+      call conclude(inquiry, scope, task, result, trial, u_s_max, is_done)
+   end subroutine run_trials
+
+   !> Laws and grids of the trials; those for which there are none are dropped.
+   subroutine prepare(inquiry, motion, trial, scope, task)
+      type(inquiry_t), intent(in) :: inquiry
+      type(motion_t), intent(in) :: motion
+      type(trial_t), allocatable, intent(inout) :: trial(:)
+      type(fast_scope_t), intent(out) :: scope
+      type(fast_task_t), allocatable, intent(out) :: task(:)
+      integer, allocatable :: law_of(:)
+      logical, allocatable :: is_usable(:)
       integer :: i
 
-      if (size(member) == 0 .or. range > size(fit_range) .or. halving > 1) return
-      if (range == 1) then
-         law = scope%law(task%j, task%k)
-      else
-         call build_law(scene_of(scope%case, scope%gamma(task%j), scope%b(task%k)), &
-            fit_range(range), law)
-      end if
-      if (.not. is_usable(scope%case, law)) return
-      associate (grid => scope%grid(task%group%level + halving))
-         if (.not. allocated(grid%step)) return
-         call run_block(scope%control, law, grid, loud_steps(grid, law%threshold), &
-            scope%T_s(member), scope%case%frame%xi_s, scope%case%solver%rtol, &
-            scope%instructions, v_max, failed, error)
-      end associate
-      is_wide = failed .or. .not. v_max <= law%v_high
-      is_poor = .not. is_wide .and. error > scope%case%solver%rtol
-      do i = 1, size(member)
-         if (is_wide(i) .or. is_poor(i)) cycle
-         u_s_max(member(i), task%j, task%k) = law%length*v_max(i)
-         is_done(member(i), task%j, task%k) = .true.
-         call count_done(scope%control)
+      scope%control = inquiry%control
+      scope%instructions = best_level()
+      scope%stages = trial(1)%stages
+      scope%xi_s = inquiry%case%frame%xi_s
+      scope%rtol = inquiry%case%solver%rtol
+      call build_laws(inquiry, trial, scope%law, law_of)
+      scope%is_short = all(scope%law%is_short)
+      allocate (scope%grid(halvings + 2))
+      do i = 0, halvings + 1
+         if (.not. any(trial%level == i)) cycle
+         call build_grid(inquiry%case, motion, inquiry%case%solver%t_end, &
+            longest_step(inquiry%case, motion)/2.0_wp**i, scope%grid(i + 1))
       end do
-      call run_group(scope, range + 1, halving, task, pack(member, is_wide), u_s_max, is_done)
-      call run_group(scope, range, halving + 1, task, pack(member, is_poor), u_s_max, is_done)
-   end subroutine run_group
+      allocate (is_usable(size(trial)))
+      do i = 1, size(trial)
+         is_usable(i) = holds(inquiry%case, inquiry%b(trial(i)%k), scope%law(law_of(i))) &
+            .and. allocated(scope%grid(trial(i)%level + 1)%step)
+      end do
+      trial = pack(trial, is_usable)
+      law_of = pack(law_of, is_usable)
+      task = [(fast_task_t(inquiry%T_s(trial(i)%i), law_of(i), trial(i)%level + 1), &
+         i=1, size(trial))]
+      call join_grids(scope)
+      ! After a jump of the acceleration the slope of N would swing about its value for long.
+      if (scope%has_jumps) scope%stages = max(2, scope%stages)
+      call list_loud_steps(task, scope)
+   end subroutine prepare
+
+   !> The law of each trial; trials of the same pair and range follow each other.
+   subroutine build_laws(inquiry, trial, law, law_of)
+      type(inquiry_t), intent(in) :: inquiry
+      type(trial_t), intent(in) :: trial(:)
+      type(fast_law_t), allocatable, intent(out) :: law(:)
+      integer, allocatable, intent(out) :: law_of(:)
+      !! (trials) index of the law
+      integer, allocatable :: first(:)
+      !! (laws) trial that calls for it
+      integer :: i
+
+      allocate (law_of(size(trial)), first(0))
+      do i = 1, size(trial)
+         if (size(first) == 0) then
+            first = [i]
+         else if (.not. is_same_law(trial(first(size(first))), trial(i))) then
+            first = [first, i]
+         end if
+         law_of(i) = size(first)
+      end do
+      allocate (law(size(first)))
+      !$omp parallel do num_threads(inquiry%threads) schedule(dynamic) default(shared) &
+      !$omp if (size(law) > 2)
+      do i = 1, size(law)
+         associate (one => trial(first(i)))
+            call build_law(scene_of(inquiry%case, inquiry%gamma(one%j), inquiry%b(one%k)), &
+               fit_range(one%range), fit_share*inquiry%case%solver%rtol, law(i))
+         end associate
+      end do
+      !$omp end parallel do
+   end subroutine build_laws
+
+   pure logical function is_same_law(one, other)
+      type(trial_t), intent(in) :: one
+      type(trial_t), intent(in) :: other
+
+      is_same_law = one%j == other%j .and. one%k == other%k .and. one%range == other%range
+   end function is_same_law
+
+   !> Enter what is done; list what is to be tried again.
+   subroutine conclude(inquiry, scope, task, result, trial, u_s_max, is_done)
+      type(inquiry_t), intent(in) :: inquiry
+      type(fast_scope_t), intent(in) :: scope
+      type(fast_task_t), intent(in) :: task(:)
+      type(fast_result_t), intent(in) :: result(:)
+      type(trial_t), allocatable, intent(inout) :: trial(:)
+      real(wp), intent(inout) :: u_s_max(:, :, :)
+      logical, intent(inout) :: is_done(:, :, :)
+      logical, allocatable :: again(:)
+      integer :: n
+
+      allocate (again(size(trial)))
+      again = .false.
+      do n = 1, size(trial)
+         associate (one => trial(n), law => scope%law(task(n)%law), found => result(n))
+            if (found%failed .or. .not. found%v_max <= law%v_high) then
+               one%range = one%range + 1
+               again(n) = one%range <= size(fit_range)
+            else if (found%error > inquiry%case%solver%rtol) then
+               again(n) = one%stages < most_stages .or. .not. one%is_finer
+               if (one%stages == most_stages) then
+                  one%is_finer = .true.
+                  one%level = one%level + 1
+               end if
+               one%stages = most_stages
+            else
+               u_s_max(one%i, one%j, one%k) = law%length*found%v_max
+               is_done(one%i, one%j, one%k) = .true.
+            end if
+         end associate
+      end do
+      trial = pack(trial, again)
+   end subroutine conclude
 
    !> Does the fit hold what the tolerance asks, and end before the wall overturns?
-   pure logical function is_usable(case, law)
+   pure logical function holds(case, b, law)
       type(case_t), intent(in) :: case
+      real(wp), intent(in) :: b
+      !! [m]
       type(fast_law_t), intent(in) :: law
       real(wp) :: alpha
       !! slenderness [rad]
 
-      alpha = atan2(case%wall%b, case%wall%h)
-      is_usable = law%fit_error < fit_share*case%solver%rtol .and. law%e > 0 &
+      alpha = atan2(b, case%wall%h)
+      holds = law%fit_error < fit_share*case%solver%rtol .and. law%e > 0 &
          .and. law%v_high < sin(min(case%model%overturning_angle, 1.0_wp)/2)*cos(alpha)
-   end function is_usable
+   end function holds
 
    !> The scene of one mass ratio and one width.
    pure function scene_of(case, gamma, b) result(scene)

@@ -1,282 +1,336 @@
-!> One step of exponential collocation for many ordinates at once: the loops to be vectorised.
+!> Steps of exponential collocation for a team of ordinates: the loops to be vectorised.
 !>
 !> The linear part of the equation (see `rwmf_fast_law`) is advanced exactly; the remainder N is
-!> interpolated on Lobatto's nodes 0, c2, c3, 1. Each of its values is taken at the state predicted
-!> from the earlier ones and from the slope of N at the end of the step before, so that three
-!> evaluations of N suffice. A lane never sees another one: the result of an ordinate does not
-!> depend on its neighbours.
+!> interpolated. One, two or three evaluations of it make a step, each at the state predicted from
+!> the earlier ones and from the slope of N at the beginning. A lane never sees another one: the
+!> result of an ordinate does not depend on its neighbours.
 !>
 !> Compiled once for each instruction set (see `rwmf_fast_machine`): FAST_STEP is the module's name.
 !> Neither fused multiply-add nor reordering is allowed, so that all of them give the same bits.
 #ifndef FAST_STEP
 #define FAST_STEP rwmf_fast_step
+#define FAST_NODE rwmf_fast_node
 #endif
 module FAST_STEP
-   use rwmf_fast_lanes, only: c_2, c_3, lane_rate_t, lane_state_t, lanes, step_t, wp
+   use FAST_NODE, only: pass_jump, propagate, remainder
+   use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, lanes, seats, step_t, &
+      team_t, wp
    implicit none
    private
 
-   public :: step_lanes, settle_lanes, step_frames
+   public :: advance_team, step_frames
 
 contains
 
-   !> Advance all lanes by one step, as if nothing happened in it.
-   pure subroutine step_lanes(n_used, rate, step, now, next, difference)
-      integer, intent(in) :: n_used
-      !! lanes in use, a multiple of `width`
-      type(lane_rate_t), intent(in) :: rate
-      type(step_t), intent(in) :: step
-      type(lane_state_t), intent(in) :: now
-      type(lane_state_t), intent(inout) :: next
-      real(wp), intent(inout) :: difference(lanes, 0:3)
-      !! divided differences of N on the nodes [1/s2]
-      real(wp) :: v(lanes)
-      real(wp) :: w(lanes)
-      real(wp) :: n(lanes)
-      real(wp) :: slope(lanes)
+   !> One step of a team. The lanes in which something may happen are left as they were.
+   pure subroutine advance_team(ground, stages, is_short, is_straight, team, &
+      has_event, is_called)
+      type(step_t), contiguous, intent(in) :: ground(:)
+      !! (steps)
+      integer, intent(in) :: stages
+      !! evaluations of N: 1, 2 or 3
+      logical, intent(in) :: is_short
+      !! its polynomials have `short_degree`
+      logical, intent(in) :: is_straight
+      !! the ground acceleration is linear in every step
+      type(team_t), intent(inout) :: team
+      logical, intent(out) :: has_event
+      logical, intent(out) :: is_called
+      !! the next step of a lane may be another one than the last
+      real(wp) :: slope(seats)
 
-      call predict_second(n_used, rate, step, now%v, now%w, now%n, now%s, now%drive, slope, &
-         difference, v, w)
-      call remainder(n_used, rate, step%f(0) + c_2*step%f(1), v, w, n, next%drive)
-      call predict_third(n_used, rate, step, now%v, now%w, n, slope, difference, v, w)
-      call remainder(n_used, rate, step%f(0) + c_3*(step%f(1) + (c_3 - c_2)*step%f(2)), v, w, n, &
-         next%drive)
-      call predict_end(n_used, rate, step, now%v, now%w, n, slope, difference, next%v, next%w)
-      call remainder(n_used, rate, &
-         step%f(0) + step%f(1) + (1 - c_2)*(step%f(2) + (1 - c_3)*step%f(3)), &
-         next%v, next%w, next%n, next%drive)
-      call correct_end(n_used, rate, step, next%n, next%s, difference, next%v, next%w, next%doubt)
-   end subroutine step_lanes
+      call load_ground(ground, is_straight, team%at, team%ground)
+      call begin_step(team%rate, team%ground, team%now%n, team%now%s, team%now%drive, &
+         team%difference, slope)
+      if (jumps(team%ground%jump)) then
+         call pass_jump(team%rate, team%ground, team%now%v, team%now%w, team%now%drive, slope)
+      end if
+      select case (stages)
+      case (1)
+         call take_one(is_short, is_straight, team, slope)
+      case (2)
+         call take_two(is_short, is_straight, team, slope)
+      case default
+         call take_three(is_short, is_straight, team, slope)
+      end select
+      call mark_events(team, has_event)
+      call accept(team)
+      call count_step(team, is_called)
+   end subroutine advance_team
 
-   !> N at the states of all lanes.
-   pure subroutine remainder(n_used, rate, f, v, w, n, drive)
-      integer, intent(in) :: n_used
-      type(lane_rate_t), intent(in) :: rate
-      real(wp), intent(in) :: f
-      !! ground acceleration [m/s2]
-      real(wp), intent(in) :: v(lanes)
-      real(wp), intent(in) :: w(lanes)
-      real(wp), intent(out) :: n(lanes)
-      real(wp), intent(out) :: drive(lanes)
-      real(wp) :: x
-      real(wp) :: q
-      real(wp) :: d_1
-      real(wp) :: d_2
-      real(wp) :: h
+   !> The ground motion in the step of each lane.
+   pure subroutine load_ground(ground, is_straight, at, loaded)
+      type(step_t), contiguous, intent(in) :: ground(:)
+      logical, intent(in) :: is_straight
+      integer, intent(in) :: at(seats)
+      type(lane_ground_t), intent(inout) :: loaded
+      !! in: without curvature
       integer :: i
 
-      associate (c => rate%coef)
-         !$omp simd private(x, q, d_1, d_2, h)
-         do i = 1, n_used
-            x = v(i)
-            q = c(i, 0, 1) + x*(c(i, 1, 1) + x*(c(i, 2, 1) + x*(c(i, 3, 1) + x*(c(i, 4, 1) &
-               + x*(c(i, 5, 1) + x*c(i, 6, 1))))))
-            d_1 = c(i, 0, 2) + x*(c(i, 1, 2) + x*(c(i, 2, 2) + x*(c(i, 3, 2) + x*(c(i, 4, 2) &
-               + x*(c(i, 5, 2) + x*c(i, 6, 2))))))
-            d_2 = c(i, 0, 3) + x*(c(i, 1, 3) + x*(c(i, 2, 3) + x*(c(i, 3, 3) + x*(c(i, 4, 3) &
-               + x*(c(i, 5, 3) + x*c(i, 6, 3))))))
-            h = c(i, 0, 4) + x*(c(i, 1, 4) + x*(c(i, 2, 4) + x*(c(i, 3, 4) + x*(c(i, 4, 4) &
-               + x*(c(i, 5, 4) + x*c(i, 6, 4))))))
-            drive(i) = x*d_2
-            n(i) = q*w(i)*w(i) - x*(d_1*(rate%damping(i)*w(i) + rate%stiffness(i)*x) + h) &
-               - drive(i)*(rate%side(i)*f)
-         end do
-      end associate
-   end subroutine remainder
+      do i = 1, seats
+         associate (step => ground(at(i)))
+            loaded%f(i, 0) = step%f(0)
+            loaded%f(i, 1) = step%f(1)
+            loaded%jump(i) = step%jump
+            loaded%kink(i) = step%kink
+         end associate
+      end do
+      if (is_straight) return
+      do i = 1, seats
+         loaded%f(i, 2) = ground(at(i))%f(2)
+         loaded%f(i, 3) = ground(at(i))%f(3)
+      end do
+   end subroutine load_ground
 
-   !> State at c2 from the value and the slope of N at 0.
-   pure subroutine predict_second(n_used, rate, step, v_0, w_0, n_0, s_0, drive, slope, d, v, w)
-      integer, intent(in) :: n_used
+   pure logical function jumps(jump)
+      real(wp), intent(in) :: jump(seats)
+      real(wp) :: total
+      integer :: i
+
+      total = 0
+      !$omp simd reduction(+: total)
+      do i = 1, seats
+         total = total + abs(jump(i))
+      end do
+      jumps = total > 0
+   end function jumps
+
+   !> N as far as it is known at the beginning: its value and its slope.
+   pure subroutine begin_step(rate, ground, n_0, s_0, drive, d, slope)
       type(lane_rate_t), intent(in) :: rate
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: v_0(lanes)
-      real(wp), intent(in) :: w_0(lanes)
-      real(wp), intent(in) :: n_0(lanes)
-      real(wp), intent(in) :: s_0(lanes)
-      real(wp), intent(in) :: drive(lanes)
-      real(wp), intent(out) :: slope(lanes)
+      type(lane_ground_t), intent(in) :: ground
+      real(wp), intent(in) :: n_0(seats)
+      real(wp), intent(in) :: s_0(seats)
+      real(wp), intent(in) :: drive(seats)
+      real(wp), intent(out) :: d(seats, 0:3)
+      !! divided differences on 0, c2, c3, 1
+      real(wp), intent(out) :: slope(seats)
       !! of N at 0 per step [1/s2]
-      real(wp), intent(inout) :: d(lanes, 0:3)
-      real(wp), intent(out) :: v(lanes)
-      real(wp), intent(out) :: w(lanes)
-      real(wp) :: g_0, g_1, g_2, g_3, ground
       integer :: i
 
-      associate (a => rate%weight, f => step%f)
-         !$omp simd private(g_0, g_1, g_2, g_3, ground)
-         do i = 1, n_used
-            d(i, 0) = n_0(i) - drive(i)*rate%side(i)*step%jump
-            slope(i) = step%h*(s_0(i) - drive(i)*rate%side(i)*step%kink)
-            ground = -rate%m2(i)*rate%side(i)
-            g_0 = d(i, 0) - rate%m3(i) + ground*f(0)
-            g_1 = slope(i) + ground*f(1)
-            g_2 = ground*f(2)
-            g_3 = ground*f(3)
-            v(i) = a(i, 1)*v_0(i) + a(i, 2)*w_0(i) + a(i, 5)*g_0 + a(i, 6)*g_1 + a(i, 7)*g_2 &
-               + a(i, 8)*g_3
-            w(i) = a(i, 3)*v_0(i) + a(i, 4)*w_0(i) + a(i, 9)*g_0 + a(i, 10)*g_1 + a(i, 11)*g_2 &
-               + a(i, 12)*g_3
-         end do
-      end associate
-   end subroutine predict_second
+      !$omp simd
+      do i = 1, seats
+         d(i, 0) = n_0(i) - drive(i)*rate%side(i)*ground%jump(i)
+         slope(i) = rate%h(i)*(s_0(i) - drive(i)*rate%side(i)*ground%kink(i))
+         d(i, 1) = slope(i)
+         d(i, 2) = 0
+         d(i, 3) = 0
+      end do
+   end subroutine begin_step
 
-   !> State at c3 from the slope at 0 and the values at 0 and c2.
-   pure subroutine predict_third(n_used, rate, step, v_0, w_0, n_2, slope, d, v, w)
-      integer, intent(in) :: n_used
-      type(lane_rate_t), intent(in) :: rate
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: v_0(lanes)
-      real(wp), intent(in) :: w_0(lanes)
-      real(wp), intent(in) :: n_2(lanes)
-      real(wp), intent(inout) :: slope(lanes)
-      !! in: of N at 0; out: second difference of N on 0, 0, c2 [1/s2]
-      real(wp), intent(inout) :: d(lanes, 0:3)
-      real(wp), intent(out) :: v(lanes)
-      real(wp), intent(out) :: w(lanes)
-      real(wp) :: g_0, g_1, g_2, g_3, ground
+   !> One evaluation: N through its value and slope at 0 and its value at 1.
+   pure subroutine take_one(is_short, is_straight, team, slope)
+      logical, intent(in) :: is_short
+      logical, intent(in) :: is_straight
+      type(team_t), intent(inout) :: team
+      real(wp), intent(in) :: slope(seats)
+      !! of N at 0 per step [1/s2]
+      real(wp) :: second
       integer :: i
 
-      associate (a => rate%weight, f => step%f)
-         !$omp simd private(g_0, g_1, g_2, g_3, ground)
-         do i = 1, n_used
-            d(i, 1) = (n_2(i) - d(i, 0))*(1/c_2)
-            slope(i) = (d(i, 1) - slope(i))*(1/c_2)
-            ground = -rate%m2(i)*rate%side(i)
-            g_0 = d(i, 0) - rate%m3(i) + ground*f(0)
-            g_1 = d(i, 1) + ground*f(1)
-            g_2 = slope(i) + ground*f(2)
-            g_3 = ground*f(3)
-            v(i) = a(i, 13)*v_0(i) + a(i, 14)*w_0(i) + a(i, 17)*g_0 + a(i, 18)*g_1 &
-               + a(i, 19)*g_2 + a(i, 20)*g_3
-            w(i) = a(i, 15)*v_0(i) + a(i, 16)*w_0(i) + a(i, 21)*g_0 + a(i, 22)*g_1 &
-               + a(i, 23)*g_2 + a(i, 24)*g_3
+      associate (rate => team%rate, d => team%difference, now => team%now, next => team%next)
+         call propagate(merge(2, 4, is_straight), rate, team%ground, d, 24, &
+            now%v, now%w, next%v, next%w)
+         call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
+         !$omp simd private(second)
+         do i = 1, seats
+            second = (next%n(i) - d(i, 0)) - slope(i)
+            ! x**2 is x (x - c2) + c2 x
+            d(i, 1) = slope(i) + c_2*second
+            d(i, 2) = second
+            next%v(i) = next%v(i) + second*(rate%weight(i, 31) + c_2*rate%weight(i, 30))
+            next%doubt(i) = second*(rate%weight(i, 35) + c_2*rate%weight(i, 34))
+            next%w(i) = next%w(i) + next%doubt(i)
+            next%s(i) = rate%per_h(i)*(slope(i) + 2*second)
          end do
       end associate
-   end subroutine predict_third
+   end subroutine take_one
 
-   !> State at 1 from the slope at 0 and the values at 0, c2 and c3.
-   pure subroutine predict_end(n_used, rate, step, v_0, w_0, n_3, slope, d, v, w)
-      integer, intent(in) :: n_used
-      type(lane_rate_t), intent(in) :: rate
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: v_0(lanes)
-      real(wp), intent(in) :: w_0(lanes)
-      real(wp), intent(in) :: n_3(lanes)
-      real(wp), intent(in) :: slope(lanes)
-      !! second difference of N on 0, 0, c2 [1/s2]
-      real(wp), intent(inout) :: d(lanes, 0:3)
-      real(wp), intent(out) :: v(lanes)
-      real(wp), intent(out) :: w(lanes)
-      real(wp) :: g_0, g_1, g_2, g_3, ground
+   !> Two evaluations: N through its values at 0, 1/2 and 1 and its slope at 0.
+   !>
+   !> The rate of v at 1 is that of Simpson's rule, whatever the slope.
+   pure subroutine take_two(is_short, is_straight, team, slope)
+      logical, intent(in) :: is_short
+      logical, intent(in) :: is_straight
+      type(team_t), intent(inout) :: team
+      real(wp), intent(in) :: slope(seats)
+      real(wp), parameter :: half = 0.5_wp
+      real(wp), parameter :: to_first = c_2*(half - c_3)
+      !! x**2 (x - 1/2) = x (x - c2)(x - c3) + x (x - c2)/2 + to_first x
+      real(wp) :: v(seats)
+      real(wp) :: w(seats)
+      real(wp) :: n(seats)
+      real(wp) :: second(seats)
+      real(wp) :: third
+      real(wp) :: fourth
       integer :: i
 
-      associate (a => rate%weight, f => step%f)
-         !$omp simd private(g_0, g_1, g_2, g_3, ground)
-         do i = 1, n_used
-            d(i, 2) = ((n_3(i) - d(i, 0))*(1/c_3) - d(i, 1))*(1/(c_3 - c_2))
-            d(i, 3) = (d(i, 2) - slope(i))*(1/c_3)
-            ground = -rate%m2(i)*rate%side(i)
-            g_0 = d(i, 0) - rate%m3(i) + ground*f(0)
-            g_1 = d(i, 1) + ground*f(1)
-            g_2 = d(i, 2) + ground*f(2)
-            g_3 = d(i, 3) + ground*f(3)
-            v(i) = a(i, 25)*v_0(i) + a(i, 26)*w_0(i) + a(i, 29)*g_0 + a(i, 30)*g_1 &
-               + a(i, 31)*g_2 + a(i, 32)*g_3
-            w(i) = a(i, 27)*v_0(i) + a(i, 28)*w_0(i) + a(i, 33)*g_0 + a(i, 34)*g_1 &
-               + a(i, 35)*g_2 + a(i, 36)*g_3
+      associate (rate => team%rate, d => team%difference, now => team%now, next => team%next, &
+         ground => team%ground)
+         call propagate(merge(2, 4, is_straight), rate, team%ground, d, 12, &
+            now%v, now%w, v, w)
+         call remainder(is_short, rate, team%ground, half, v, w, n, next%drive)
+         !$omp simd
+         do i = 1, seats
+            second(i) = ((n(i) - d(i, 0))*2 - slope(i))*2
+            d(i, 1) = slope(i) + c_2*second(i)
+            d(i, 2) = second(i)
+         end do
+         call propagate(merge(3, 4, is_straight), rate, team%ground, d, 24, &
+            now%v, now%w, next%v, next%w)
+         call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
+         !$omp simd private(third, fourth)
+         do i = 1, seats
+            third = (((next%n(i) - d(i, 0)) - slope(i)) - second(i))*2
+            d(i, 1) = d(i, 1) + to_first*third
+            d(i, 2) = d(i, 2) + half*third
+            d(i, 3) = third
+            next%v(i) = next%v(i) + third*(rate%weight(i, 32) + (half*rate%weight(i, 31) &
+               + to_first*rate%weight(i, 30)))
+            next%doubt(i) = third*(rate%weight(i, 36) + (half*rate%weight(i, 35) &
+               + to_first*rate%weight(i, 34)))
+            ! Of degree four is above all what the change of the ground acceleration in the step makes
+            ! of Q v'**2 and v D2 f; the cubic misses its part along x**2 (x - 1/2)(x - 1).
+            fourth = (rate%h(i)*ground%f(i, 1))**2*rate%m2(i)*(rate%coef(i, 0, 1)*rate%m2(i)*0.25_wp &
+               + rate%coef(i, 0, 3)*(1/6.0_wp))
+            next%w(i) = next%w(i) + (next%doubt(i) - rate%h(i)*fourth*(1/120.0_wp))
+            next%s(i) = rate%per_h(i)*(slope(i) + (2*(second(i) + third) + half*fourth))
          end do
       end associate
-   end subroutine predict_end
+   end subroutine take_two
 
-   !> Third difference of N with its value at 1, and what it changes.
-   pure subroutine correct_end(n_used, rate, step, n_1, s_1, d, v, w, doubt)
-      integer, intent(in) :: n_used
-      type(lane_rate_t), intent(in) :: rate
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: n_1(lanes)
-      real(wp), intent(out) :: s_1(lanes)
-      !! rate of N at 1 [1/s3]
-      real(wp), intent(inout) :: d(lanes, 0:3)
-      real(wp), intent(inout) :: v(lanes)
-      real(wp), intent(inout) :: w(lanes)
-      real(wp), intent(out) :: doubt(lanes)
-      !! what the last evaluation of N changes in the rate [1/s]
+   !> Three evaluations: N through its values at 0, c2, c3 and 1; its slope at 0 only predicts.
+   pure subroutine take_three(is_short, is_straight, team, slope)
+      logical, intent(in) :: is_short
+      logical, intent(in) :: is_straight
+      type(team_t), intent(inout) :: team
+      real(wp), intent(in) :: slope(seats)
       real(wp), parameter :: slope_2 = 2 - c_2
       !! of x (x - c2) at 1
       real(wp), parameter :: slope_3 = (1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2)
       !! of x (x - c2)(x - c3) at 1
+      real(wp) :: v(seats)
+      real(wp) :: w(seats)
+      real(wp) :: n(seats)
+      real(wp) :: second(seats)
       real(wp) :: third
-      real(wp) :: per_h
-      real(wp) :: share
       integer :: i
 
-      per_h = 1/step%h
-      ! A jump of the acceleration changes the slope of N in a way that the prediction leaves out;
-      ! the change of N then says nothing about what is wrong after it.
-      share = merge(0.0_wp, 1.0_wp, abs(step%jump) > 0)
-      !$omp simd private(third)
-      do i = 1, n_used
-         third = (((n_1(i) - d(i, 0)) - d(i, 1))*(1/(1 - c_2)) - d(i, 2))*(1/(1 - c_3))
-         doubt(i) = share*abs(rate%weight(i, 36)*(third - d(i, 3)))
-         v(i) = v(i) + rate%weight(i, 32)*(third - d(i, 3))
-         w(i) = w(i) + rate%weight(i, 36)*(third - d(i, 3))
-         d(i, 3) = third
-         s_1(i) = per_h*(d(i, 1) + slope_2*d(i, 2) + slope_3*third)
-      end do
-   end subroutine correct_end
+      associate (rate => team%rate, d => team%difference, now => team%now, next => team%next)
+         call propagate(merge(2, 4, is_straight), rate, team%ground, d, 0, &
+            now%v, now%w, v, w)
+         call remainder(is_short, rate, team%ground, c_2, v, w, n, next%drive)
+         !$omp simd
+         do i = 1, seats
+            d(i, 1) = (n(i) - d(i, 0))*(1/c_2)
+            second(i) = (d(i, 1) - slope(i))*(1/c_2)
+            d(i, 2) = second(i)
+         end do
+         call propagate(merge(3, 4, is_straight), rate, team%ground, d, 12, &
+            now%v, now%w, v, w)
+         call remainder(is_short, rate, team%ground, c_3, v, w, n, next%drive)
+         !$omp simd
+         do i = 1, seats
+            d(i, 2) = ((n(i) - d(i, 0))*(1/c_3) - d(i, 1))*(1/(c_3 - c_2))
+            d(i, 3) = (d(i, 2) - second(i))*(1/c_3)
+         end do
+         call propagate(4, rate, team%ground, d, 24, &
+            now%v, now%w, next%v, next%w)
+         call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
+         !$omp simd private(third)
+         do i = 1, seats
+            third = (((next%n(i) - d(i, 0)) - d(i, 1))*(1/(1 - c_2)) - d(i, 2))*(1/(1 - c_3))
+            next%v(i) = next%v(i) + rate%weight(i, 32)*(third - d(i, 3))
+            next%doubt(i) = rate%weight(i, 36)*(third - d(i, 3))
+            next%w(i) = next%w(i) + next%doubt(i)
+            d(i, 3) = third
+            next%s(i) = rate%per_h(i)*(d(i, 1) + slope_2*d(i, 2) + slope_3*third)
+         end do
+      end associate
+   end subroutine take_three
 
-   !> Accept the step in the lanes that are awake and where nothing happened, and mark the others.
-   pure subroutine settle_lanes(n_used, h, awake, keep, next, now, v_max, worst, event)
-      integer, intent(in) :: n_used
-      real(wp), intent(in) :: h
-      !! [s]
-      real(wp), intent(in) :: awake(lanes)
-      !! 1 in motion, 0 at rest
-      real(wp), intent(in) :: keep(lanes)
-      !! what the damping leaves of an error after the step [-]
-      type(lane_state_t), intent(in) :: next
-      type(lane_state_t), intent(inout) :: now
-      real(wp), intent(inout) :: v_max(lanes)
-      !! [-]
-      real(wp), intent(inout) :: worst(lanes)
-      !! doubt when `v_max` was reached [1/s]
-      real(wp), intent(out) :: event(lanes)
-      !! 1: an impact or a new maximum is possible within the step
+   !> In which lanes is an impact or a new maximum possible within the step?
+   pure subroutine mark_events(team, has_event)
+      type(team_t), intent(inout) :: team
+      logical, intent(out) :: has_event
       real(wp), parameter :: margin = 0.25_wp
       !! between its end tangents a motion of one curvature stays; this much more is looked at
       real(wp) :: room
       real(wp) :: from_0
       real(wp) :: from_1
+      real(wp) :: both
+      real(wp) :: total
+      integer :: i
+
+      total = 0
+      associate (now => team%now, next => team%next, event => team%event, h => team%rate%h)
+         !$omp simd private(room, from_0, from_1, both) reduction(+: total)
+         do i = 1, seats
+            room = margin*h(i)*abs(now%w(i) - next%w(i))
+            from_0 = now%v(i) + h(i)*now%w(i)
+            from_1 = next%v(i) - h(i)*next%w(i)
+            event(i) = merge(1.0_wp, 0.0_wp, next%v(i) <= 0)
+            event(i) = max(event(i), merge(1.0_wp, 0.0_wp, min(now%w(i), -next%w(i), &
+               min(from_0, from_1) + room - team%v_max(i)) > 0))
+            event(i) = max(event(i), merge(1.0_wp, 0.0_wp, max(now%w(i), -next%w(i), &
+               max(from_0, from_1) - room) < 0))
+            ! v' may change its sign twice: its mean is then less than a third of the sum of its ends.
+            both = now%w(i) + next%w(i)
+            room = margin*h(i)*abs(both)
+            event(i) = max(event(i), merge(1.0_wp, 0.0_wp, min(now%w(i)*next%w(i), &
+               min(both*(h(i)*both - 3*(next%v(i) - now%v(i))), &
+               room + max(max(now%v(i), next%v(i)) - team%v_max(i), &
+               -min(now%v(i), next%v(i))))) > 0))
+            event(i) = event(i)*team%ready(i)
+            total = total + event(i)
+         end do
+      end associate
+      has_event = total > 0
+   end subroutine mark_events
+
+   !> Take the step in the lanes that are ready and where nothing happens.
+   pure subroutine accept(team)
+      type(team_t), intent(inout) :: team
       real(wp) :: higher
+      real(wp) :: doubt
       logical :: accepted
       integer :: i
 
-      !$omp simd private(room, from_0, from_1)
-      do i = 1, n_used
-         room = margin*h*abs(now%w(i) - next%w(i))
-         from_0 = now%v(i) + h*now%w(i)
-         from_1 = next%v(i) - h*next%w(i)
-         event(i) = merge(1.0_wp, 0.0_wp, next%v(i) <= 0)
-         event(i) = max(event(i), merge(1.0_wp, 0.0_wp, min(now%w(i), -next%w(i), &
-            min(from_0, from_1) + room - v_max(i)) > 0))
-         event(i) = max(event(i), merge(1.0_wp, 0.0_wp, max(now%w(i), -next%w(i), &
-            max(from_0, from_1) - room) < 0))
-         event(i) = event(i)*awake(i)
+      associate (now => team%now, next => team%next)
+         !$omp simd private(accepted, higher, doubt)
+         do i = 1, seats
+            accepted = team%ready(i) > team%event(i)
+            now%v(i) = merge(next%v(i), now%v(i), accepted)
+            now%w(i) = merge(next%w(i), now%w(i), accepted)
+            now%n(i) = merge(next%n(i), now%n(i), accepted)
+            now%s(i) = merge(next%s(i), now%s(i), accepted)
+            now%drive(i) = merge(next%drive(i), now%drive(i), accepted)
+            ! A jump of the acceleration changes the slope of N in a way that the prediction leaves
+            ! out; the change of N then says nothing about what is wrong after it.
+            doubt = merge(0.0_wp, abs(next%doubt(i)), abs(team%ground%jump(i)) > 0)
+            doubt = team%rate%keep(i)*now%doubt(i) + doubt
+            now%doubt(i) = merge(doubt, now%doubt(i), accepted)
+            higher = merge(next%v(i), 0.0_wp, accepted)
+            team%worst(i) = merge(now%doubt(i), team%worst(i), higher > team%v_max(i))
+            team%v_max(i) = max(team%v_max(i), higher)
+         end do
+      end associate
+   end subroutine accept
+
+   pure subroutine count_step(team, is_called)
+      type(team_t), intent(inout) :: team
+      logical, intent(out) :: is_called
+      integer :: total
+      integer :: i
+
+      total = 0
+      !$omp simd reduction(+: total)
+      do i = 1, seats
+         team%at(i) = team%at(i) + merge(1, 0, team%ready(i) > team%event(i))
+         total = total + merge(1, 0, team%at(i) >= team%stop(i))
       end do
-      !$omp simd private(accepted, higher)
-      do i = 1, n_used
-         accepted = awake(i) > event(i)
-         now%v(i) = merge(next%v(i), now%v(i), accepted)
-         now%w(i) = merge(next%w(i), now%w(i), accepted)
-         now%n(i) = merge(next%n(i), now%n(i), accepted)
-         now%s(i) = merge(next%s(i), now%s(i), accepted)
-         now%drive(i) = merge(next%drive(i), now%drive(i), accepted)
-         now%doubt(i) = merge(keep(i)*now%doubt(i) + next%doubt(i), now%doubt(i), accepted)
-         higher = merge(next%v(i), 0.0_wp, accepted)
-         worst(i) = merge(now%doubt(i), worst(i), higher > v_max(i))
-         v_max(i) = max(v_max(i), higher)
-      end do
-   end subroutine settle_lanes
+      is_called = total > 0
+   end subroutine count_step
 
    !> One step of bare frames, u'' = - d u' - k u - f: a linear recursion, exact for a cubic f.
    pure subroutine step_frames(n_used, h, f, weight, u, w, u_max, event)

@@ -146,7 +146,7 @@ def test_what_the_lanes_do_not_know_falls_back() -> None:
         assert rwmf.spectrum(changed).attrs["rhs_evaluations"] > 0, group
 
 
-@pytest.mark.parametrize("source", ["fast_step", "fast_piece", "fast_locate"])
+@pytest.mark.parametrize("source", ["fast_node", "fast_step", "fast_piece", "fast_locate"])
 def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
     """The compiler's own report names every loop that `!$omp simd` marks, for all instructions."""
     listed = BUILD / "compile_commands.json"

@@ -4,11 +4,11 @@ program test_fast
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t
    use rwmf_errors, only: error_t
-   use rwmf_fast_block, only: run_block
-   use rwmf_fast_grid, only: build_grid, fast_grid_t, loud_steps
-   use rwmf_fast_lanes, only: fast_law_t
+   use rwmf_fast_grid, only: build_grid
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
+   use rwmf_fast_pool, only: fast_result_t, run_pool
+   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, list_loud_steps
    use rwmf_fast_spectrum, only: run_fast
    use rwmf_kinds, only: wp
    use rwmf_motion, only: motion_from_case, motion_t
@@ -228,26 +228,31 @@ contains
    subroutine check_levels()
       integer, parameter :: levels(3) = [1, 3, 4]
       type(case_t) :: case
-      type(motion_t) :: motion
-      type(fast_grid_t) :: grid
-      type(fast_law_t) :: law
-      real(wp) :: peak(size(periods), size(levels))
-      logical :: failed(size(periods))
-      real(wp) :: error(size(periods))
+      type(fast_scope_t) :: scope
+      type(fast_task_t) :: task(size(periods))
+      type(fast_result_t) :: found(size(periods), size(levels))
       integer :: i
+      integer :: next
 
       case = shaken_scene('exact')
-      motion = motion_from_case(case)
-      call build_grid(case, motion, case%solver%t_end, 0.005_wp, grid)
-      call build_law(case, 0.2_wp, law)
+      scope%xi_s = case%frame%xi_s
+      scope%rtol = case%solver%rtol
+      scope%stages = 3
+      scope%is_short = .false.
+      allocate (scope%grid(1), scope%law(1))
+      call build_grid(case, motion_from_case(case), case%solver%t_end, 0.005_wp, scope%grid(1))
+      call build_law(case, 0.2_wp, 0.0_wp, scope%law(1))
+      call join_grids(scope)
+      task = [(fast_task_t(periods(i), 1, 1), i=1, size(periods))]
+      call list_loud_steps(task, scope)
       do i = 1, size(levels)
-         call run_block(control_t(), law, grid, loud_steps(grid, law%threshold), periods, &
-            case%frame%xi_s, case%solver%rtol, min(levels(i), best_level()), &
-            peak(:, i), failed, error)
-         call checks%that(.not. any(failed), 'levels: nothing failed')
+         scope%instructions = min(levels(i), best_level())
+         next = 0
+         call run_pool(scope, task, 1, 1, next, found(:, i))
+         call checks%that(.not. any(found(:, i)%failed), 'levels: nothing failed')
       end do
-      call checks%that(all(abs(peak(:, 2) - peak(:, 1)) <= 0), 'levels: AVX2')
-      call checks%that(all(abs(peak(:, 3) - peak(:, 1)) <= 0), 'levels: AVX-512')
+      call checks%that(all(abs(found(:, 2)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX2')
+      call checks%that(all(abs(found(:, 3)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX-512')
    end subroutine check_levels
 
 end program test_fast

@@ -1,0 +1,100 @@
+!> What all ordinates of a fast spectrum share: the ground motion in steps and the laws of motion.
+module rwmf_fast_scope
+   use rwmf_control, only: control_t
+   use rwmf_fast_grid, only: fast_grid_t, loud_steps
+   use rwmf_fast_lanes, only: fast_law_t, step_t
+   use rwmf_kinds, only: wp
+   implicit none
+   private
+
+   public :: fast_task_t, fast_scope_t, join_grids, list_loud_steps
+
+   !> One ordinate to be computed.
+   type :: fast_task_t
+      real(wp) :: T_s
+      !! [s]
+      integer :: law
+      !! its number in the scope
+      integer :: grid
+      !! its number in the scope
+   end type fast_task_t
+
+   !> Numbers of steps.
+   type :: loud_t
+      integer, allocatable :: next(:)
+      !! (steps + 1) from `loud_steps`
+   end type loud_t
+
+   type :: fast_scope_t
+      type(control_t) :: control
+      integer :: instructions
+      !! from `best_level`
+      integer :: stages
+      !! evaluations of N in a step
+      logical :: is_short
+      !! all polynomials have `short_degree`
+      logical :: is_straight
+      !! the ground acceleration is linear in every step
+      logical :: has_jumps
+      !! the ground acceleration jumps later than at the beginning
+      real(wp) :: xi_s
+      !! [-]
+      real(wp) :: rtol
+      !! requested relative tolerance [-]
+      type(fast_law_t), allocatable :: law(:)
+      type(fast_grid_t), allocatable :: grid(:)
+      integer, allocatable :: offset(:)
+      !! (grids) steps in `ground` before those of a grid
+      type(step_t), allocatable :: ground(:)
+      !! steps of all grids, one after the other
+      type(loud_t), allocatable :: loud(:, :)
+      !! (laws, grids), where a task needs them
+   end type fast_scope_t
+
+contains
+
+   !> Put the steps of all grids in a row.
+   pure subroutine join_grids(scope)
+      type(fast_scope_t), intent(inout) :: scope
+      integer :: i
+      integer :: total
+
+      allocate (scope%offset(size(scope%grid)))
+      total = 0
+      do i = 1, size(scope%grid)
+         scope%offset(i) = total
+         if (allocated(scope%grid(i)%step)) total = total + size(scope%grid(i)%step)
+      end do
+      allocate (scope%ground(total))
+      do i = 1, size(scope%grid)
+         associate (grid => scope%grid(i), first => scope%offset(i) + 1)
+            if (allocated(grid%step)) scope%ground(first:first + size(grid%step) - 1) = grid%step
+         end associate
+      end do
+      scope%is_straight = .true.
+      do i = 1, total
+         if (any(abs(scope%ground(i)%f(2:)) > 0)) scope%is_straight = .false.
+      end do
+      scope%has_jumps = .false.
+      do i = 1, size(scope%grid)
+         if (.not. allocated(scope%grid(i)%step)) cycle
+         if (any(abs(scope%grid(i)%step(2:)%jump) > 0)) scope%has_jumps = .true.
+      end do
+   end subroutine join_grids
+
+   !> The steps that can lift a resting wall, for the laws and grids of the tasks.
+   pure subroutine list_loud_steps(task, scope)
+      type(fast_task_t), intent(in) :: task(:)
+      type(fast_scope_t), intent(inout) :: scope
+      integer :: i
+
+      allocate (scope%loud(size(scope%law), size(scope%grid)))
+      do i = 1, size(task)
+         associate (loud => scope%loud(task(i)%law, task(i)%grid))
+            if (allocated(loud%next)) cycle
+            loud%next = loud_steps(scope%grid(task(i)%grid), scope%law(task(i)%law)%threshold)
+         end associate
+      end do
+   end subroutine list_loud_steps
+
+end module rwmf_fast_scope

@@ -1,0 +1,167 @@
+!> The places of a pool in which ordinates advance, and the queues of those that wait.
+module rwmf_fast_slots
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_intptr_t, c_loc
+   use rwmf_fast_lanes, only: flights_t, seats, team_t
+   use rwmf_fast_ordinate, only: ordinate_t
+   implicit none
+   private
+
+   public :: pool_t, queue_t, new_pool, push, pull, team_of, lane_of
+
+   !> Slots that wait for a row of flights.
+   type :: queue_t
+      integer :: n
+      integer, allocatable :: slot(:)
+   end type queue_t
+
+   !> Work space of a thread. A slot is a lane of a team.
+   type :: pool_t
+      type(team_t), pointer :: team(:)
+      !! in `store`
+      integer, allocatable :: present(:)
+      !! (teams) how many step with it
+      logical, allocatable :: is_called(:)
+      !! (teams) the next step of one of them may be another one than the last
+      type(ordinate_t), allocatable :: ordinate(:)
+      !! (slots)
+      type(flights_t), pointer :: flights
+      !! in `store`
+      type(queue_t) :: events
+      !! something may happen in their step
+      type(queue_t) :: starts
+      !! a flight begins on the base
+      type(queue_t) :: finished
+      integer(c_int8_t), allocatable :: store(:)
+   end type pool_t
+
+contains
+
+   !> Nobody is there yet; all numbers are finite.
+   subroutine new_pool(teams, pool)
+      integer, intent(in) :: teams
+      type(pool_t), target, intent(out) :: pool
+      integer :: k
+
+      call lay_out(teams, pool)
+      allocate (pool%present(teams), pool%is_called(teams), pool%ordinate(teams*seats))
+      allocate (pool%events%slot(teams*seats), pool%starts%slot(teams*seats), &
+         pool%finished%slot(teams*seats))
+      pool%events%n = 0
+      pool%starts%n = 0
+      pool%finished%n = 0
+      pool%present = 0
+      pool%is_called = .false.
+      pool%ordinate%task = 0
+      call clear_row(pool%flights)
+      do k = 1, teams
+         call clear(pool%team(k))
+      end do
+   end subroutine new_pool
+
+   !> Teams and flights begin on a line of the cache: vectors that lie across two lines cost twice.
+   subroutine lay_out(teams, pool)
+      integer, intent(in) :: teams
+      type(pool_t), target, intent(inout) :: pool
+      integer, parameter :: line = 64
+      !! bytes
+      type(team_t), pointer :: team(:)
+      type(team_t) :: one
+      type(flights_t) :: row
+      integer(c_intptr_t) :: address
+      integer :: team_bytes
+      integer :: first
+
+      team_bytes = storage_size(one)/8
+      allocate (pool%store(teams*team_bytes + storage_size(row)/8 + 2*line))
+      address = transfer(c_loc(pool%store(1)), address)
+      first = 1 + int(modulo(-address, int(line, c_intptr_t)))
+      call c_f_pointer(c_loc(pool%store(first)), team, [teams])
+      pool%team => team
+      call c_f_pointer(c_loc(pool%store(first + line*((teams*team_bytes + line - 1)/line))), &
+         pool%flights)
+   end subroutine lay_out
+
+   pure subroutine clear(team)
+      type(team_t), intent(inout) :: team
+
+      team%now%v = 0
+      team%now%w = 0
+      team%now%n = 0
+      team%now%s = 0
+      team%now%drive = 0
+      team%now%doubt = 0
+      team%ready = 0
+      team%event = 0
+      team%v_max = 0
+      team%worst = 0
+      team%rate%h = 0
+      team%rate%per_h = 0
+      team%rate%side = 1
+      team%rate%m2 = 0
+      team%rate%m3 = 0
+      team%rate%damping = 0
+      team%rate%stiffness = 0
+      team%rate%keep = 0
+      team%rate%coef = 0
+      team%rate%weight = 0
+      team%ground%f = 0
+      team%at = 1
+      team%stop = huge(1)
+   end subroutine clear
+
+   pure subroutine clear_row(row)
+      type(flights_t), intent(inout) :: row
+
+      row%side = 1
+      row%damping = 0
+      row%stiffness = 0
+      row%m1 = 0
+      row%m2 = 0
+      row%m3 = 0
+      row%m3_1 = 0
+      row%finish%n = 0
+      row%finish%s = 0
+      row%finish%drive = 0
+      row%coef = 0
+      row%curve = 0
+   end subroutine clear_row
+
+   pure subroutine push(slot, queue)
+      integer, intent(in) :: slot
+      type(queue_t), intent(inout) :: queue
+
+      queue%n = queue%n + 1
+      queue%slot(queue%n) = slot
+   end subroutine push
+
+   !> The first ones of a queue: nobody waits while others overtake.
+   pure subroutine pull(queue, slot, n)
+      type(queue_t), intent(inout) :: queue
+      integer, intent(inout) :: slot(:)
+      !! out: the first n
+      integer, intent(out) :: n
+      integer :: i
+
+      n = min(size(slot), queue%n)
+      do i = 1, n
+         slot(i) = queue%slot(i)
+      end do
+      do i = n + 1, queue%n
+         queue%slot(i - n) = queue%slot(i)
+      end do
+      queue%n = queue%n - n
+   end subroutine pull
+
+   pure integer function team_of(slot)
+      integer, intent(in) :: slot
+
+      team_of = (slot - 1)/seats + 1
+   end function team_of
+
+   pure integer function lane_of(slot)
+      integer, intent(in) :: slot
+
+      lane_of = mod(slot - 1, seats) + 1
+   end function lane_of
+
+end module rwmf_fast_slots
