@@ -17,9 +17,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import rwmf
-import spectra
+from peers.problem import case, read_record
 
 INPUTS = Path(__file__).resolve().parent.parent / "inputs"
+RECORD = INPUTS / "records" / "elcentro.csv"
 GAMMAS = (5.0, 1800.0)
 BANDS = ((0.05, 0.2), (0.2, 0.5), (0.3, 3.0), (0.05, 3.0))
 FIGURES = (
@@ -45,9 +46,9 @@ def _cpu(case: rwmf.Case, T_s: Array, gamma: float, repeats: int) -> float:
 
 def _cost(method: str, rtol: float, T_s: Array, gamma: float, repeats: int) -> float:
     """Processor time of an ordinate [us]."""
-    case = spectra._case(method, rtol)
-    still = case.replace(motion={"scale": 1e-9})
-    whole = _cpu(case, T_s, gamma, repeats)
+    shaken = case(read_record(RECORD), method, rtol)
+    still = shaken.replace(motion={"scale": 1e-9})
+    whole = _cpu(shaken, T_s, gamma, repeats)
     return 1e6 * (whole - _cpu(still, T_s, gamma, repeats)) / T_s.size
 
 

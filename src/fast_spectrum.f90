@@ -27,8 +27,10 @@ module rwmf_fast_spectrum
    !! that are worked on at a time: each needs a number for every step
    real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
    !! of |u_s|/(2R) [-]
-   real(wp), parameter :: enough_for(2) = [150.0_wp, 5.0_wp]
-   !! mass ratios from which on one and two evaluations of N in a step do: its share is 1/gamma
+   real(wp), parameter :: enough_for_one = 150
+   !! mass ratio from which on one evaluation of N in a step does [-]: its share is 1/gamma
+   real(wp), parameter :: enough_for_two(2) = [5.0_wp, 25.0_wp]
+   !! two evaluations; the second where the levers are the published ones, which makes N larger [-]
    integer, parameter :: most_stages = 3
    real(wp), parameter :: fit_share = 0.1_wp
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
@@ -127,18 +129,22 @@ contains
          do i = 1, size(order)
             n = n + 1
             trial(n) = trial_t(order(i), j, k, 1, level(order(i)), &
-               stages_for(inquiry%gamma(j)), .false.)
+               stages_for(inquiry%case, inquiry%gamma(j)), .false.)
          end do
       end do
       trial = trial(:n)
    end function first_trials
 
    !> Evaluations of N that a mass ratio calls for.
-   pure integer function stages_for(gamma)
+   pure integer function stages_for(case, gamma)
+      type(case_t), intent(in) :: case
       real(wp), intent(in) :: gamma
       !! [-]
+      real(wp) :: enough(2)
 
-      stages_for = most_stages - count(gamma >= enough_for)
+      enough = [enough_for_one, merge(enough_for_two(2), enough_for_two(1), &
+         case%model%formulation == 'published')]
+      stages_for = most_stages - count(gamma >= enough)
    end function stages_for
 
    !> Longest step [s]: a fraction of the wall's own time.
