@@ -14,6 +14,8 @@ module effects_by_hand
 
    !> Constants of a scene, and what holds during one flight in one interval of the record.
    type :: hand_t
+      integer :: n = 2
+      !! number of states
       real(wp) :: alpha, sin_alpha, cos_alpha
       real(wp) :: g, g_over_R, three_quarters_over_R
       real(wp) :: gamma, two_gamma, four_gamma, one_plus_two_gamma_over_R, over_R
@@ -42,17 +44,19 @@ module effects_by_hand
       !! pulse
       real(wp) :: side
       !! +1 or -1
+      real(wp) :: course
+      !! +1 or -1: sign of theta'
    end type hand_t
 
    abstract interface
-      !> y_dot of y = (theta, theta').
+      !> y_dot of y = (theta, theta', further states of the scene).
       subroutine hand_i(p, t, y, y_dot)
          import :: hand_t, wp
          implicit none
          type(hand_t), intent(in) :: p
          real(wp), intent(in) :: t
-         real(wp), intent(in) :: y(2)
-         real(wp), intent(out) :: y_dot(2)
+         real(wp), intent(in) :: y(p%n)
+         real(wp), intent(out) :: y_dot(p%n)
       end subroutine hand_i
    end interface
 
@@ -203,8 +207,8 @@ contains
    subroutine frame(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
 
       y_dot(1) = y(2)
       y_dot(2) = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - (p%a_k + p%slope*(t - p%t_k))
@@ -214,8 +218,8 @@ contains
    subroutine block_alone(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: angle
 
       angle = p%alpha - p%side*y(1)
@@ -228,8 +232,8 @@ contains
    subroutine block_linear(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi
 
       phi = p%side*y(1)
@@ -242,8 +246,8 @@ contains
    subroutine block_truss(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi
 
       phi = p%side*y(1)
@@ -269,8 +273,8 @@ contains
    subroutine published(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: s, c, lever
 
       y_dot(1) = y(2)
@@ -298,8 +302,8 @@ contains
    subroutine symmetric(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -317,8 +321,8 @@ contains
    subroutine symmetric_pulse(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -336,8 +340,8 @@ contains
    subroutine symmetric_truss(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -355,8 +359,8 @@ contains
    subroutine exact(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, s, c, j, u
 
       if (p%side > 0) then
@@ -379,8 +383,8 @@ contains
    subroutine linked(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c, v, v_1, root, tilt_1, u, j, k
 
       phi = p%side*y(1)
@@ -406,8 +410,8 @@ contains
    subroutine pinned(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: s, c
 
       s = p%cos_alpha*sin(y(1))
@@ -422,8 +426,8 @@ contains
    subroutine damped(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -442,8 +446,8 @@ contains
    subroutine fused(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -462,8 +466,8 @@ contains
    subroutine fused_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -483,8 +487,8 @@ contains
    subroutine symmetric_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -503,8 +507,8 @@ contains
    subroutine tendon_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -523,8 +527,8 @@ contains
    subroutine with_inerter(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -545,8 +549,8 @@ contains
    subroutine with_vertical(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c, a
 
       phi = p%side*y(1)
@@ -565,8 +569,8 @@ contains
    subroutine frame_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
 
       y_dot(1) = y(2)
       y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%yield_drop &
