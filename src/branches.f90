@@ -66,13 +66,17 @@ contains
       integer :: i
 
       if (.not. equation%has_memory) return
+      if (any(equation%springs%place == place_frame)) then
+         equation%frame_offset = 0
+         equation%frame_slope = 0
+      end if
       do i = 1, size(equation%springs)
          associate (sprung => equation%springs(i))
             sprung%offset = spring_force(sprung%spring, 0.0_wp)
             sprung%slope = spring_tangent(sprung%spring)
             if (sprung%place == place_frame) then
-               equation%frame_offset = sprung%offset
-               equation%frame_slope = sprung%slope
+               equation%frame_offset = equation%frame_offset + sprung%offset
+               equation%frame_slope = equation%frame_slope + sprung%slope
             end if
          end associate
       end do

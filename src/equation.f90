@@ -8,7 +8,8 @@
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
    use rwmf_accelerations, only: bare_frame, corner, corner_with_lines, frame_with_extras, &
-      frame_with_lines, hinged, wall_alone, wall_and_frame, with_extras
+      frame_with_lines, hinged, rates_with_floors, wall_alone, wall_and_frame, with_extras, &
+      with_floors
    use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
       truss_cable, yielding_cable
@@ -77,7 +78,21 @@ contains
          end if
          equation%acceleration_negative => equation%acceleration_positive
       end if
+      equation%rates => rates_of_all
+      if (equation%floors%n > 0) call take_floors(equation)
    end subroutine build_equation
+
+   !> A frame with all its modes: one procedure has the rates of wall and floors.
+   subroutine take_floors(equation)
+      type(equation_t), intent(inout) :: equation
+
+      equation%rates => rates_with_floors
+      equation%acceleration_positive => with_floors
+      equation%acceleration_negative => with_floors
+      if (size(equation%extras) > 1) return
+      equation%is_at_top(1) = associated(equation%kinematics_positive, top_corner)
+      equation%is_at_top(-1) = associated(equation%kinematics_negative, top_corner)
+   end subroutine take_floors
 
    !> Effects that are straight lines, with the link at the top corner, have their terms written
    !> out.
@@ -248,7 +263,7 @@ contains
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
       if (equation%n > 2) then
-         call rates_of_all(equation, t, y, y_dot)
+         call equation%rates(equation, t, y, y_dot)
          return
       end if
       y_dot(1) = y(2)

@@ -14,7 +14,7 @@ module rwmf_hybrid
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
    use rwmf_memory_query, only: tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
-   use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
+   use rwmf_moving_rest, only: may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
@@ -24,6 +24,9 @@ module rwmf_hybrid
       event_peak, event_rest, event_rupture
    use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_change, only: change_storey
+   use rwmf_storey_search, only: stop_at_storey, storey_end_t
+   use rwmf_storey_springs, only: begin_storeys, settle_storeys
    use rwmf_text, only: real_to_text
    implicit none
    private
@@ -52,15 +55,17 @@ contains
       hybrid%steps_at_knot = 0_i8
       call enter_interval(equation, interval_at(equation%motion, t))
       equation%side = 1
-      if (equation%moves_at_rest) call hold_wall(equation, .false.)
+      equation%is_held = .false.
       equation%course = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
+         if (equation%floors%yields) call begin_storeys(equation, y)
          hybrid%mode = mode_no_impacts
          return
       end if
       if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
       if (equation%has_memory) call begin_memory(equation, y(1))
+      if (equation%floors%yields) call begin_storeys(equation, y)
       call find_bearing(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
@@ -150,7 +155,7 @@ contains
          call enter_interval(equation, interval)
       end do
       if (side == 0) return
-      if (equation%moves_at_rest) call hold_wall(equation, .false.)
+      equation%is_held = .false.
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
       equation%side = side
@@ -182,6 +187,7 @@ contains
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
       real(wp) :: t_limit
       integer :: event
 
@@ -195,11 +201,14 @@ contains
       if (hybrid%must_restart) then
          if (equation%has_memory) call renew_window(equation)
          if (equation%has_course) call set_course(hybrid, equation)
+         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
          call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
       hybrid%must_restart = .false.
       call stepper%step(t_limit, error)
+      if (allocated(error)) return
+      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
       if (allocated(error)) return
       call search_step(hybrid, equation, stepper, observer, event, error)
       if (allocated(error)) return
@@ -224,7 +233,8 @@ contains
          hybrid%mode = mode_overturned
          call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
       case default
-         ! Nothing happened: the flight goes on with the next step.
+         ! Nothing else happened: the flight goes on with the next step.
+         if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
       end select
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly

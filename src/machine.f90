@@ -9,7 +9,6 @@ module rwmf_machine
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: renew_window
-   use rwmf_moving_rest, only: hold_wall
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_observer, only: create_observer, observer_t
@@ -18,6 +17,7 @@ module rwmf_machine
    use rwmf_scene, only: sprung_t
    use rwmf_spring, only: spring_t
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_springs, only: follow_storeys
    implicit none
    private
 
@@ -64,6 +64,8 @@ module rwmf_machine
       type(spring_t) :: tendon
       type(sprung_t), allocatable :: springs(:)
       !! memory of what yields
+      type(spring_t), allocatable :: storeys(:)
+      !! and of storeys that do
       integer :: interval = 0
       integer :: side = 1
       integer :: course = 1
@@ -191,6 +193,7 @@ contains
       snapshot%course = machine%equation%course
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
+      if (machine%equation%floors%yields) snapshot%storeys = machine%equation%floors%springs
       associate (hybrid => machine%hybrid, observer => machine%observer)
          snapshot%mode = hybrid%mode
          snapshot%t_hybrid = hybrid%t
@@ -222,11 +225,15 @@ contains
       call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
       machine%equation%course = snapshot%course
-      if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
+      machine%equation%is_held = .false.
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
          machine%equation%springs = snapshot%springs
          call renew_window(machine%equation)
+      end if
+      if (machine%equation%floors%yields) then
+         machine%equation%floors%springs = snapshot%storeys
+         call follow_storeys(machine%equation)
       end if
       machine%equation%rhs_evaluations = snapshot%counts(4)
       machine%steps = snapshot%counts(3)
@@ -264,6 +271,7 @@ contains
       identity(5:) = 0
       if (equation%cable%is_tendon) identity(5) = 1
       if (equation%has_memory) identity(6) = 1 + size(equation%springs)
+      if (equation%floors%yields) identity(6) = identity(6) + 0.5_wp
    end function identity_of
 
 end module rwmf_machine

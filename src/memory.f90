@@ -19,24 +19,20 @@ module rwmf_memory
    public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
-   public :: yield_displacement, elongation_of, moves
+   public :: yield_displacement, storey_strengths, elongation_of, moves
 
 contains
 
    !> The springs that a case calls for.
-   subroutine choose_springs(case, equation)
+   subroutine choose_springs(case, frame_yields, equation)
       type(case_t), intent(in) :: case
+      logical, intent(in) :: frame_yields
+      !! as a bilinear spring
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
-      logical :: is_bilinear
 
       allocate (equation%springs(0))
-      is_bilinear = .false.
-      if (allocated(case%yielding)) is_bilinear = is_elastic_plastic(case%yielding)
-      if (is_bilinear) then
-         equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
-            equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
-      end if
+      if (frame_yields) equation%springs = frame_springs(case, equation%p%omega_s**2)
       if (allocated(case%fuse)) then
          fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
             case%fuse%eta_y*equation%p%g, case%fuse%hardening)
@@ -47,6 +43,52 @@ contains
       equation%farthest = case%model%overturning_angle
       call follow_branches(equation)
    end subroutine choose_springs
+
+   !> Spring of the frame, or one for each of its storeys where a straight line links them to the
+   !> rotation: all of them follow the roof.
+   function frame_springs(case, stiffness) result(springs)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      real(wp), intent(in) :: stiffness
+      !! of the frame over m_s [1/s2]
+      type(sprung_t), allocatable :: springs(:)
+      real(wp), allocatable :: share(:)
+      !! of each storey in the height [-]
+      real(wp), allocatable :: part(:)
+      !! of each storey in the stiffness [-]
+      real(wp), allocatable :: u_y(:)
+      integer :: i
+
+      associate (yielding => case%yielding)
+         if (.not. allocated(yielding%storey_u_y)) then
+            springs = [sprung_t(new_spring(stiffness, stiffness*yield_displacement(case), &
+               yielding%hardening), place_frame)]
+            return
+         end if
+         share = case%storeys%frame%height/sum(case%storeys%frame%height)
+         part = case%storeys%frame%k*share**2
+         part = part/sum(part)
+         u_y = storey_strengths(case)/share
+         allocate (springs(size(share)))
+         do i = 1, size(share)
+            springs(i) = sprung_t(new_spring(stiffness*part(i), stiffness*part(i)*u_y(i), &
+               yielding%hardening), place_frame, part=part(i))
+         end do
+      end associate
+   end function frame_springs
+
+   !> Displacement at which each storey of a case yields first [m].
+   pure function storey_strengths(case) result(u_y)
+      type(case_t), intent(in) :: case
+      !! with `&yielding storey_u_y`
+      real(wp) :: u_y(size(case%storeys%frame%m))
+
+      if (size(case%yielding%storey_u_y) == 1) then
+         u_y = case%yielding%storey_u_y(1)
+      else
+         u_y = case%yielding%storey_u_y
+      end if
+   end function storey_strengths
 
    !> Displacement at which the frame of a case yields first [m].
    pure real(wp) function yield_displacement(case) result(u_y)
@@ -134,7 +176,7 @@ contains
             if (place == place_frame) then
                x = elongation(equation, place, equation%side*y(1))
                energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
-                  - (equation%p%omega_s*x)**2/2)
+                  - equation%springs(i)%part*(equation%p%omega_s*x)**2/2)
             else
                x = 0
                if (moves(equation, place)) x = elongation(equation, place, equation%side*y(1))

@@ -109,9 +109,15 @@ module rwmf_result
       logical, allocatable :: has_ruptured
       !! the tendon has broken; absent unless it can
       real(wp), allocatable :: ductility
-      !! u_s_max over u_y [-]; absent unless the frame yields
+      !! u_s_max over u_y, of storeys that yield one by one the largest [-]; absent unless the frame
+      !! yields
       real(wp), allocatable :: residual_displacement
       !! of the frame without force in the end [m]; absent unless the frame yields
+      real(wp), allocatable :: storey_ductility(:)
+      !! (storeys) largest |u_i - u_(i-1)| over that at first yield [-]; absent unless they yield one
+      !! by one
+      real(wp), allocatable :: storey_residual_drift(:)
+      !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max

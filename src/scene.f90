@@ -24,13 +24,13 @@ module rwmf_scene
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
-      !! not associated: dissipates nothing
+      !! that viscous parts dissipate; not associated: nothing
+      procedure(power_i), pointer, nopass :: plastic_power => null()
+      !! that yielding dissipates; not associated: nothing
       procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
       procedure(force_i), pointer, nopass :: force => null()
       !! asked only for reactions; not associated: no force on the wall
-      logical :: is_hysteretic = .false.
-      !! where the energy ledger counts its power: hysteretic, or else viscous
       procedure(power_i), pointer, nopass :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
@@ -47,6 +47,8 @@ module rwmf_scene
 
    !> The floors of a frame with all its modes, from the ground to the roof.
    type :: floors_t
+      integer :: n = 0
+      !! number of floors; 0: the frame has no floors of its own
       real(wp), allocatable :: m(:)
       !! (n) mass of each over m_w; without wall over that of the roof [-]
       real(wp), allocatable :: k(:)
@@ -57,6 +59,22 @@ module rwmf_scene
       !! (n) of each storey [m]
       integer :: first = 3
       !! place of their first state among all
+      real(wp), allocatable :: over_m(:)
+      !! (n) 1/m [-]
+      real(wp), allocatable :: drag(:, :)
+      !! (n, n) c, its columns below the roof's over the mass of their floor [1/s]
+      real(wp), allocatable :: slope(:)
+      !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
+      logical :: yields = .false.
+      !! the storeys do; without, the following are not there
+      real(wp), allocatable :: offset(:)
+      !! (n) shear of that branch at zero drift, over the same mass [m/s2]
+      type(spring_t), allocatable :: springs(:)
+      !! (n) of each storey; forces over the same mass
+      real(wp), allocatable :: u_y(:)
+      !! (n) displacement u_i - u_(i-1) at which each yields first [m]
+      real(wp) :: unit = 1
+      !! the mass that m is over, in that of the case [-]
    end type floors_t
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
@@ -90,6 +108,8 @@ module rwmf_scene
       !! force of the branch in force at the elongation zero
       real(wp) :: slope = 0
       !! and its derivative: a branch is a straight line
+      real(wp) :: part = 1
+      !! of the frame's stiffness that is its own [-]
    end type sprung_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
@@ -177,8 +197,13 @@ module rwmf_scene
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
       procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_in_flight => null()
-      !! of both sides, kept while the wall is held at rest
+      procedure(all_rates_i), pointer, nopass :: rates => null()
+      !! of all states where there are more than two
+      logical :: is_at_top(-1:1) = .false.
+      !! link at the top corner on that side, and no effects beside the storeys: kinematics without
+      !! a call
+      logical :: is_held = .false.
+      !! the wall stays at rest while further states move
    end type equation_t
 
    abstract interface
@@ -192,6 +217,19 @@ module rwmf_scene
          real(wp), intent(in) :: y(equation%n)
          !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
       end function second_derivative_i
+
+      !> Rates of all states.
+      subroutine all_rates_i(equation, t, y, y_dot)
+         import :: equation_t, wp
+         implicit none
+         type(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(equation%n)
+         !! (states)
+         real(wp), intent(out) :: y_dot(equation%n)
+         !! (states)
+      end subroutine all_rates_i
 
       !> Add to inertia and moment, both per unit m_w R**2.
       subroutine add_i(equation, t, y, kin, inertia, moment)

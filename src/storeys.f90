@@ -7,7 +7,8 @@
 !>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i,   i < n
 !>
 !> The roof's own mass and the stiffness of the storey below it are the frame of `equation.f90`
-!> (gamma and omega_s); this file adds what the floors below do to it.
+!> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one of
+!> the branches of `storey_springs.f90`.
 module rwmf_storeys
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
@@ -15,12 +16,13 @@ module rwmf_storeys
    use rwmf_scene, only: equation_t, frame_displacement, frame_mass, frame_travel, &
       frame_velocity, ground
    use rwmf_shear_frame, only: damping_matrix, roof_factor, shear_frame_t
+   use rwmf_spring, only: spring_energy
    implicit none
    private
 
-   public :: prepare_storeys, add_push, push_input, add_storeys, storey_rates, storey_sizes
+   public :: prepare_storeys, add_push, push_input, add_storeys, storey_sizes
    public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
-   public :: floor_columns, floor_values
+   public :: floor_columns, floor_motion, floor_values
 
 contains
 
@@ -35,6 +37,7 @@ contains
       real(wp) :: pace
       !! of the frame in this scene [-]
       integer :: n
+      integer :: i
 
       frame = case%storeys%frame
       n = size(frame%m)
@@ -46,11 +49,19 @@ contains
       unit = 1
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
+      equation%floors%n = n
+      equation%floors%unit = unit
       equation%floors%m = frame%m/unit
+      equation%floors%over_m = unit/frame%m
       equation%floors%height = frame%height
       equation%floors%k = frame%k*pace**2/unit
       equation%floor_mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
+      equation%floors%slope = equation%floors%k
+      equation%floors%drag = equation%floors%c
+      do i = 1, n - 1
+         equation%floors%drag(:, i) = equation%floors%c(:, i)/equation%floors%m(i)
+      end do
       equation%quickest = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
@@ -82,7 +93,7 @@ contains
          *frame_velocity(equation, y)
    end function push_input
 
-   !> Force of the storeys on the roof beyond that of the spring between roof and ground.
+   !> Force of the storeys on the roof, for a wall that stands on its base.
    subroutine add_storeys(equation, t, y, kin, inertia, moment)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -90,31 +101,14 @@ contains
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
-      real(wp) :: force(size(equation%floors%m))
-      integer :: n
+      real(wp) :: force(equation%floors%n)
 
-      n = size(force)
       force = resistance(equation, y)
-      moment = moment - kin%lever*(equation%side*force(n)/equation%p%R &
-         - equation%floors%k(n)*kin%u)
+      moment = moment - kin%lever*equation%side*force(size(force))/equation%p%R
    end subroutine add_storeys
 
-   !> Velocities and accelerations of the floors below the roof.
-   subroutine storey_rates(equation, t, y, rates)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: rates(:)
-      real(wp) :: force(size(equation%floors%m))
-      integer :: n
-
-      n = size(force)
-      force = resistance(equation, y)
-      rates(:n - 1) = velocities(equation, y)
-      rates(n:) = -force(:n - 1)/equation%floors%m(:n - 1) - ground(equation, t)
-   end subroutine storey_rates
-
-   !> Forces K u + C v with which the storeys resist the motion of floors and roof [m/s2].
+   !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
+   !> roof [m/s2].
    function resistance(equation, y) result(force)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -128,7 +122,8 @@ contains
 
       n = size(force)
       call floor_motion(equation, y, u, v)
-      shear = equation%floors%k*(u(1:) - u(:n - 1))
+      shear = equation%floors%slope*(u(1:) - u(:n - 1))
+      if (equation%floors%yields) shear = shear + equation%floors%offset
       force = matmul(equation%floors%c, v) + shear
       force(:n - 1) = force(:n - 1) - shear(2:)
    end function resistance
@@ -253,8 +248,12 @@ contains
 
       n = size(v)
       call floor_motion(equation, y, u, v)
-      energy = (sum(equation%floors%m(:n - 1)*v(:n - 1)**2) &
-         + sum(equation%floors%k*(u(1:) - u(:n - 1))**2) - equation%floors%k(n)*u(n)**2)/2
+      energy = (sum(equation%floors%m(:n - 1)*v(:n - 1)**2) - equation%floors%k(n)*u(n)**2)/2
+      if (equation%floors%yields) then
+         energy = energy + sum(spring_energy(equation%floors%springs, u(1:) - u(:n - 1)))
+      else
+         energy = energy + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
+      end if
    end function storey_energy
 
    !> Power of the ground motion on the floors below the roof [W/kg].
