@@ -143,8 +143,9 @@ class YieldingStoreys(Storeys):
             watch = self._watch(side, modes)
             if self.wall:
                 watch += self._lift_offs() if rests else self._flight(side)[:1]
+            now = modes.copy()
             flow = solve_ivp(
-                lambda t, y, s=side, m=modes.copy(), r=rests: self.rates_of(t, y, s, m, rests=r),
+                lambda t, y, s=side, m=now, r=rests: self.rates_of(t, y, s, m, rests=r),
                 (t, stop), state, events=watch, **TIGHT,
             )  # fmt: skip
             t, state = float(flow.t[-1]), flow.y[:, -1].copy()
