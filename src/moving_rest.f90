@@ -25,25 +25,27 @@ contains
    !> Hold the resting wall while further states move, or let it go.
    subroutine hold_wall(equation, is_held)
       type(equation_t), intent(inout) :: equation
-      !! with further effects, which have one acceleration for both sides
+      !! with further effects, which have one right-hand side for both sides
       logical, intent(in) :: is_held
 
-      if (.not. associated(equation%acceleration_in_flight)) then
-         equation%acceleration_in_flight => equation%acceleration_positive
+      if (.not. associated(equation%rates_in_flight)) then
+         equation%rates_in_flight => equation%rates_positive
       end if
-      equation%acceleration_positive => equation%acceleration_in_flight
-      if (is_held) equation%acceleration_positive => at_rest
-      equation%acceleration_negative => equation%acceleration_positive
+      equation%rates_positive => equation%rates_in_flight
+      if (is_held) equation%rates_positive => at_rest
+      equation%rates_negative => equation%rates_positive
    end subroutine hold_wall
 
-   !> theta'' of a wall that is held [rad/s2].
-   real(wp) function at_rest(equation, t, y)
+   !> Right-hand side while the wall is held: the other states move.
+   subroutine at_rest(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
 
-      at_rest = 0
-   end function at_rest
+      call equation%rates_in_flight(equation, t, y, y_dot)
+      y_dot(2) = 0
+   end subroutine at_rest
 
    !> One step of the other states, cut where the wall lifts off.
    subroutine move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)

@@ -18,7 +18,7 @@ module rwmf_storeys
    implicit none
    private
 
-   public :: prepare_storeys, add_push, push_input, add_storeys, storey_rates, storey_sizes
+   public :: prepare_storeys, add_push, push_input, add_storeys, storey_sizes
    public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
    public :: floor_columns, floor_values
 
@@ -60,13 +60,14 @@ contains
    end subroutine prepare_storeys
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
-   subroutine add_push(equation, t, y, kin, inertia, moment)
+   subroutine add_push(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       moment = moment - frame_mass(equation)*(equation%push - 1)*kin%lever*equation%side &
          *ground(equation, t)/equation%p%R
@@ -82,14 +83,16 @@ contains
          *frame_velocity(equation, y)
    end function push_input
 
-   !> Force of the storeys on the roof beyond that of the spring between roof and ground.
-   subroutine add_storeys(equation, t, y, kin, inertia, moment)
+   !> Force of the storeys on the roof beyond that of the spring between roof and ground; velocities
+   !> and accelerations of the floors below the roof.
+   subroutine add_storeys(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
       real(wp) :: force(size(equation%floors%m))
       integer :: n
 
@@ -97,22 +100,12 @@ contains
       force = resistance(equation, y)
       moment = moment - kin%lever*(equation%side*force(n)/equation%p%R &
          - equation%floors%k(n)*kin%u)
+      associate (first => equation%floors%first)
+         y_dot(first:first + n - 2) = velocities(equation, y)
+         y_dot(first + n - 1:first + 2*n - 3) = -force(:n - 1)/equation%floors%m(:n - 1) &
+            - ground(equation, t)
+      end associate
    end subroutine add_storeys
-
-   !> Velocities and accelerations of the floors below the roof.
-   subroutine storey_rates(equation, t, y, rates)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: rates(:)
-      real(wp) :: force(size(equation%floors%m))
-      integer :: n
-
-      n = size(force)
-      force = resistance(equation, y)
-      rates(:n - 1) = velocities(equation, y)
-      rates(n:) = -force(:n - 1)/equation%floors%m(:n - 1) - ground(equation, t)
-   end subroutine storey_rates
 
    !> Forces K u + C v with which the storeys resist the motion of floors and roof [m/s2].
    function resistance(equation, y) result(force)
