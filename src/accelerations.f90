@@ -1,5 +1,5 @@
-!> theta'' of each kind of scene, with the terms that it has and no others. `build_equation`
-!> chooses.
+!> Right-hand side of each kind of scene, with the terms that it has and no others.
+!> `build_equation` chooses.
 module rwmf_accelerations
    use rwmf_cable, only: cable_state_t
    use rwmf_kinds, only: wp
@@ -10,70 +10,76 @@ module rwmf_accelerations
 
    public :: bare_frame, corner, corner_with_lines, frame_with_extras, frame_with_lines
    public :: hinged, wall_alone, wall_and_frame, with_extras
-   public :: rates_with_floors, with_floors
+   public :: rates_with_floors
 
 contains
 
    !> Eq. (8), link at the top corner: the commonest scene written out, because a call through a
    !> pointer would cost as much as its arithmetic.
-   real(wp) function corner(equation, t, y) result(theta_ddot)
+   subroutine corner(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: lift
       real(wp) :: c
 
+      y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
       call turn(equation, phi, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
-         theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
+         y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
             + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g_over_R*(s &
             + cable_now(equation, phi))) + (2*p%gamma + 1)*c*ground_now(equation, t)/p%R) &
             /(equation%inertia + 4*p%gamma*c**2)
       end associate
-   end function corner
+   end subroutine corner
 
    !> The same with a frame on a branch of its spring and with vertical motion.
-   real(wp) function corner_with_lines(equation, t, y) result(theta_ddot)
+   subroutine corner_with_lines(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: lift
       real(wp) :: c
 
+      y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
       call turn(equation, phi, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
-         theta_ddot = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
             + equation%frame_slope*lift) + p%g_over_R*(s + cable_now(equation, phi))) &
             + (2*p%gamma*c*equation%frame_offset + equation%side*s*vertical_now(equation, t) &
             + (2*p%gamma + 1)*c*ground_now(equation, t))/p%R)/(equation%inertia &
             + 4*p%gamma*c**2)
       end associate
-   end function corner_with_lines
+   end subroutine corner_with_lines
 
    !> Wall without frame, Eqs (11) and (12).
-   real(wp) function wall_alone(equation, t, y) result(theta_ddot)
+   subroutine wall_alone(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
       real(wp) :: lift
       real(wp) :: c
 
+      y_dot(1) = y(2)
       phi = equation%side*y(1)
       call turn(equation, phi, lift, c)
       associate (p => equation%p)
-         theta_ddot = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
+         y_dot(2) = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
             *(equation%sin_alpha - lift + cable_now(equation, phi)))
       end associate
-   end function wall_alone
+   end subroutine wall_alone
 
    !> The same as `kinematics` says of the top corner: lift = sin(alpha) - sin(alpha - phi) and
    !> c = cos(alpha - phi).
@@ -159,54 +165,59 @@ contains
 
    !> Wall, with or without frame, any kinematics and cable law. With the kinematics of Eq. (10) and
    !> the cable of Eq. (1) it equals Eq. (15a), with those of Eq. (4) Eq. (15b).
-   real(wp) function wall_and_frame(equation, t, y) result(theta_ddot)
+   subroutine wall_and_frame(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       type(kinematics_t) :: kin
       real(wp) :: phi
       real(wp) :: phi_dot
       real(wp) :: force
       !! of the frame's spring and damper and the centripetal term, over gamma m_w R [1/s2]
 
+      y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
       call see_side(equation, phi, kin)
       associate (p => equation%p)
          force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
-         theta_ddot = -(equation%side*(p%gamma*kin%lever*force &
+         y_dot(2) = -(equation%side*(p%gamma*kin%lever*force &
             + p%g_over_R*(kin%s + cable_now(equation, phi))) &
             + (p%gamma*kin%lever + kin%c)*ground_now(equation, t)/p%R) &
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
-   end function wall_and_frame
+   end subroutine wall_and_frame
 
    !> Wall hinged at the middle of its base, with or without frame: `pinned_base` written out.
-   real(wp) function hinged(equation, t, y) result(theta_ddot)
+   subroutine hinged(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: half_sine
       real(wp) :: sine
       !! of theta times cos(alpha)
       real(wp) :: cosine
       !! likewise
 
+      y_dot(1) = y(2)
       half_sine = sin(y(1)/2)
       sine = 2*equation%cos_alpha*half_sine*sqrt(1 - half_sine**2)
       cosine = equation%cos_alpha*(1 - 2*half_sine**2)
       associate (p => equation%p)
-         theta_ddot = (p%g_over_R*sine - 4*p%gamma*cosine*(p%two_xi_omega*cosine*y(2) &
+         y_dot(2) = (p%g_over_R*sine - 4*p%gamma*cosine*(p%two_xi_omega*cosine*y(2) &
             + sine*(p%omega_squared - y(2)**2)) - (2*p%gamma + 1)*cosine*ground_now(equation, t) &
             /p%R)/(equation%inertia + 4*p%gamma*cosine**2)
       end associate
-   end function hinged
+   end subroutine hinged
 
    !> Wall, with or without frame, and further effects.
-   real(wp) function with_extras(equation, t, y) result(theta_ddot)
+   subroutine with_extras(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       type(kinematics_t) :: kin
       real(wp) :: phi
       real(wp) :: phi_dot
@@ -214,6 +225,7 @@ contains
       real(wp) :: moment
       integer :: i
 
+      y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
       call see_side(equation, phi, kin)
@@ -224,21 +236,10 @@ contains
             - (p%gamma*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
       end associate
       do i = 1, size(equation%extras)
-         call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, moment, y_dot)
       end do
-      theta_ddot = equation%side*moment/inertia
-   end function with_extras
-
-   !> Wall whose frame has all its modes, or that frame alone: as the rates say.
-   real(wp) function with_floors(equation, t, y) result(theta_ddot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      real(wp) :: y_dot(equation%n)
-
-      call rates_with_floors(equation, t, y, y_dot)
-      theta_ddot = y_dot(2)
-   end function with_floors
+      y_dot(2) = equation%side*moment/inertia
+   end subroutine with_extras
 
    !> Rates of all states of a frame with all its modes, and of the wall that its roof is linked to:
    !> kinematics and storeys are evaluated once for all of them.
@@ -263,16 +264,15 @@ contains
          call move_floors(equation%floors, y, equation%side*equation%p%R*kin%u, &
             equation%p%R*kin%j*y(2), a_g, y_dot, force)
          y_dot(2) = 0
-         if (equation%is_held) return
-         y_dot(2) = turned_by(equation, t, y, kin, a_g, force)
+         if (.not. equation%is_held) call turn_wall(equation, t, y, kin, a_g, force, y_dot)
       else
          call move_floors(equation%floors, y, y(1), y(2), a_g, y_dot, force)
          y_dot(2) = -force - a_g
       end if
    end subroutine rates_with_floors
 
-   !> theta'' of a wall that a force holds at its link [rad/s2].
-   real(wp) function turned_by(equation, t, y, kin, a_g, force) result(theta_ddot)
+   !> theta'' of a wall that a force holds at its link.
+   subroutine turn_wall(equation, t, y, kin, a_g, force, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
@@ -281,6 +281,7 @@ contains
       !! acceleration of the ground [m/s2]
       real(wp), intent(in) :: force
       !! over m_w [m/s2]
+      real(wp), intent(inout) :: y_dot(equation%n)
       real(wp) :: inertia
       real(wp) :: moment
       integer :: i
@@ -293,10 +294,10 @@ contains
       end associate
       ! the storeys are the first of the further effects
       do i = 2, size(equation%extras)
-         call equation%extras(i)%add(equation, t, y, kin, inertia, moment)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, moment, y_dot)
       end do
-      theta_ddot = equation%side*moment/inertia
-   end function turned_by
+      y_dot(2) = equation%side*moment/inertia
+   end subroutine turn_wall
 
    !> Rates of the floors below the roof, and the force of storeys and dampers on it.
    subroutine move_floors(floors, y, u_roof, v_roof, a_g, y_dot, force)
@@ -389,44 +390,51 @@ contains
    end subroutine see_link
 
    !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
-   real(wp) function frame_with_extras(equation, t, y) result(u_ddot)
+   subroutine frame_with_extras(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
       type(kinematics_t) :: kin
       real(wp) :: inertia
+      real(wp) :: force
       integer :: i
 
       kin = kinematics_t(half_sine=0.0_wp, half_cosine=1.0_wp, s=0.0_wp, c=0.0_wp, u=y(1), &
          j=1.0_wp, k=0.0_wp, k_1=0.0_wp, &
          lever=1.0_wp, lever_1=0.0_wp)
       inertia = 1
-      u_ddot = bare_frame(equation, t, y)
+      call bare_frame(equation, t, y, y_dot)
+      force = y_dot(2)
       do i = 1, size(equation%extras)
-         call equation%extras(i)%add(equation, t, y, kin, inertia, u_ddot)
+         call equation%extras(i)%add(equation, t, y, kin, inertia, force, y_dot)
       end do
-      u_ddot = u_ddot/inertia
-   end function frame_with_extras
+      y_dot(2) = force/inertia
+   end subroutine frame_with_extras
 
    !> Frame without wall on a branch of its spring.
-   real(wp) function frame_with_lines(equation, t, y) result(u_ddot)
+   subroutine frame_with_lines(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
 
-      u_ddot = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - equation%frame_offset &
+      y_dot(1) = y(2)
+      y_dot(2) = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - equation%frame_offset &
          - ground_now(equation, t)
-   end function frame_with_lines
+   end subroutine frame_with_lines
 
    !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
-   real(wp) function bare_frame(equation, t, y) result(u_ddot)
+   subroutine bare_frame(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
 
+      y_dot(1) = y(2)
       associate (p => equation%p)
-         u_ddot = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - ground_now(equation, t)
+         y_dot(2) = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - ground_now(equation, t)
       end associate
-   end function bare_frame
+   end subroutine bare_frame
 
 end module rwmf_accelerations

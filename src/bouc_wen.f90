@@ -17,7 +17,7 @@ module rwmf_bouc_wen
    implicit none
    private
 
-   public :: prepare_bouc_wen, add_bouc_wen, bouc_wen_rates, bouc_wen_sizes
+   public :: prepare_bouc_wen, add_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -37,30 +37,23 @@ contains
       equation%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
 
-   !> What the frame's force differs by from the elastic one, which is in the equation already.
-   subroutine add_bouc_wen(equation, t, y, kin, inertia, moment)
+   !> What the frame's force differs by from the elastic one, which is in the equation already, and
+   !> the rate of z.
+   subroutine add_bouc_wen(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       associate (law => equation%hysteresis, p => equation%p)
          moment = moment + frame_mass(equation)*kin%lever*p%omega_s**2*(1 - law%hardening) &
             *(kin%u - equation%side*law%u_y*y(law%place)/p%R)
+         y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*(1 - lost_part(equation, y))
       end associate
    end subroutine add_bouc_wen
-
-   !> Rate of z.
-   subroutine bouc_wen_rates(equation, t, y, rates)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: rates(:)
-
-      rates = frame_velocity(equation, y)/equation%hysteresis%u_y*(1 - lost_part(equation, y))
-   end subroutine bouc_wen_rates
 
    !> Part of the velocity that goes into plastic flow [-].
    real(wp) function lost_part(equation, y)

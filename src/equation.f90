@@ -8,14 +8,13 @@
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
    use rwmf_accelerations, only: bare_frame, corner, corner_with_lines, frame_with_extras, &
-      frame_with_lines, hinged, rates_with_floors, wall_alone, wall_and_frame, with_extras, &
-      with_floors
+      frame_with_lines, hinged, rates_with_floors, wall_alone, wall_and_frame, with_extras
    use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
       truss_cable, yielding_cable
    use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: published
-   use rwmf_extras, only: are_lines, choose_extras, rates_of_all
+   use rwmf_extras, only: are_lines, choose_extras
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
@@ -28,7 +27,7 @@ module rwmf_equation
    private
 
    public :: equation_t, build_equation, enter_interval, interval_of
-   public :: rhs, second_derivative, kinematics_at, cable_at, lift_off_drive
+   public :: rhs, rates_at, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -64,21 +63,20 @@ contains
          equation%bears_extras = equation%has_impacts &
             .and. (allocated(equation%extras) .or. equation%has_memory)
          if (allocated(equation%extras)) then
-            equation%acceleration_positive => with_extras
-            equation%acceleration_negative => with_extras
+            equation%rates_positive => with_extras
+            equation%rates_negative => with_extras
             if (equation%has_frame .and. equation%has_impacts &
                 .and. are_lines(equation)) call write_out(equation)
          end if
       else
          call choose_extras(case, equation)
-         equation%acceleration_positive => bare_frame
+         equation%rates_positive => bare_frame
          if (allocated(equation%extras)) then
-            equation%acceleration_positive => frame_with_extras
-            if (are_lines(equation)) equation%acceleration_positive => frame_with_lines
+            equation%rates_positive => frame_with_extras
+            if (are_lines(equation)) equation%rates_positive => frame_with_lines
          end if
-         equation%acceleration_negative => equation%acceleration_positive
+         equation%rates_negative => equation%rates_positive
       end if
-      equation%rates => rates_of_all
       if (equation%floors%n > 0) call take_floors(equation)
    end subroutine build_equation
 
@@ -86,9 +84,8 @@ contains
    subroutine take_floors(equation)
       type(equation_t), intent(inout) :: equation
 
-      equation%rates => rates_with_floors
-      equation%acceleration_positive => with_floors
-      equation%acceleration_negative => with_floors
+      equation%rates_positive => rates_with_floors
+      equation%rates_negative => rates_with_floors
       if (size(equation%extras) > 1) return
       equation%is_at_top(1) = associated(equation%kinematics_positive, top_corner)
       equation%is_at_top(-1) = associated(equation%kinematics_negative, top_corner)
@@ -102,10 +99,10 @@ contains
       equation%frame_slope = equation%p%omega_squared
       call follow_branches(equation)
       if (associated(equation%kinematics_positive, top_corner)) then
-         equation%acceleration_positive => corner_with_lines
+         equation%rates_positive => corner_with_lines
       end if
       if (associated(equation%kinematics_negative, top_corner)) then
-         equation%acceleration_negative => corner_with_lines
+         equation%rates_negative => corner_with_lines
       end if
    end subroutine write_out
 
@@ -144,8 +141,8 @@ contains
       equation%inertia = (4*equation%cos_alpha**2 + equation%sin_alpha**2)/3
       equation%kinematics_positive => pinned_base
       equation%kinematics_negative => pinned_base
-      equation%acceleration_positive => hinged
-      equation%acceleration_negative => hinged
+      equation%rates_positive => hinged
+      equation%rates_negative => hinged
    end subroutine hinge_base
 
    subroutine choose_kinematics(formulation, equation)
@@ -236,17 +233,17 @@ contains
       character(*), intent(in) :: formulation
       type(equation_t), intent(inout) :: equation
 
-      equation%acceleration_negative => wall_and_frame
-      equation%acceleration_positive => wall_and_frame
+      equation%rates_negative => wall_and_frame
+      equation%rates_positive => wall_and_frame
       if (.not. equation%has_frame) then
-         equation%acceleration_positive => wall_alone
-         equation%acceleration_negative => wall_alone
+         equation%rates_positive => wall_alone
+         equation%rates_negative => wall_alone
       else if (equation%geometry%link <= 0) then
-         equation%acceleration_positive => corner
-         if (formulation == 'symmetric') equation%acceleration_negative => corner
+         equation%rates_positive => corner
+         if (formulation == 'symmetric') equation%rates_negative => corner
          if (formulation == 'published') then
-            equation%acceleration_positive => published
-            equation%acceleration_negative => published
+            equation%rates_positive => published
+            equation%rates_negative => published
          end if
       end if
    end subroutine choose_acceleration
@@ -262,27 +259,37 @@ contains
       !! (states)
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
-      if (equation%n > 2) then
-         call equation%rates(equation, t, y, y_dot)
-         return
-      end if
-      y_dot(1) = y(2)
-      y_dot(2) = second_derivative(equation, t, y)
+      call rates_at(equation, t, y, y_dot)
    end subroutine rhs
 
-   !> theta'' without counting an evaluation: for events and outputs [rad/s2].
+   !> The same without counting an evaluation: for events, outputs and the Jacobian.
+   subroutine rates_at(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(equation%n)
+      !! (states)
+      real(wp), intent(out) :: y_dot(equation%n)
+      !! (states)
+
+      if (equation%side > 0) then
+         call equation%rates_positive(equation, t, y, y_dot)
+      else
+         call equation%rates_negative(equation, t, y, y_dot)
+      end if
+   end subroutine rates_at
+
+   !> theta'' alone [rad/s2].
    real(wp) function second_derivative(equation, t, y)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(equation%n)
       !! (states)
+      real(wp) :: y_dot(equation%n)
 
-      if (equation%side > 0) then
-         second_derivative = equation%acceleration_positive(equation, t, y)
-      else
-         second_derivative = equation%acceleration_negative(equation, t, y)
-      end if
+      call rates_at(equation, t, y, y_dot)
+      second_derivative = y_dot(2)
    end function second_derivative
 
 end module rwmf_equation

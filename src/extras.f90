@@ -2,8 +2,8 @@
 !> common. One line in `choose_extras` for each.
 module rwmf_extras
    use rwmf_branches, only: add_fuses, add_springs, add_yielding
-   use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_rates, &
-      bouc_wen_sizes, prepare_bouc_wen
+   use rwmf_bouc_wen, only: add_bouc_wen, bouc_wen_energy, bouc_wen_power, bouc_wen_sizes, &
+      prepare_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_damper, only: add_damper, damper_force, damper_power
    use rwmf_inerter, only: add_inerter, inerter_energy, inerter_force
@@ -18,7 +18,7 @@ module rwmf_extras
    implicit none
    private
 
-   public :: choose_extras, are_lines, rates_of_all
+   public :: choose_extras, are_lines
    public :: extra_sizes, extra_energy, extra_power, extra_input
 
 contains
@@ -56,7 +56,7 @@ contains
       if (is_smooth) then
          call prepare_bouc_wen(case, equation)
          call add_extra(equation, extra_t(add=add_bouc_wen, plastic_power=bouc_wen_power, &
-            energy=bouc_wen_energy, states=1, rates=bouc_wen_rates, sizes=bouc_wen_sizes))
+            energy=bouc_wen_energy, states=1, sizes=bouc_wen_sizes))
       end if
       if (allocated(case%storeys) .and. .not. is_full) then
          call prepare_storeys(case, equation)
@@ -132,32 +132,6 @@ contains
       equation%extras(size(equation%extras))%first = equation%n + 1
       equation%n = equation%n + extra%states
    end subroutine add_extra
-
-   !> Right-hand side of scenes with further states, without counting. Not a part of `rhs`, which
-   !> would then pay for this call in all other scenes.
-   subroutine rates_of_all(equation, t, y, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(equation%n)
-      !! (states)
-      real(wp), intent(out) :: y_dot(equation%n)
-      !! (states)
-      integer :: i
-
-      y_dot(1) = y(2)
-      if (equation%side > 0) then
-         y_dot(2) = equation%acceleration_positive(equation, t, y)
-      else
-         y_dot(2) = equation%acceleration_negative(equation, t, y)
-      end if
-      do i = 1, size(equation%extras)
-         associate (extra => equation%extras(i))
-            if (extra%states == 0) cycle
-            call extra%rates(equation, t, y, y_dot(extra%first:extra%first + extra%states - 1))
-         end associate
-      end do
-   end subroutine rates_of_all
 
    !> Expected sizes of all states from those of the first two, for absolute tolerances.
    function extra_sizes(equation, size_guess) result(sizes)

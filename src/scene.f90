@@ -11,7 +11,7 @@ module rwmf_scene
    implicit none
    private
 
-   public :: equation_t, second_derivative_i, extra_t, floors_t, hysteresis_t, sprung_t
+   public :: equation_t, right_hand_side_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of
    public :: vertical_ground
@@ -34,9 +34,7 @@ module rwmf_scene
       procedure(power_i), pointer, nopass :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
-      !! number of states of its own
-      procedure(rates_i), pointer, nopass :: rates => null()
-      !! of its states
+      !! number of states of its own, whose rates `add` puts in their places
       procedure(sizes_i), pointer, nopass :: sizes => null()
       !! that its states are expected to have
       integer :: first = 0
@@ -195,10 +193,8 @@ module rwmf_scene
       procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
       procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
-      procedure(all_rates_i), pointer, nopass :: rates => null()
-      !! of all states where there are more than two
+      procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
+      procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
       logical :: is_at_top(-1:1) = .false.
       !! link at the top corner on that side, and no effects beside the storeys: kinematics without
       !! a call
@@ -207,38 +203,29 @@ module rwmf_scene
    end type equation_t
 
    abstract interface
-      !> theta'' [rad/s2] (bare frame: u'' [m/s2]) in the flight and interval that are in force.
-      real(wp) function second_derivative_i(equation, t, y)
+      !> Rates of all states in the flight and interval that are in force.
+      subroutine right_hand_side_i(equation, t, y, y_dot)
          import :: equation_t, wp
          implicit none
          type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
          real(wp), intent(in) :: y(equation%n)
-         !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
-      end function second_derivative_i
-
-      !> Rates of all states.
-      subroutine all_rates_i(equation, t, y, y_dot)
-         import :: equation_t, wp
-         implicit none
-         type(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(equation%n)
-         !! (states)
+         !! (states) theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of further
+         !! effects
          real(wp), intent(out) :: y_dot(equation%n)
          !! (states)
-      end subroutine all_rates_i
+      end subroutine right_hand_side_i
 
-      !> Add to inertia and moment, both per unit m_w R**2.
-      subroutine add_i(equation, t, y, kin, inertia, moment)
+      !> Add to inertia and moment, both per unit m_w R**2, and set the rates of the effect's own
+      !> states: one procedure, because both hang on the same forces.
+      subroutine add_i(equation, t, y, kin, inertia, moment, y_dot)
          import :: equation_t, kinematics_t, wp
          implicit none
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
-         real(wp), intent(in) :: y(:)
+         real(wp), intent(in) :: y(equation%n)
          !! (states)
          type(kinematics_t), intent(in) :: kin
          !! at this rotation
@@ -246,6 +233,8 @@ module rwmf_scene
          !! [-]
          real(wp), intent(inout) :: moment
          !! away from the base [1/s2]
+         real(wp), intent(inout) :: y_dot(equation%n)
+         !! (states)
       end subroutine add_i
 
       !> Energy that an effect stores [J/kg].
@@ -256,19 +245,6 @@ module rwmf_scene
          real(wp), intent(in) :: y(:)
          !! (states)
       end function energy_i
-
-      !> Rates of the states of an effect.
-      subroutine rates_i(equation, t, y, rates)
-         import :: equation_t, wp
-         implicit none
-         class(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states) all
-         real(wp), intent(out) :: rates(:)
-         !! (states of the effect)
-      end subroutine rates_i
 
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
       subroutine sizes_i(equation, size_guess, sizes)

@@ -71,13 +71,14 @@ contains
    end subroutine prepare_storeys
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
-   subroutine add_push(equation, t, y, kin, inertia, moment)
+   subroutine add_push(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       moment = moment - frame_mass(equation)*(equation%push - 1)*kin%lever*equation%side &
          *ground(equation, t)/equation%p%R
@@ -93,14 +94,16 @@ contains
          *frame_velocity(equation, y)
    end function push_input
 
-   !> Force of the storeys on the roof, for a wall that stands on its base.
-   subroutine add_storeys(equation, t, y, kin, inertia, moment)
+   !> Force of the storeys on the roof, for a wall that stands on its base. Rates of the floors are
+   !> those of `rates_with_floors`.
+   subroutine add_storeys(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
       real(wp) :: force(equation%floors%n)
 
       force = resistance(equation, y)
