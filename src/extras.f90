@@ -17,7 +17,7 @@ module rwmf_extras
    implicit none
    private
 
-   public :: choose_extras, are_lines
+   public :: choose_extras, are_lines, is_smooth_hysteresis
    public :: extra_sizes, extra_energy, extra_power, extra_input
 
 contains
@@ -79,6 +79,15 @@ contains
          end associate
       end do
    end function are_lines
+
+   !> Is the smooth hysteresis the only further effect? It has a right-hand side of its own.
+   pure logical function is_smooth_hysteresis(equation)
+      type(equation_t), intent(in) :: equation
+
+      is_smooth_hysteresis = .false.
+      if (size(equation%extras) == 1) is_smooth_hysteresis = &
+         associated(equation%extras(1)%add, add_bouc_wen)
+   end function is_smooth_hysteresis
 
    !> The storeys of the frame: one mode, which the ground pushes in its own way, or all modes.
    subroutine add_frame(case, equation)

@@ -15,7 +15,7 @@ module rwmf_machine
    use rwmf_observer, only: create_observer, observer_t
    use rwmf_one_step, only: one_step_t
    use rwmf_run, only: guess_size, impact_law, initial_state, tolerances
-   use rwmf_scene, only: sprung_t
+   use rwmf_scene, only: hysteresis_t, sprung_t
    use rwmf_spring, only: spring_t
    use rwmf_stepper, only: stepper_t
    implicit none
@@ -67,6 +67,8 @@ module rwmf_machine
       integer :: interval = 0
       integer :: side = 1
       integer :: course = 1
+      type(hysteresis_t) :: hysteresis
+      !! with the signs in force
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -189,6 +191,7 @@ contains
       snapshot%interval = interval_of(machine%equation)
       snapshot%side = machine%equation%side
       snapshot%course = machine%equation%course
+      snapshot%hysteresis = machine%equation%hysteresis
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
       associate (hybrid => machine%hybrid, observer => machine%observer)
@@ -222,6 +225,7 @@ contains
       call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
       machine%equation%course = snapshot%course
+      machine%equation%hysteresis = snapshot%hysteresis
       if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
