@@ -8,8 +8,10 @@
 !> the sums of all rates but theta' of both, by which they are compared, and the number of steps of
 !> the run.
 program effects
-   use effects_by_hand, only: choose, hand_i, hand_t, mark, prepare
+   use effects_by_hand, only: choose, follow_by_hand => follow_course, hand_i, hand_t, mark, &
+      prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
+   use rwmf_bouc_wen, only: follow_course
    use rwmf_equation, only: build_equation, enter_interval, equation_t, rhs
    use rwmf_memory, only: pass_window, renew_window
    use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
@@ -182,6 +184,7 @@ contains
       do j = 1, n_states
          if (rocks) side = table%side(j)
          equations(side)%course = table%course(j)
+         if (equations(side)%has_course) call follow_course(equations(side), table%y(3, j))
          call rhs(equations(side), table%t(j), table%y(:, j), y_dot)
          total = total + sum(y_dot(2:))
       end do
@@ -199,7 +202,7 @@ contains
       total = 0
       do j = 1, n_states
          if (rocks) p%side = table%side(j)
-         p%course = table%course(j)
+         if (p%n > 2) call follow_by_hand(table%course(j), table%y(3, j), p)
          call by_hand(p, table%t(j), table%y(:, j), y_dot)
          total = total + sum(y_dot(2:))
       end do

@@ -10,7 +10,7 @@ module effects_by_hand
    implicit none
    private
 
-   public :: hand_t, hand_i, prepare, choose, mark
+   public :: hand_t, hand_i, prepare, follow_course, choose, mark
 
    !> Constants of a scene, and what holds during one flight in one interval of the record.
    type :: hand_t
@@ -44,8 +44,13 @@ module effects_by_hand
       !! pulse
       real(wp) :: side
       !! +1 or -1
-      real(wp) :: course
-      !! +1 or -1: sign of theta'
+      real(wp) :: hold, over_u_y, exponent
+      !! smooth hysteresis of the frame: force of z = 1 over m_s (with a wall 2/R times
+      !! that and gamma), velocity of z over u_s' (with a wall over theta' cos(alpha - phi)), n
+      real(wp) :: grow_lost, fall_lost
+      !! part of |z|**n that is lost while |z| grows and while it falls
+      real(wp) :: lost, signed_lost
+      !! of both, the one in force, and that times the sign of z
    end type hand_t
 
    abstract interface
@@ -132,6 +137,17 @@ contains
       end if
       if (allocated(case%yielding)) then
          associate (h => case%yielding%hardening)
+            if (case%yielding%law == 'bouc_wen') then
+               p%hold = (1 - h)*p%omega_squared*case%yielding%u_y
+               p%over_u_y = 1/case%yielding%u_y
+               if (allocated(case%wall)) then
+                  p%hold = p%two_gamma*p%over_R*p%hold
+                  p%over_u_y = 2*p%over_u_y/p%over_R
+               end if
+               p%exponent = case%yielding%exponent
+               p%grow_lost = 1
+               p%fall_lost = 1 - 2*case%yielding%beta
+            end if
             p%soft = h*p%omega_squared
             p%yield_drop = (1 - h)*p%omega_squared*case%yielding%u_y
             if (allocated(case%wall)) p%yield_drop = p%yield_drop*p%over_R/2
@@ -143,6 +159,19 @@ contains
          p%tendon_0 = case%cable%eta_y - (case%cable%eta_y - p%eta_0)*case%cable%hardening
       end if
    end subroutine prepare_springs
+
+   !> Smooth hysteresis in the piece of motion that begins: what the signs of theta' and z say.
+   subroutine follow_course(course, z, p)
+      integer, intent(in) :: course
+      !! sign of theta'
+      real(wp), intent(in) :: z
+      type(hand_t), intent(inout) :: p
+
+      p%lost = p%grow_lost
+      if (course*z < 0) p%lost = p%fall_lost
+      p%signed_lost = p%lost
+      if (z < 0) p%signed_lost = -p%lost
+   end subroutine follow_course
 
    !> Program of a scene, by its name.
    subroutine choose(name, right_hand_side)
@@ -188,6 +217,18 @@ contains
          right_hand_side => symmetric_yielding
       case ('tendon')
          right_hand_side => symmetric
+      case ('smooth_1')
+         right_hand_side => smooth_1
+      case ('smooth_2')
+         right_hand_side => smooth_2
+      case ('smooth_n')
+         right_hand_side => smooth_n
+      case ('frame_smooth_1')
+         right_hand_side => frame_smooth_1
+      case ('frame_smooth_2')
+         right_hand_side => frame_smooth_2
+      case ('frame_smooth_n')
+         right_hand_side => frame_smooth_n
       case ('tendon_yielding')
          right_hand_side => tendon_yielding
       case ('inerter')
@@ -564,6 +605,108 @@ contains
          + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha) + p%ratio_over_R*a*s) &
          + p%one_plus_two_gamma_over_R*c*a)/(p%inertia + p%four_gamma*c**2)
    end subroutine with_vertical
+
+   !> Eq. (8) with a frame after Bouc and Wen, n = 1.
+   subroutine smooth_1(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%signed_lost*y(3))
+   end subroutine smooth_1
+
+   !> The same, n = 2.
+   subroutine smooth_2(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%lost*y(3)**2)
+   end subroutine smooth_2
+
+   !> The same, any n.
+   subroutine smooth_n(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%lost*abs(y(3))**p%exponent)
+   end subroutine smooth_n
+
+   !> Oscillator after Bouc and Wen, n = 1.
+   subroutine frame_smooth_1(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%signed_lost*y(3))
+   end subroutine frame_smooth_1
+
+   !> The same, n = 2.
+   subroutine frame_smooth_2(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%lost*y(3)**2)
+   end subroutine frame_smooth_2
+
+   !> The same, any n.
+   subroutine frame_smooth_n(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%lost*abs(y(3))**p%exponent)
+   end subroutine frame_smooth_n
 
    !> Linear oscillator beyond its yield displacement.
    subroutine frame_yielding(p, t, y, y_dot)

@@ -1,6 +1,7 @@
 !> Right-hand side of each kind of scene, with the terms that it has and no others.
 !> `build_equation` chooses.
 module rwmf_accelerations
+   use rwmf_bouc_wen, only: kept_part
    use rwmf_cable, only: cable_state_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
@@ -8,7 +9,8 @@ module rwmf_accelerations
    implicit none
    private
 
-   public :: bare_frame, corner, corner_with_lines, frame_with_extras, frame_with_lines
+   public :: bare_frame, corner, corner_with_hysteresis, corner_with_lines
+   public :: frame_with_extras, frame_with_hysteresis, frame_with_lines
    public :: hinged, wall_alone, wall_and_frame, with_extras
    public :: rates_with_floors
 
@@ -61,6 +63,30 @@ contains
             + 4*p%gamma*c**2)
       end associate
    end subroutine corner_with_lines
+
+   !> The same with a frame whose hysteresis is smooth, which has the third state.
+   subroutine corner_with_hysteresis(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
+      real(wp) :: phi
+      real(wp) :: phi_dot
+      real(wp) :: lift
+      real(wp) :: c
+
+      y_dot(1) = y(2)
+      phi = equation%side*y(1)
+      phi_dot = equation%side*y(2)
+      call turn(equation, phi, lift, c)
+      associate (p => equation%p, s => equation%sin_alpha - lift, law => equation%hysteresis)
+         y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+            + equation%frame_slope*lift) + p%g_over_R*(s + cable_now(equation, phi))) &
+            + c*(2*p%gamma*law%hold*y(3) + (2*p%gamma + 1)*ground_now(equation, t))/p%R) &
+            /(equation%inertia + 4*p%gamma*c**2)
+         y_dot(3) = 2*p%R*c*y(2)/law%u_y*kept_part(law, y(3))
+      end associate
+   end subroutine corner_with_hysteresis
 
    !> Wall without frame, Eqs (11) and (12).
    subroutine wall_alone(equation, t, y, y_dot)
@@ -423,6 +449,21 @@ contains
       y_dot(2) = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - equation%frame_offset &
          - ground_now(equation, t)
    end subroutine frame_with_lines
+
+   !> Frame without wall whose hysteresis is smooth.
+   subroutine frame_with_hysteresis(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
+
+      y_dot(1) = y(2)
+      associate (law => equation%hysteresis)
+         y_dot(2) = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - law%hold*y(3) &
+            - ground_now(equation, t)
+         y_dot(3) = y(2)/law%u_y*kept_part(law, y(3))
+      end associate
+   end subroutine frame_with_hysteresis
 
    !> Frame without wall: u'' + 2 xi omega u' + omega**2 u = -u_g''.
    subroutine bare_frame(equation, t, y, y_dot)

@@ -6,18 +6,21 @@
 !> a is the hardening ratio. beta + gamma = 1, so that |z| tends to 1: another sum would only give
 !> u_y another meaning. For n -> infinity the law becomes the bilinear one of `spring.f90`.
 !>
-!> The sign of u' is that of the course in force, which the hybrid loop turns over at a peak: inside
-!> a step the rate of z is smooth.
+!> The signs of u' and z hold for a piece of motion; the hybrid loop ends it at a peak and where z
+!> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
+!> natural number).
 module rwmf_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: yield_displacement
-   use rwmf_scene, only: equation_t, frame_displacement, frame_mass, frame_travel, frame_velocity
+   use rwmf_scene, only: equation_t, form_line, form_power, form_square, frame_displacement, &
+      frame_mass, frame_travel, frame_velocity, hysteresis_t
    implicit none
    private
 
-   public :: prepare_bouc_wen, add_bouc_wen, bouc_wen_sizes
+   public :: prepare_bouc_wen, follow_course, will_pass_zero, add_bouc_wen, kept_part
+   public :: bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -28,14 +31,46 @@ contains
       !! with `&yielding`
       type(equation_t), intent(inout) :: equation
 
-      equation%hysteresis%u_y = yield_displacement(case)
-      equation%hysteresis%hardening = case%yielding%hardening
-      equation%hysteresis%exponent = case%yielding%exponent
-      equation%hysteresis%beta = case%yielding%beta
-      equation%hysteresis%place = equation%n + 1
+      associate (law => equation%hysteresis)
+         law%u_y = yield_displacement(case)
+         law%hardening = case%yielding%hardening
+         law%exponent = case%yielding%exponent
+         law%beta = case%yielding%beta
+         law%place = equation%n + 1
+         equation%frame_slope = law%hardening*equation%p%omega_squared
+         law%hold = (equation%p%omega_squared - equation%frame_slope)*law%u_y
+         law%is_odd = abs(modulo(law%exponent, 2.0_wp) - 1) <= 0
+         law%form = form_power
+         if (abs(law%exponent - 1) <= 0) law%form = form_line
+         if (abs(law%exponent - 2) <= 0) law%form = form_square
+      end associate
       equation%has_course = .true.
       equation%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
+
+   !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
+   pure subroutine follow_course(equation, z)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: z
+      !! [-]
+
+      associate (law => equation%hysteresis)
+         law%sense = equation%course
+         law%lost = 1
+         if (equation%course*z < 0) then
+            law%sense = -equation%course
+            law%lost = 1 - 2*law%beta
+         end if
+         if (law%form == form_line) law%lost = law%sense*law%lost
+      end associate
+   end subroutine follow_course
+
+   !> Does |z| fall in the piece of motion in force, so that z may pass zero?
+   pure logical function will_pass_zero(equation)
+      type(equation_t), intent(in) :: equation
+
+      will_pass_zero = equation%hysteresis%sense /= equation%course
+   end function will_pass_zero
 
    !> What the frame's force differs by from the elastic one, which is in the equation already, and
    !> the rate of z.
@@ -49,28 +84,37 @@ contains
       real(wp), intent(inout) :: y_dot(equation%n)
 
       associate (law => equation%hysteresis, p => equation%p)
-         moment = moment + frame_mass(equation)*kin%lever*p%omega_s**2*(1 - law%hardening) &
-            *(kin%u - equation%side*law%u_y*y(law%place)/p%R)
-         y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*(1 - lost_part(equation, y))
+         moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
+            - equation%frame_slope)*kin%u - equation%side*law%hold*y(law%place)/p%R)
+         y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*kept_part(law, y(law%place))
       end associate
    end subroutine add_bouc_wen
 
-   !> Part of the velocity that goes into plastic flow [-].
-   real(wp) function lost_part(equation, y)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
+   !> Part of the velocity that does not go into plastic flow [-].
+   !>
+   !> Beyond zero, where only trial states of a step and its search go, a natural power goes on as
+   !> it comes: a step sees no corner.
+   pure real(wp) function kept_part(law, z)
+      type(hysteresis_t), intent(in) :: law
+      real(wp), intent(in) :: z
+      !! [-]
       real(wp), parameter :: farthest = 1.26_wp
       !! |z| of a trial state that no step keeps; its power of 1000 is a number [-]
       real(wp), parameter :: largest = 1.0e3_wp
       !! of such powers: the next trial state stays a number as well
+      real(wp) :: power
 
-      associate (law => equation%hysteresis)
-         associate (z => y(law%place))
-            lost_part = min(min(abs(z), farthest)**law%exponent, largest)*(1 - law%beta &
-               + sign(law%beta, equation%course*z))
-         end associate
-      end associate
-   end function lost_part
+      select case (law%form)
+      case (form_line)
+         power = z
+      case (form_square)
+         power = min(abs(z), farthest)**2
+      case default
+         power = min(min(abs(z), farthest)**law%exponent, largest)
+         if (law%is_odd) power = sign(power, law%sense*z)
+      end select
+      kept_part = 1 - law%lost*power
+   end function kept_part
 
    !> z is below 1, and u/u_y while the frame is elastic.
    subroutine bouc_wen_sizes(equation, size_guess, sizes)
@@ -88,8 +132,8 @@ contains
       real(wp), intent(in) :: y(:)
 
       associate (law => equation%hysteresis)
-         power = frame_mass(equation)*equation%p%omega_s**2*(1 - law%hardening)*law%u_y &
-            *y(law%place)*frame_velocity(equation, y)*lost_part(equation, y)
+         power = frame_mass(equation)*law%hold*y(law%place)*frame_velocity(equation, y) &
+            *(1 - kept_part(law, y(law%place)))
       end associate
    end function bouc_wen_power
 

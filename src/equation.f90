@@ -7,21 +7,22 @@
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
-   use rwmf_accelerations, only: bare_frame, corner, corner_with_lines, frame_with_extras, &
-      frame_with_lines, hinged, rates_with_floors, wall_alone, wall_and_frame, with_extras
+   use rwmf_accelerations, only: bare_frame, corner, corner_with_hysteresis, corner_with_lines, &
+      frame_with_extras, frame_with_hysteresis, frame_with_lines, hinged, rates_with_floors, &
+      wall_alone, wall_and_frame, with_extras
    use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
       truss_cable, yielding_cable
    use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: published
-   use rwmf_extras, only: are_lines, choose_extras
+   use rwmf_extras, only: are_lines, choose_extras, is_smooth_hysteresis
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
       linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
    use rwmf_paper, only: paper_t
    use rwmf_scene, only: cable_at, enter_interval, equation_t, frame_displacement, ground, &
-      interval_of, kinematics_at, lift_off_drive
+      interval_of, kinematics_at, lift_off_drive, right_hand_side_i
    use rwmf_spring, only: new_spring
    implicit none
    private
@@ -65,8 +66,7 @@ contains
          if (allocated(equation%extras)) then
             equation%rates_positive => with_extras
             equation%rates_negative => with_extras
-            if (equation%has_frame .and. equation%has_impacts &
-                .and. are_lines(equation)) call write_out(equation)
+            if (equation%has_frame .and. equation%has_impacts) call write_out(equation)
          end if
       else
          call choose_extras(case, equation)
@@ -74,6 +74,7 @@ contains
          if (allocated(equation%extras)) then
             equation%rates_positive => frame_with_extras
             if (are_lines(equation)) equation%rates_positive => frame_with_lines
+            if (is_smooth_hysteresis(equation)) equation%rates_positive => frame_with_hysteresis
          end if
          equation%rates_negative => equation%rates_positive
       end if
@@ -91,18 +92,26 @@ contains
       equation%is_at_top(-1) = associated(equation%kinematics_negative, top_corner)
    end subroutine take_floors
 
-   !> Effects that are straight lines, with the link at the top corner, have their terms written
-   !> out.
+   !> Effects that are straight lines, or the smooth hysteresis, with the link at the top corner,
+   !> have their terms written out.
    subroutine write_out(equation)
       type(equation_t), intent(inout) :: equation
+      procedure(right_hand_side_i), pointer :: written_out
 
-      equation%frame_slope = equation%p%omega_squared
-      call follow_branches(equation)
+      if (are_lines(equation)) then
+         equation%frame_slope = equation%p%omega_squared
+         call follow_branches(equation)
+         written_out => corner_with_lines
+      else if (is_smooth_hysteresis(equation)) then
+         written_out => corner_with_hysteresis
+      else
+         return
+      end if
       if (associated(equation%kinematics_positive, top_corner)) then
-         equation%rates_positive => corner_with_lines
+         equation%rates_positive => written_out
       end if
       if (associated(equation%kinematics_negative, top_corner)) then
-         equation%rates_negative => corner_with_lines
+         equation%rates_negative => written_out
       end if
    end subroutine write_out
 

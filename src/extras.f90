@@ -18,7 +18,7 @@ module rwmf_extras
    implicit none
    private
 
-   public :: choose_extras, are_lines
+   public :: choose_extras, are_lines, is_smooth_hysteresis
    public :: extra_sizes, extra_energy, extra_power, extra_input
 
 contains
@@ -104,6 +104,15 @@ contains
          end associate
       end do
    end function are_lines
+
+   !> Is the smooth hysteresis the only further effect? It has a right-hand side of its own.
+   pure logical function is_smooth_hysteresis(equation)
+      type(equation_t), intent(in) :: equation
+
+      is_smooth_hysteresis = .false.
+      if (size(equation%extras) == 1) is_smooth_hysteresis = &
+         associated(equation%extras(1)%add, add_bouc_wen)
+   end function is_smooth_hysteresis
 
    !> The floors of a frame with all its modes, whose storeys may yield.
    subroutine add_floors(case, equation)

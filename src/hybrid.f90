@@ -6,6 +6,7 @@
 !> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
+   use rwmf_bouc_wen, only: follow_course
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
@@ -21,7 +22,7 @@ module rwmf_hybrid
       pass_knot
    use rwmf_rest, only: find_lift_off, jumps, may_rest, pull_duration
    use rwmf_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
-      event_peak, event_rest, event_rupture
+      event_passage, event_peak, event_rest, event_rupture
    use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
    use rwmf_storey_change, only: change_storey
@@ -229,6 +230,8 @@ contains
             hybrid%y(2) = 0
          end if
          hybrid%must_restart = .true.
+      case (event_passage)
+         hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
          call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
@@ -239,7 +242,8 @@ contains
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
 
-   !> The sign that theta' has in the piece of motion that begins; after a peak it is known already.
+   !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
+   !> peak it is known already.
    pure subroutine set_course(hybrid, equation)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -249,6 +253,7 @@ contains
       else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
          equation%course = equation%side
       end if
+      call follow_course(equation, hybrid%y(equation%hysteresis%place))
    end subroutine set_course
 
    !> A spring enters another branch.

@@ -14,7 +14,7 @@ module rwmf_machine
    use rwmf_observer, only: create_observer, observer_t
    use rwmf_one_step, only: one_step_t
    use rwmf_run, only: guess_size, impact_law, initial_state, tolerances
-   use rwmf_scene, only: sprung_t
+   use rwmf_scene, only: hysteresis_t, sprung_t
    use rwmf_spring, only: spring_t
    use rwmf_stepper, only: stepper_t
    use rwmf_storey_springs, only: follow_storeys
@@ -69,6 +69,8 @@ module rwmf_machine
       integer :: interval = 0
       integer :: side = 1
       integer :: course = 1
+      type(hysteresis_t) :: hysteresis
+      !! with the signs in force
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -191,6 +193,7 @@ contains
       snapshot%interval = interval_of(machine%equation)
       snapshot%side = machine%equation%side
       snapshot%course = machine%equation%course
+      snapshot%hysteresis = machine%equation%hysteresis
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
       if (machine%equation%floors%yields) snapshot%storeys = machine%equation%floors%springs
@@ -225,6 +228,7 @@ contains
       call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
       machine%equation%course = snapshot%course
+      machine%equation%hysteresis = snapshot%hysteresis
       machine%equation%is_held = .false.
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then

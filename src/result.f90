@@ -7,7 +7,7 @@ module rwmf_result
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
-   public :: event_branch, event_rupture
+   public :: event_branch, event_rupture, event_passage
 
    integer, parameter :: event_impact = 1
    integer, parameter :: event_peak = 2
@@ -18,6 +18,8 @@ module rwmf_result
    !! a spring begins to yield, goes slack or is taut again
    integer, parameter :: event_rupture = 7
    !! the tendon breaks
+   integer, parameter :: event_passage = 8
+   !! the hysteretic force of the frame passes zero: ends a piece of motion, is not reported
 
    !> An instant at which the regime of motion changes, or a peak of the rotation.
    type :: event_t

@@ -13,6 +13,7 @@ module rwmf_scene
 
    public :: equation_t, right_hand_side_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
+   public :: form_power, form_line, form_square
    public :: enter_interval, interval_of
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
@@ -75,6 +76,13 @@ module rwmf_scene
       !! the mass that m is over, in that of the case [-]
    end type floors_t
 
+   integer, parameter :: form_power = 0
+   !! any exponent
+   integer, parameter :: form_line = 1
+   !! exponent 1
+   integer, parameter :: form_square = 2
+   !! exponent 2
+
    !> Smooth hysteresis of the frame after Bouc and Wen.
    type :: hysteresis_t
       real(wp) :: u_y = 1
@@ -87,6 +95,17 @@ module rwmf_scene
       !! [-]
       integer :: place = 3
       !! of z among the states
+      real(wp) :: hold = 0
+      !! force of z = 1 over m_s [m/s2]
+      integer :: form = form_power
+      !! of |z|**n, one of the `form_` numbers
+      logical :: is_odd = .false.
+      !! n is an odd number
+      integer :: sense = 1
+      !! sign of z in the piece of motion in force
+      real(wp) :: lost = 1
+      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; for n = 1
+      !! times the sign of z [-]
    end type hysteresis_t
 
    integer, parameter :: place_frame = 0
