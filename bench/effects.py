@@ -32,7 +32,9 @@ SAME = 1e-9  # relative difference of the sums of theta'': it is the same equati
 EXEMPT = {"frame", "oscillator", "oscillator_yielding"}
 SKIPPED = 77  # what meson takes for a test that does not apply
 MARK = "__effects_by_hand_MOD_mark"
-LOOP = re.compile(r"MAIN__|main$|sum_of_|count_scene|.*_MOD_follow_course|" + MARK)  # not part of a right-hand side
+LOOP = re.compile(
+    r"MAIN__|main$|sum_of_|count_scene|.*_MOD_follow_course|" + MARK
+)  # not part of a right-hand side
 
 AT_REST = "&wall h = 2.0, b = 0.5 /"
 WALL = f"{AT_REST}\n&initial theta_over_alpha = 0.3 /"
@@ -56,6 +58,21 @@ def _rwmf(
     formulation: str, *more: str, cable: str = CABLE, motion: str = RECORD, wall: str = WALL
 ) -> list[str]:
     return [wall, FRAME, cable, E, motion, f"&model formulation = '{formulation}' /", *more]
+
+
+def _storeys(n: int, coupling: str, *more: str) -> list[str]:
+    stiffness = (n * (n + 1) // 2) * 100.0
+    return [
+        AT_REST,
+        "&frame xi_s = 0.05 /",
+        f"&storeys m_over_m_w = {n}*2.0, k_over_m_w = {n}*{stiffness}, height = {n}*{4.0 / n}, "
+        f"coupling = '{coupling}' /",
+        CABLE,
+        E,
+        RECORD,
+        "&model formulation = 'symmetric' /",
+        *more,
+    ]
 
 
 class Scene(NamedTuple):
@@ -108,6 +125,15 @@ SCENES = [
     Scene("RWMF + tendon, elastic", "tendon", _rwmf("symmetric", cable=TENDON)),
     Scene("RWMF + tendon, yielding", "tendon_yielding", _rwmf("symmetric", cable=TENDON)),
     Scene("RWMF + inerter", "inerter", _rwmf("symmetric", "&inerter inertance_over_m_w = 2.0 /")),
+    Scene("RWMF, 5 storeys, reduced", "one_mode", _storeys(5, "reduced")),
+    Scene("RWMF, 5 storeys, every_floor", "one_mode", _storeys(5, "every_floor")),
+    Scene("RWMF, 2 storeys, full", "storeys_2", _storeys(2, "full")),
+    Scene("RWMF, 5 storeys, full", "storeys", _storeys(5, "full")),
+    Scene(
+        "RWMF, 5 storeys, full, can yield",
+        "storeys_on_branches",
+        _storeys(5, "full", "&yielding storey_u_y = 9.0 /"),
+    ),
     Scene("RWMF + vertical", "vertical", _rwmf("symmetric", "&vertical ratio = 0.65 /")),
 ]
 

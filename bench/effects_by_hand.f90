@@ -7,6 +7,7 @@
 module effects_by_hand
    use rwmf, only: case_t, wp
    use rwmf_kinds, only: pi
+   use rwmf_shear_frame, only: damping_matrix, roof_factor
    implicit none
    private
 
@@ -51,6 +52,15 @@ module effects_by_hand
       !! part of |z|**n that is lost while |z| grows and while it falls
       real(wp) :: lost, signed_lost
       !! of both, the one in force, and that times the sign of z
+      integer :: floors = 0
+      !! number of floors of a frame with all its modes
+      real(wp), allocatable :: k(:), over_m(:), offset(:)
+      !! stiffness of each storey over m_w, 1/m_i, shear of its branch at no displacement
+      real(wp), allocatable :: drag(:, :)
+      !! damping, a row in each column: of the floors over their mass, of the roof over m_w
+      real(wp) :: two_R, two_over_R
+      real(wp) :: push_over_R
+      !! (1 + 2 gamma push)/R of a frame of which one mode moves
    end type hand_t
 
    abstract interface
@@ -111,6 +121,7 @@ contains
          p%link_squared = p%link**2
       end if
       call prepare_springs(case, p)
+      if (allocated(case%storeys)) call prepare_storeys(case, p)
       if (allocated(case%vertical)) p%ratio_over_R = case%vertical%ratio*p%over_R
       if (allocated(case%inerter)) p%inertance = case%inerter%inertance_over_m_w*p%sin_alpha**2
       if (allocated(case%damper)) p%damper = 4*p%sin_alpha**2*case%damper%c_over_m_w
@@ -119,6 +130,28 @@ contains
          if (allocated(case%motion%omega_p)) p%omega_p = case%motion%omega_p
       end if
    end subroutine prepare
+
+   !> Floors of a frame with all its modes; of one mode what the ground pushes.
+   subroutine prepare_storeys(case, p)
+      type(case_t), intent(in) :: case
+      type(hand_t), intent(inout) :: p
+      integer :: i
+
+      associate (frame => case%storeys%frame)
+         p%push_over_R = (1 + p%two_gamma*roof_factor(frame, 1))*p%over_R
+         if (case%storeys%coupling /= 'full') return
+         p%floors = size(frame%m)
+         p%two_R = 2/p%over_R
+         p%two_over_R = 2*p%over_R
+         p%k = frame%k
+         p%over_m = 1/frame%m
+         p%drag = damping_matrix(frame, case%frame%xi_s)
+         do i = 1, p%floors - 1
+            p%drag(:, i) = p%drag(:, i)/frame%m(i)
+         end do
+         allocate (p%offset(p%floors), source=0.0_wp)
+      end associate
+   end subroutine prepare_storeys
 
    !> What yields, elastic and on its first plastic branch, where F = F_y + h k (x - x_y).
    subroutine prepare_springs(case, p)
@@ -135,7 +168,7 @@ contains
             p%fuse_hard = k*four_b*fuse%hardening
          end associate
       end if
-      if (allocated(case%yielding)) then
+      if (allocated(case%yielding) .and. .not. allocated(case%storeys)) then
          associate (h => case%yielding%hardening)
             if (case%yielding%law == 'bouc_wen') then
                p%hold = (1 - h)*p%omega_squared*case%yielding%u_y
@@ -235,6 +268,14 @@ contains
          right_hand_side => with_inerter
       case ('vertical')
          right_hand_side => with_vertical
+      case ('one_mode')
+         right_hand_side => with_one_mode
+      case ('storeys_2')
+         right_hand_side => with_two_storeys
+      case ('storeys')
+         right_hand_side => with_storeys
+      case ('storeys_on_branches')
+         right_hand_side => with_storeys_on_branches
       case default
          right_hand_side => null()
       end select
@@ -719,5 +760,129 @@ contains
       y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%yield_drop &
          - (p%a_k + p%slope*(t - p%t_k))
    end subroutine frame_yielding
+
+   !> Eq. (8) with a frame of which one mode moves: the ground pushes more of it than moves.
+   subroutine with_one_mode(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + p%push_over_R*c &
+         *(p%a_k + p%slope*(t - p%t_k)))/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_one_mode
+
+   !> Two storeys, the upper one linked to the wall: y = (theta, theta', u, v) with the floor's u, v.
+   subroutine with_two_storeys(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, s, c, a, v_roof, shear
+
+      phi = p%side*y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      v_roof = p%two_R*c*y(2)
+      shear = p%k(2)*(p%side*p%two_R*(p%sin_alpha - s) - y(3))
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*s*y(2)**2 + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%two_over_R*(shear &
+         + p%drag(1, 2)*y(4) + p%drag(2, 2)*v_roof) + p%one_plus_two_gamma_over_R*a)) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = y(4)
+      y_dot(4) = (shear - p%k(1)*y(3))*p%over_m(1) - p%drag(1, 1)*y(4) - p%drag(2, 1)*v_roof - a
+   end subroutine with_two_storeys
+
+   !> Any number of storeys, the uppermost linked to the wall.
+   subroutine with_storeys(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, s, c, a, u_roof, v_roof, shear, above, drag
+      integer :: i, j, n
+
+      n = p%floors
+      phi = p%side*y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      u_roof = p%side*p%two_R*(p%sin_alpha - s)
+      v_roof = p%two_R*c*y(2)
+      shear = p%k(1)*y(3)
+      do i = 1, n - 1
+         drag = p%drag(n, i)*v_roof
+         do j = 1, n - 1
+            drag = drag + p%drag(j, i)*y(n + 1 + j)
+         end do
+         if (i < n - 1) then
+            above = p%k(i + 1)*(y(3 + i) - y(2 + i))
+         else
+            above = p%k(n)*(u_roof - y(n + 1))
+         end if
+         y_dot(2 + i) = y(n + 1 + i)
+         y_dot(n + 1 + i) = (above - shear)*p%over_m(i) - drag - a
+         shear = above
+      end do
+      shear = shear + p%drag(n, n)*v_roof
+      do j = 1, n - 1
+         shear = shear + p%drag(j, n)*y(n + 1 + j)
+      end do
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*s*y(2)**2 + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%two_over_R*shear &
+         + p%one_plus_two_gamma_over_R*a))/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_storeys
+
+   !> The same with storeys on branches, straight lines that do not pass through zero.
+   subroutine with_storeys_on_branches(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, s, c, a, u_roof, v_roof, shear, above, drag
+      integer :: i, j, n
+
+      n = p%floors
+      phi = p%side*y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      u_roof = p%side*p%two_R*(p%sin_alpha - s)
+      v_roof = p%two_R*c*y(2)
+      shear = p%offset(1) + p%k(1)*y(3)
+      do i = 1, n - 1
+         drag = p%drag(n, i)*v_roof
+         do j = 1, n - 1
+            drag = drag + p%drag(j, i)*y(n + 1 + j)
+         end do
+         if (i < n - 1) then
+            above = p%offset(i + 1) + p%k(i + 1)*(y(3 + i) - y(2 + i))
+         else
+            above = p%offset(n) + p%k(n)*(u_roof - y(n + 1))
+         end if
+         y_dot(2 + i) = y(n + 1 + i)
+         y_dot(n + 1 + i) = (above - shear)*p%over_m(i) - drag - a
+         shear = above
+      end do
+      shear = shear + p%drag(n, n)*v_roof
+      do j = 1, n - 1
+         shear = shear + p%drag(j, n)*y(n + 1 + j)
+      end do
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*s*y(2)**2 + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%two_over_R*shear &
+         + p%one_plus_two_gamma_over_R*a))/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_storeys_on_branches
 
 end module effects_by_hand

@@ -9,10 +9,9 @@ module rwmf_accelerations
    implicit none
    private
 
-   public :: bare_frame, corner, corner_with_hysteresis, corner_with_lines
+   public :: bare_frame, corner, corner_with_floors, corner_with_hysteresis, corner_with_lines
    public :: frame_with_extras, frame_with_hysteresis, frame_with_lines
    public :: hinged, wall_alone, wall_and_frame, with_extras
-   public :: rates_with_floors
 
 contains
 
@@ -59,7 +58,7 @@ contains
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
             + equation%frame_slope*lift) + p%g_over_R*(s + cable_now(equation, phi))) &
             + (2*p%gamma*c*equation%frame_offset + equation%side*s*vertical_now(equation, t) &
-            + (2*p%gamma + 1)*c*ground_now(equation, t))/p%R)/(equation%inertia &
+            + equation%pushed*c*ground_now(equation, t))/p%R)/(equation%inertia &
             + 4*p%gamma*c**2)
       end associate
    end subroutine corner_with_lines
@@ -87,6 +86,92 @@ contains
          y_dot(3) = 2*p%R*c*y(2)/law%u_y*kept_part(law, y(3))
       end associate
    end subroutine corner_with_hysteresis
+
+   !> The same with a frame that has all its modes.
+   subroutine corner_with_floors(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
+      real(wp) :: phi
+      real(wp) :: lift
+      real(wp) :: c
+      real(wp) :: side
+      real(wp) :: a_g
+      !! acceleration of the ground [m/s2]
+      real(wp) :: roof
+      !! velocity of the roof [m/s]
+      real(wp) :: force
+      !! of storeys and dampers on it, over m_w [m/s2]
+
+      side = equation%side
+      phi = side*y(1)
+      call turn(equation, phi, lift, c)
+      a_g = ground_now(equation, t)
+      associate (p => equation%p, s => equation%sin_alpha - lift, floors => equation%floors)
+         roof = 2*p%R*c*y(2)
+         call move_floors(floors%below, floors%rows, y(3), y(3 + floors%below), &
+            2*p%R*(side*lift), roof, a_g, y_dot(3), force)
+         y_dot(1) = y(2)
+         y_dot(2) = -(side*(4*p%gamma*c*s*y(2)**2 + p%g_over_R*(s &
+            + cable_now(equation, phi))) + c*((2*p%gamma + 1)*a_g + 2*force)/p%R) &
+            /(equation%inertia + 4*p%gamma*c**2)
+      end associate
+   end subroutine corner_with_floors
+
+   !> Rates of the floors below the roof, and the force of storeys and dampers on it. The uppermost of
+   !> them and the roof have one loop.
+   pure subroutine move_floors(n, rows, u, v, u_roof, v_roof, a_g, y_dot, force)
+      integer, intent(in) :: n
+      !! number of floors below the roof, > 0
+      real(wp), intent(in) :: rows(*)
+      !! see `floors_t`
+      real(wp), intent(in) :: u(n)
+      !! their displacements [m]
+      real(wp), intent(in) :: v(n)
+      !! their velocities [m/s]
+      real(wp), intent(in) :: u_roof
+      !! [m]
+      real(wp), intent(in) :: v_roof
+      !! [m/s]
+      real(wp), intent(in) :: a_g
+      !! acceleration of the ground [m/s2]
+      real(wp), intent(inout) :: y_dot(2*n)
+      !! rates of u and v
+      real(wp), intent(out) :: force
+      !! over m_w [m/s2]
+      real(wp) :: below
+      !! displacement of the storey below a floor [m]
+      real(wp) :: above
+      !! and of the one above [m]
+      real(wp) :: rate
+      integer :: at
+      !! constants used so far
+      integer :: i, j
+
+      below = u(1)
+      at = 7 + 2*n
+      do i = 1, n - 1
+         above = u(i + 1) - u(i)
+         rate = rows(at + 1) - a_g + rows(at + 2)*below + rows(at + 3)*above + rows(at + 4)*v_roof
+         do j = 1, n
+            rate = rate + rows(at + 4 + j)*v(j)
+         end do
+         y_dot(i) = v(i)
+         y_dot(n + i) = rate
+         below = above
+         at = at + 4 + n
+      end do
+      above = u_roof - u(n)
+      rate = rows(1) - a_g + rows(2)*below + rows(3)*above + rows(4)*v_roof
+      force = rows(5) + rows(6)*above + rows(7)*v_roof
+      do j = 1, n
+         rate = rate + rows(6 + 2*j)*v(j)
+         force = force + rows(7 + 2*j)*v(j)
+      end do
+      y_dot(n) = v(n)
+      y_dot(2*n) = rate
+   end subroutine move_floors
 
    !> Wall without frame, Eqs (11) and (12).
    subroutine wall_alone(equation, t, y, y_dot)
@@ -266,154 +351,6 @@ contains
       end do
       y_dot(2) = equation%side*moment/inertia
    end subroutine with_extras
-
-   !> Rates of all states of a frame with all its modes, and of the wall that its roof is linked to:
-   !> kinematics and storeys are evaluated once for all of them.
-   subroutine rates_with_floors(equation, t, y, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(equation%n)
-      !! (states)
-      real(wp), intent(out) :: y_dot(equation%n)
-      !! (states)
-      type(kinematics_t) :: kin
-      real(wp) :: a_g
-      !! acceleration of the ground [m/s2]
-      real(wp) :: force
-      !! of storeys and dampers on the roof, over m_w [m/s2]
-
-      a_g = ground_now(equation, t)
-      y_dot(1) = y(2)
-      if (equation%has_wall) then
-         call see_link(equation, equation%side*y(1), kin)
-         call move_floors(equation%floors, y, equation%side*equation%p%R*kin%u, &
-            equation%p%R*kin%j*y(2), a_g, y_dot, force)
-         y_dot(2) = 0
-         if (.not. equation%is_held) call turn_wall(equation, t, y, kin, a_g, force, y_dot)
-      else
-         call move_floors(equation%floors, y, y(1), y(2), a_g, y_dot, force)
-         y_dot(2) = -force - a_g
-      end if
-   end subroutine rates_with_floors
-
-   !> theta'' of a wall that a force holds at its link.
-   subroutine turn_wall(equation, t, y, kin, a_g, force, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(in) :: a_g
-      !! acceleration of the ground [m/s2]
-      real(wp), intent(in) :: force
-      !! over m_w [m/s2]
-      real(wp), intent(inout) :: y_dot(equation%n)
-      real(wp) :: inertia
-      real(wp) :: moment
-      integer :: i
-
-      associate (p => equation%p)
-         inertia = equation%inertia + p%gamma*kin%lever*kin%j
-         moment = -p%gamma*kin%lever*kin%k*y(2)**2 - p%g_over_R*(kin%s + cable_now(equation, &
-            equation%side*y(1))) - equation%side*((p%gamma*kin%lever + kin%c)*a_g &
-            + kin%lever*force)/p%R
-      end associate
-      ! the storeys are the first of the further effects
-      do i = 2, size(equation%extras)
-         call equation%extras(i)%add(equation, t, y, kin, inertia, moment, y_dot)
-      end do
-      y_dot(2) = equation%side*moment/inertia
-   end subroutine turn_wall
-
-   !> Rates of the floors below the roof, and the force of storeys and dampers on it.
-   subroutine move_floors(floors, y, u_roof, v_roof, a_g, y_dot, force)
-      type(floors_t), intent(in) :: floors
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: u_roof
-      !! [m]
-      real(wp), intent(in) :: v_roof
-      !! [m/s]
-      real(wp), intent(in) :: a_g
-      !! [m/s2]
-      real(wp), intent(inout) :: y_dot(:)
-      !! (states)
-      real(wp), intent(out) :: force
-      !! over m_w [m/s2]
-      real(wp) :: u
-      real(wp) :: above
-      real(wp) :: shear
-      !! of the storey below, over m_w [m/s2]
-      real(wp) :: shear_above
-      real(wp) :: drag
-      !! of the dampers, over m_w; of the floors over their mass [m/s2]
-      integer :: n
-      integer :: at
-      !! place before the first displacement
-      integer :: v_at
-      !! and before the first velocity
-      integer :: i, j
-
-      n = floors%n
-      at = floors%first - 1
-      v_at = at + n - 1
-      u = u_roof
-      if (n > 1) u = y(at + 1)
-      shear = floors%slope(1)*u
-      do i = 1, n - 1
-         above = u_roof
-         if (i < n - 1) above = y(at + i + 1)
-         shear_above = floors%slope(i + 1)*(above - u)
-         drag = floors%drag(n, i)*v_roof
-         do j = 1, n - 1
-            drag = drag + floors%drag(j, i)*y(v_at + j)
-         end do
-         y_dot(at + i) = y(v_at + i)
-         y_dot(v_at + i) = (shear_above - shear)*floors%over_m(i) - drag - a_g
-         u = above
-         shear = shear_above
-      end do
-      force = shear + floors%drag(n, n)*v_roof
-      do j = 1, n - 1
-         force = force + floors%drag(j, n)*y(v_at + j)
-      end do
-      if (floors%yields) call lean(floors, y_dot(v_at + 1:v_at + n - 1), force)
-   end subroutine move_floors
-
-   !> What storeys on branches add to the rates of the floors and to the force on the roof.
-   pure subroutine lean(floors, v_dot, force)
-      type(floors_t), intent(in) :: floors
-      real(wp), intent(inout) :: v_dot(:)
-      !! (n - 1) [m/s2]
-      real(wp), intent(inout) :: force
-      !! over m_w [m/s2]
-      integer :: i
-
-      do i = 1, size(v_dot)
-         v_dot(i) = v_dot(i) + (floors%offset(i + 1) - floors%offset(i))*floors%over_m(i)
-      end do
-      force = force + floors%offset(floors%n)
-   end subroutine lean
-
-   !> Kinematics of the side in force, where the link is at the top corner without a call.
-   subroutine see_link(equation, phi, kin)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: phi
-      !! [rad]
-      type(kinematics_t), intent(out) :: kin
-      real(wp) :: lift
-
-      if (equation%is_at_top(equation%side)) then
-         call turn(equation, phi, lift, kin%c)
-         kin%s = equation%sin_alpha - lift
-         kin%u = 2*lift
-         kin%j = 2*kin%c
-         kin%k = 2*kin%s
-         kin%lever = kin%j
-      else
-         call see_side(equation, phi, kin)
-      end if
-   end subroutine see_link
 
    !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
    subroutine frame_with_extras(equation, t, y, y_dot)

@@ -7,8 +7,9 @@
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
-   use rwmf_accelerations, only: bare_frame, corner, corner_with_hysteresis, corner_with_lines, &
-      frame_with_extras, frame_with_hysteresis, frame_with_lines, hinged, rates_with_floors, &
+   use rwmf_accelerations, only: bare_frame, corner, corner_with_floors, &
+      corner_with_hysteresis, corner_with_lines, &
+      frame_with_extras, frame_with_hysteresis, frame_with_lines, hinged, &
       wall_alone, wall_and_frame, with_extras
    use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
@@ -58,6 +59,7 @@ contains
          call choose_acceleration(case%model%formulation, equation)
          if (.not. equation%has_impacts) call hinge_base(equation)
          call choose_extras(case, equation)
+         equation%pushed = 2*equation%p%gamma*equation%push + 1
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma*equation%push)
          equation%bearing = equation%threshold
@@ -73,27 +75,16 @@ contains
          equation%rates_positive => bare_frame
          if (allocated(equation%extras)) then
             equation%rates_positive => frame_with_extras
-            if (are_lines(equation)) equation%rates_positive => frame_with_lines
+            if (are_lines(equation) .and. .not. allocated(case%storeys)) &
+               equation%rates_positive => frame_with_lines
             if (is_smooth_hysteresis(equation)) equation%rates_positive => frame_with_hysteresis
          end if
          equation%rates_negative => equation%rates_positive
       end if
-      if (equation%floors%n > 0) call take_floors(equation)
    end subroutine build_equation
 
-   !> A frame with all its modes: one procedure has the rates of wall and floors.
-   subroutine take_floors(equation)
-      type(equation_t), intent(inout) :: equation
-
-      equation%rates_positive => rates_with_floors
-      equation%rates_negative => rates_with_floors
-      if (size(equation%extras) > 1) return
-      equation%is_at_top(1) = associated(equation%kinematics_positive, top_corner)
-      equation%is_at_top(-1) = associated(equation%kinematics_negative, top_corner)
-   end subroutine take_floors
-
-   !> Effects that are straight lines, or the smooth hysteresis, with the link at the top corner,
-   !> have their terms written out.
+   !> Effects that are straight lines, the smooth hysteresis, or storeys, with the link at the top
+   !> corner, have their terms written out.
    subroutine write_out(equation)
       type(equation_t), intent(inout) :: equation
       procedure(right_hand_side_i), pointer :: written_out
@@ -102,6 +93,8 @@ contains
          equation%frame_slope = equation%p%omega_squared
          call follow_branches(equation)
          written_out => corner_with_lines
+      else if (equation%floors%below > 0 .and. size(equation%extras) == 1) then
+         written_out => corner_with_floors
       else if (is_smooth_hysteresis(equation)) then
          written_out => corner_with_hysteresis
       else

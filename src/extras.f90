@@ -99,7 +99,8 @@ contains
       are_lines = .true.
       do i = 1, size(equation%extras)
          associate (extra => equation%extras(i))
-            if (associated(extra%add, add_yielding) .or. associated(extra%add, add_vertical)) cycle
+            if (associated(extra%add, add_yielding) .or. associated(extra%add, add_vertical) &
+                .or. associated(extra%add, add_push)) cycle
             are_lines = .false.
          end associate
       end do

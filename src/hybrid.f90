@@ -15,7 +15,7 @@ module rwmf_hybrid
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
    use rwmf_memory_query, only: tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
-   use rwmf_moving_rest, only: may_rest_moving, move_at_rest
+   use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
@@ -56,7 +56,7 @@ contains
       hybrid%steps_at_knot = 0_i8
       call enter_interval(equation, interval_at(equation%motion, t))
       equation%side = 1
-      equation%is_held = .false.
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%course = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
@@ -156,7 +156,7 @@ contains
          call enter_interval(equation, interval)
       end do
       if (side == 0) return
-      equation%is_held = .false.
+      if (equation%moves_at_rest) call hold_wall(equation, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
       equation%side = side

@@ -11,6 +11,7 @@ module rwmf_machine
    use rwmf_memory, only: renew_window
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
+   use rwmf_moving_rest, only: hold_wall
    use rwmf_observer, only: create_observer, observer_t
    use rwmf_one_step, only: one_step_t
    use rwmf_run, only: guess_size, impact_law, initial_state, tolerances
@@ -229,7 +230,7 @@ contains
       machine%equation%side = snapshot%side
       machine%equation%course = snapshot%course
       machine%equation%hysteresis = snapshot%hysteresis
-      machine%equation%is_held = .false.
+      if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
          machine%equation%springs = snapshot%springs

@@ -21,9 +21,36 @@ module rwmf_moving_rest
    implicit none
    private
 
-   public :: move_at_rest, may_rest_moving
+   public :: hold_wall, move_at_rest, may_rest_moving
 
 contains
+
+   !> Hold the resting wall while further states move, or let it go.
+   subroutine hold_wall(equation, is_held)
+      type(equation_t), intent(inout) :: equation
+      logical, intent(in) :: is_held
+
+      if (.not. associated(equation%kept_positive)) then
+         equation%kept_positive => equation%rates_positive
+         equation%kept_negative => equation%rates_negative
+      end if
+      equation%rates_positive => equation%kept_positive
+      equation%rates_negative => equation%kept_negative
+      if (.not. is_held) return
+      equation%rates_positive => at_rest
+      equation%rates_negative => at_rest
+   end subroutine hold_wall
+
+   !> Right-hand side while the wall is held: the other states move.
+   subroutine at_rest(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
+
+      call equation%kept_positive(equation, t, y, y_dot)
+      y_dot(2) = 0
+   end subroutine at_rest
 
    !> One step of the other states, cut where the wall lifts off.
    subroutine move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
@@ -47,7 +74,7 @@ contains
          call pass_knot(hybrid, equation, stepper%steps)
          return
       end if
-      equation%is_held = .true.
+      call hold_wall(equation, .true.)
       if (hybrid%must_restart) then
          if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
          call stepper%start(hybrid%t, hybrid%y, huge(t_limit), error)
@@ -256,9 +283,9 @@ contains
       held = y
       held(:2) = 0
       present = equation%bearing
-      equation%is_held = .true.
+      call hold_wall(equation, .true.)
       call rhs(equation, t, held, rates)
-      equation%is_held = .false.
+      call hold_wall(equation, .false.)
       call find_bearing(equation, held + duration*rates)
       later = equation%bearing
       call find_bearing(equation, y)

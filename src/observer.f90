@@ -204,7 +204,7 @@ contains
       call observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
       if (allocated(error)) return
       if (allocated(observer%drifts)) call observe_turns(observer%drifts, equation, stepper, t_b, &
-         error)
+         y_b, error)
       if (allocated(error)) return
       if (observer%keeps_history) call sample_piece(observer, equation, stepper, t_a, t_b, error)
       if (allocated(error)) return

@@ -28,13 +28,15 @@ contains
       largest = max(largest, abs(d))
    end subroutine observe_drifts
 
-   !> Let the turns inside a piece of the last step take part in them.
-   subroutine observe_turns(largest, equation, stepper, t_b, error)
+   !> Let the turns inside a piece of the last step, and its end, take part in them.
+   subroutine observe_turns(largest, equation, stepper, t_b, y_b, error)
       real(wp), intent(inout) :: largest(:)
       type(equation_t), intent(in) :: equation
       class(stepper_t), intent(inout) :: stepper
       real(wp), intent(in) :: t_b
       !! end of the piece [s]
+      real(wp), intent(in) :: y_b(:)
+      !! (states) there
       type(error_t), allocatable, intent(out) :: error
       type(moment_t) :: before
       type(moment_t) :: after
@@ -42,6 +44,9 @@ contains
       integer :: n, i, k
 
       n = count_parts(equation, stepper%t0, t_b)
+      if (n == 1) then
+         if (.not. may_turn(largest, equation, stepper, t_b, y_b)) return
+      end if
       call look_at(equation, stepper, stepper%t0, after, error)
       do i = 1, n
          if (allocated(error)) return
@@ -56,5 +61,24 @@ contains
          end do
       end do
    end subroutine observe_turns
+
+   !> May a storey turn in a short piece, farther out than ever? Lets the end take part.
+   logical function may_turn(largest, equation, stepper, t_b, y_b)
+      real(wp), intent(inout) :: largest(:)
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(in) :: stepper
+      real(wp), intent(in) :: t_b
+      !! end of the piece [s]
+      real(wp), intent(in) :: y_b(:)
+      !! (states) there
+      real(wp) :: d(size(largest), 2)
+      real(wp) :: rate(size(largest), 2)
+
+      call storey_motion(equation, stepper%y0, d(:, 1), rate(:, 1))
+      call storey_motion(equation, y_b, d(:, 2), rate(:, 2))
+      may_turn = any(rate(:, 1)*rate(:, 2) < 0 .and. maxval(abs(d), 2) &
+         + (t_b - stepper%t0)*maxval(abs(rate), 2) > largest)
+      largest = max(largest, abs(d(:, 2)))
+   end function may_turn
 
 end module rwmf_observer_storeys

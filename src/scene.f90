@@ -48,6 +48,8 @@ module rwmf_scene
    type :: floors_t
       integer :: n = 0
       !! number of floors; 0: the frame has no floors of its own
+      integer :: below = 0
+      !! number of those below the roof
       real(wp), allocatable :: m(:)
       !! (n) mass of each over m_w; without wall over that of the roof [-]
       real(wp), allocatable :: k(:)
@@ -58,10 +60,12 @@ module rwmf_scene
       !! (n) of each storey [m]
       integer :: first = 3
       !! place of their first state among all
-      real(wp), allocatable :: over_m(:)
-      !! (n) 1/m [-]
-      real(wp), allocatable :: drag(:, :)
-      !! (n, n) c, its columns below the roof's over the mass of their floor [1/s]
+      real(wp), allocatable :: rows(:)
+      !! constants of `move_floors` in the order of their use: of each acceleration by 1, by the
+      !! displacements of the storeys below and above, by the velocities of roof and floors; of the
+      !! force on the roof over m_w by 1, by the displacement of the storey below, by the velocities.
+      !! First those of the uppermost floor and of the roof, in which two by the velocity of a floor
+      !! stand together
       real(wp), allocatable :: slope(:)
       !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
       logical :: yields = .false.
@@ -148,6 +152,8 @@ module rwmf_scene
       !! of the wall about its pivot over m_w R**2 [-]
       real(wp) :: push = 1
       !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: pushed = 1
+      !! 1 + 2 gamma push: what the ground motion pushes where the link is at the top corner [-]
       real(wp) :: floor_mass = 0
       !! mass of the frame's floors beyond that which moves with the roof, over m_w; without wall
       !! over the latter [-]
@@ -214,11 +220,10 @@ module rwmf_scene
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
       procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
-      logical :: is_at_top(-1:1) = .false.
-      !! link at the top corner on that side, and no effects beside the storeys: kinematics without
-      !! a call
-      logical :: is_held = .false.
-      !! the wall stays at rest while further states move
+      procedure(right_hand_side_i), pointer, nopass :: kept_positive => null()
+      !! what `rates_positive` was before the wall was held at rest; not associated before the first
+      !! time
+      procedure(right_hand_side_i), pointer, nopass :: kept_negative => null()
    end type equation_t
 
    abstract interface

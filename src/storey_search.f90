@@ -53,6 +53,9 @@ contains
       integer :: n, i
 
       n = count_parts(equation, stepper%t0, stepper%t1)
+      if (n == 1) then
+         if (is_quiet(equation, stepper)) return
+      end if
       t_end = stepper%t1
       t_stop = t_end
       call look_at(equation, stepper, stepper%t0, b, error)
@@ -71,6 +74,38 @@ contains
       stepper%t1 = t_stop
       stepper%y1(:) = y
    end subroutine stop_at_storey
+
+   !> Is it plain from the ends of a short step that no branch ends in it? Most are: the storey stays
+   !> far from the limits, or yields on at a rate that hardly changes.
+   logical function is_quiet(equation, stepper)
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(in) :: stepper
+      real(wp) :: a(equation%floors%n, 2)
+      real(wp) :: b(equation%floors%n, 2)
+      real(wp) :: rate(2)
+      real(wp) :: low
+      real(wp) :: high
+      integer :: course
+      integer :: i
+
+      call storey_motion(equation, stepper%y0, a(:, of_drift), a(:, of_rate))
+      call storey_motion(equation, stepper%y1, b(:, of_drift), b(:, of_rate))
+      is_quiet = .true.
+      do i = 1, size(a, 1)
+         rate = [a(i, of_rate), b(i, of_rate)]
+         course = course_of(equation, i)
+         if (course /= 0) then
+            is_quiet = 2*abs(rate(2) - rate(1)) < minval(course*rate)
+         else
+            call branch_limits(equation, i, low, high)
+            associate (reach => (stepper%t1 - stepper%t0)*maxval(abs(rate)))
+               is_quiet = max(a(i, of_drift), b(i, of_drift)) + reach < high &
+                  .and. min(a(i, of_drift), b(i, of_drift)) - reach > low
+            end associate
+         end if
+         if (.not. is_quiet) return
+      end do
+   end function is_quiet
 
    !> First end of a branch between two instants.
    subroutine search_storeys(equation, stepper, a, b, found, t_stop, error)
@@ -298,7 +333,7 @@ contains
       end do
    end subroutine find_root
 
-   !> The storeys at a time inside the last step.
+   !> The storeys at a time of the last step.
    subroutine look_at(equation, stepper, t, now, error)
       type(equation_t), intent(in) :: equation
       class(stepper_t), intent(inout) :: stepper
@@ -308,11 +343,17 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: y(equation%n)
 
-      call stepper%state_at(t, y, error)
+      if (t <= stepper%t0) then
+         y = stepper%y0
+      else if (t >= stepper%t1) then
+         y = stepper%y1
+      else
+         call stepper%state_at(t, y, error)
+         if (allocated(error)) return
+      end if
       now%t = t
       allocate (now%motion(equation%floors%n, 2))
-      if (.not. allocated(error)) call storey_motion(equation, y, now%motion(:, of_drift), &
-         now%motion(:, of_rate))
+      call storey_motion(equation, y, now%motion(:, of_drift), now%motion(:, of_rate))
    end subroutine look_at
 
    !> The storey whose branch has ended goes over to its next one.

@@ -11,7 +11,7 @@ module rwmf_storey_springs
    use rwmf_scene, only: equation_t
    use rwmf_spring, only: is_yielding, new_spring, pass_limit, reset_spring, spring_force, &
       spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
-   use rwmf_storeys, only: floor_motion
+   use rwmf_storeys, only: fill_rows, floor_motion
    implicit none
    private
 
@@ -44,6 +44,7 @@ contains
 
       equation%floors%slope = spring_tangent(equation%floors%springs)
       equation%floors%offset = spring_force(equation%floors%springs, 0.0_wp)
+      call fill_rows(equation%floors)
    end subroutine follow_storeys
 
    !> Storeys that have not moved before, at an initial state: loaded once from zero and let go.

@@ -13,8 +13,8 @@ module rwmf_storeys
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, frame_displacement, frame_mass, frame_travel, &
-      frame_velocity, ground
+   use rwmf_scene, only: equation_t, floors_t, frame_mass, frame_travel, frame_velocity, &
+      ground, kinematics_at
    use rwmf_shear_frame, only: damping_matrix, roof_factor, shear_frame_t
    use rwmf_spring, only: spring_energy
    implicit none
@@ -22,7 +22,7 @@ module rwmf_storeys
 
    public :: prepare_storeys, add_push, push_input, add_storeys, storey_sizes
    public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
-   public :: floor_columns, floor_motion, floor_values
+   public :: fill_rows, floor_columns, floor_motion, floor_values
 
 contains
 
@@ -37,7 +37,6 @@ contains
       real(wp) :: pace
       !! of the frame in this scene [-]
       integer :: n
-      integer :: i
 
       frame = case%storeys%frame
       n = size(frame%m)
@@ -50,18 +49,15 @@ contains
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%n = n
+      equation%floors%below = n - 1
       equation%floors%unit = unit
       equation%floors%m = frame%m/unit
-      equation%floors%over_m = unit/frame%m
       equation%floors%height = frame%height
       equation%floors%k = frame%k*pace**2/unit
       equation%floor_mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       equation%floors%slope = equation%floors%k
-      equation%floors%drag = equation%floors%c
-      do i = 1, n - 1
-         equation%floors%drag(:, i) = equation%floors%c(:, i)/equation%floors%m(i)
-      end do
+      call fill_rows(equation%floors)
       equation%quickest = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
@@ -69,6 +65,40 @@ contains
       equation%p%two_xi_omega = 0
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine prepare_storeys
+
+   !> Constants of the rates, for the branches of the storeys that are in force.
+   pure subroutine fill_rows(floors)
+      type(floors_t), intent(inout) :: floors
+      real(wp) :: k(floors%n)
+      real(wp) :: drag(floors%n, floors%n)
+      !! a floor in each column
+      real(wp) :: leans(floors%n)
+      real(wp), allocatable :: rows(:)
+      integer :: i, n
+
+      n = floors%n
+      if (n == 1) return
+      k = floors%slope
+      drag = floors%c
+      leans = 0
+      if (floors%yields) leans = floors%offset - [floors%offset(2:), 0.0_wp]
+      rows = [row(n - 1), leans(n), k(n), drag(n, n), &
+         [(-drag(i, n - 1)/floors%m(n - 1), drag(i, n), i=1, n - 1)]]
+      do i = 1, n - 2
+         rows = [rows, row(i), -drag(:n - 1, i)/floors%m(i)]
+      end do
+      call move_alloc(rows, floors%rows)
+
+   contains
+
+      !> Of the acceleration of a floor, but for the velocities of the floors.
+      pure function row(i)
+         integer, intent(in) :: i
+         real(wp) :: row(4)
+
+         row = [-leans(i), -k(i), k(i + 1), -drag(n, i)]/floors%m(i)
+      end function row
+   end subroutine fill_rows
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
    subroutine add_push(equation, t, y, kin, inertia, moment, y_dot)
@@ -94,8 +124,8 @@ contains
          *frame_velocity(equation, y)
    end function push_input
 
-   !> Force of the storeys on the roof, for a wall that stands on its base. Rates of the floors are
-   !> those of `rates_with_floors`.
+   !> Force of the storeys on the roof beyond that of the spring between roof and ground; velocities
+   !> and accelerations of the floors below the roof.
    subroutine add_storeys(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -106,8 +136,15 @@ contains
       real(wp), intent(inout) :: y_dot(equation%n)
       real(wp) :: force(equation%floors%n)
 
-      force = resistance(equation, y)
-      moment = moment - kin%lever*equation%side*force(size(force))/equation%p%R
+      associate (floors => equation%floors, n => equation%floors%n, R => equation%p%R)
+         force = resistance_to(floors, y, equation%side*R*kin%u, R*kin%j*y(2))
+         moment = moment - kin%lever*(equation%side*force(n)/R - floors%k(n)*kin%u)
+         associate (first => floors%first)
+            y_dot(first:first + n - 2) = y(first + n - 1:first + 2*n - 3)
+            y_dot(first + n - 1:first + 2*n - 3) = -force(:n - 1)/floors%m(:n - 1) &
+               - ground(equation, t)
+         end associate
+      end associate
    end subroutine add_storeys
 
    !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
@@ -116,20 +153,36 @@ contains
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: force(size(equation%floors%m))
-      real(wp) :: u(0:size(equation%floors%m))
-      real(wp) :: v(size(equation%floors%m))
-      real(wp) :: shear(size(equation%floors%m))
-      !! of each storey's columns
-      integer :: n
+      real(wp) :: force(equation%floors%n)
+      real(wp) :: u_roof
+      real(wp) :: v_roof
 
-      n = size(force)
-      call floor_motion(equation, y, u, v)
-      shear = equation%floors%slope*(u(1:) - u(:n - 1))
-      if (equation%floors%yields) shear = shear + equation%floors%offset
-      force = matmul(equation%floors%c, v) + shear
-      force(:n - 1) = force(:n - 1) - shear(2:)
+      call roof_motion(equation, y, u_roof, v_roof)
+      force = resistance_to(equation%floors, y, u_roof, v_roof)
    end function resistance
+
+   !> The same for a motion of the roof that is known.
+   pure function resistance_to(floors, y, u_roof, v_roof) result(force)
+      type(floors_t), intent(in) :: floors
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_roof
+      !! [m]
+      real(wp), intent(in) :: v_roof
+      !! [m/s]
+      real(wp) :: force(floors%n)
+      real(wp) :: u(0:floors%n)
+      real(wp) :: shear(floors%n)
+      !! of each storey's columns
+
+      associate (n => floors%n, first => floors%first)
+         u = [0.0_wp, y(first:first + n - 2), u_roof]
+         shear = floors%slope*(u(1:) - u(:n - 1))
+         if (floors%yields) shear = shear + floors%offset
+         force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
+         force(:n - 1) = force(:n - 1) - shear(2:)
+      end associate
+   end function resistance_to
 
    !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
    !> storeys [m/s2].
@@ -169,9 +222,26 @@ contains
       u(0) = 0
       u(1:n - 1) = y(equation%floors%first:equation%floors%first + n - 2)
       v(:n - 1) = velocities(equation, y)
-      u(n) = frame_displacement(equation, y(1))
-      v(n) = frame_velocity(equation, y)
+      call roof_motion(equation, y, u(n), v(n))
    end subroutine floor_motion
+
+   !> Displacement and velocity of the roof.
+   subroutine roof_motion(equation, y, u, v)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: u
+      !! [m]
+      real(wp), intent(out) :: v
+      !! [m/s]
+      type(kinematics_t) :: kin
+
+      u = y(1)
+      v = y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      u = equation%side*equation%p%R*kin%u
+      v = equation%p%R*kin%j*y(2)
+   end subroutine roof_motion
 
    !> Columns of the history of a frame with all its modes; none for others.
    pure function floor_columns(equation) result(names)
