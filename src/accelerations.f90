@@ -2,7 +2,6 @@
 !> `build_equation` chooses.
 module rwmf_accelerations
    use rwmf_bouc_wen, only: kept_part
-   use rwmf_cable, only: cable_state_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: equation_t, floors_t, ground, vertical_ground
@@ -24,18 +23,19 @@ contains
       real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
+      real(wp) :: half_sine
       real(wp) :: lift
       real(wp) :: c
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call turn(equation, phi, lift, c)
+      call turn(equation, phi, half_sine, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
             + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g_over_R*(s &
-            + cable_now(equation, phi))) + (2*p%gamma + 1)*c*ground_now(equation, t)/p%R) &
-            /(equation%inertia + 4*p%gamma*c**2)
+            + cable_now(equation, phi, half_sine))) &
+            + (2*p%gamma + 1)*c*ground_now(equation, t)/p%R)/(equation%inertia + 4*p%gamma*c**2)
       end associate
    end subroutine corner
 
@@ -47,16 +47,18 @@ contains
       real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
+      real(wp) :: half_sine
       real(wp) :: lift
       real(wp) :: c
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call turn(equation, phi, lift, c)
+      call turn(equation, phi, half_sine, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
-            + equation%frame_slope*lift) + p%g_over_R*(s + cable_now(equation, phi))) &
+            + equation%frame_slope*lift) + p%g_over_R*(s &
+            + cable_now(equation, phi, half_sine))) &
             + (2*p%gamma*c*equation%frame_offset + equation%side*s*vertical_now(equation, t) &
             + equation%pushed*c*ground_now(equation, t))/p%R)/(equation%inertia &
             + 4*p%gamma*c**2)
@@ -71,16 +73,18 @@ contains
       real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
       real(wp) :: phi_dot
+      real(wp) :: half_sine
       real(wp) :: lift
       real(wp) :: c
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call turn(equation, phi, lift, c)
+      call turn(equation, phi, half_sine, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift, law => equation%hysteresis)
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
-            + equation%frame_slope*lift) + p%g_over_R*(s + cable_now(equation, phi))) &
+            + equation%frame_slope*lift) + p%g_over_R*(s &
+            + cable_now(equation, phi, half_sine))) &
             + c*(2*p%gamma*law%hold*y(3) + (2*p%gamma + 1)*ground_now(equation, t))/p%R) &
             /(equation%inertia + 4*p%gamma*c**2)
          y_dot(3) = 2*p%R*c*y(2)/law%u_y*kept_part(law, y(3))
@@ -180,27 +184,28 @@ contains
       real(wp), intent(in) :: y(equation%n)
       real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
+      real(wp) :: half_sine
       real(wp) :: lift
       real(wp) :: c
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
-      call turn(equation, phi, lift, c)
+      call turn(equation, phi, half_sine, lift, c)
       associate (p => equation%p)
          y_dot(2) = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
-            *(equation%sin_alpha - lift + cable_now(equation, phi)))
+            *(equation%sin_alpha - lift + cable_now(equation, phi, half_sine)))
       end associate
    end subroutine wall_alone
 
    !> The same as `kinematics` says of the top corner: lift = sin(alpha) - sin(alpha - phi) and
    !> c = cos(alpha - phi).
-   pure subroutine turn(equation, phi, lift, c)
+   pure subroutine turn(equation, phi, half_sine, lift, c)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: phi
       !! [rad]
+      real(wp), intent(out) :: half_sine
       real(wp), intent(out) :: lift
       real(wp), intent(out) :: c
-      real(wp) :: half_sine
       real(wp) :: half_cosine
 
       half_sine = sin(phi/2)
@@ -243,20 +248,18 @@ contains
 
    !> Moment of the cable over m_w g R [-]: the linear law, also a tendon's, or none, without a
    !> call.
-   real(wp) function cable_now(equation, phi) result(moment)
+   real(wp) function cable_now(equation, phi, half_sine) result(moment)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: phi
       !! [rad]
-      type(cable_state_t) :: cable
-      real(wp) :: copy
-      !! the rotation stays in its register
+      real(wp), intent(in) :: half_sine
+      !! sin(phi/2)
 
       if (equation%has_plain_cable) then
          moment = (equation%cable%line_0 + equation%cable%line_rate*phi)*equation%sin_alpha
       else
-         copy = phi
-         call equation%cable_law(equation%cable, equation%sin_alpha, copy, equation%side, cable)
-         moment = cable%moment
+         moment = equation%cable_moment(equation%cable, equation%sin_alpha, phi, half_sine, &
+            equation%side)
       end if
    end function cable_now
 
@@ -289,12 +292,12 @@ contains
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
-      phi_dot = equation%side*y(2)
       call see_side(equation, phi, kin)
+      phi_dot = equation%side*y_dot(1)
       associate (p => equation%p)
          force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
          y_dot(2) = -(equation%side*(p%gamma*kin%lever*force &
-            + p%g_over_R*(kin%s + cable_now(equation, phi))) &
+            + p%g_over_R*(kin%s + cable_now(equation, phi, kin%half_sine))) &
             + (p%gamma*kin%lever + kin%c)*ground_now(equation, t)/p%R) &
             /(equation%inertia + p%gamma*kin%lever*kin%j)
       end associate
@@ -343,7 +346,8 @@ contains
       associate (p => equation%p)
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot &
-            + p%omega_squared*kin%u) - p%g_over_R*(kin%s + cable_now(equation, phi)) &
+            + p%omega_squared*kin%u) - p%g_over_R*(kin%s &
+            + cable_now(equation, phi, kin%half_sine)) &
             - (p%gamma*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
       end associate
       do i = 1, size(equation%extras)

@@ -13,7 +13,7 @@ module rwmf_equation
       wall_alone, wall_and_frame, with_extras
    use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
-      truss_cable, yielding_cable
+      signed_linear_moment, truss_cable, truss_moment, yielding_cable, yielding_moment
    use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: published
    use rwmf_extras, only: are_lines, choose_extras, is_smooth_hysteresis
@@ -183,6 +183,7 @@ contains
       equation%cable%b = case%wall%b
       if (case%cable%law == 'truss') then
          equation%cable_law => truss_cable
+         equation%cable_moment => truss_moment
          equation%cable%is_straight = .true.
          unit_law = equation%cable
          unit_law%eta_0 = 0
@@ -192,7 +193,10 @@ contains
       else
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
-         if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
+         if (case%model%formulation == 'published') then
+            equation%cable_law => signed_linear_cable
+            equation%cable_moment => signed_linear_moment
+         end if
          equation%has_plain_cable = case%model%formulation /= 'published'
          equation%cable%line_0 = equation%cable%eta_0
          equation%cable%line_rate = equation%cable%rate
@@ -229,6 +233,7 @@ contains
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
       equation%cable_law => yielding_cable
+      equation%cable_moment => yielding_moment
    end subroutine choose_tendon
 
    subroutine choose_acceleration(formulation, equation)

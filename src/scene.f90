@@ -1,7 +1,7 @@
 !> The scene that an equation of motion is written for: its parameters, the laws that were chosen
 !> for it, and what follows from both at a given rotation.
 module rwmf_scene
-   use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
+   use rwmf_cable, only: cable_law_i, cable_law_t, cable_moment_i, cable_state_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
    use rwmf_motion, only: acceleration, line_of, line_t, motion_t, &
@@ -218,6 +218,8 @@ module rwmf_scene
       procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
       procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
+      procedure(cable_moment_i), pointer, nopass :: cable_moment => null()
+      !! of the law where `has_plain_cable` is false
       procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
       procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
       procedure(right_hand_side_i), pointer, nopass :: kept_positive => null()

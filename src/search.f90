@@ -138,10 +138,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_peak
       real(wp) :: y_peak(size(y_a))
+      logical :: turns
 
       t_peak = t_a
       y_peak = y_a
-      if (has_peak(hybrid, equation, y_a, y_b)) then
+      turns = has_peak(hybrid, equation, y_a, y_b)
+      if (turns) turns = .not. stands_still(equation, y_a, y_b)
+      if (turns) then
          call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, y_peak, error)
          if (allocated(error)) return
          hybrid%t = t_peak
@@ -167,7 +170,7 @@ contains
    end subroutine search_span
 
    !> Does theta' change its sign between two states? A flight that starts with theta' = 0 moves
-   !> away from the base; a frame that stands still has no peaks.
+   !> away from the base.
    logical function has_peak(hybrid, equation, y_a, y_b)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
@@ -176,12 +179,21 @@ contains
       real(wp) :: v_a
 
       v_a = y_a(2)
-      if (abs(v_a) <= 0 .and. equation%has_course .and. abs(y_b(2)) > 0) v_a = equation%course
+      if (abs(v_a) <= 0 .and. equation%has_course) v_a = equation%course
       if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
          v_a = equation%side
       end if
       has_peak = (v_a > 0 .and. y_b(2) <= 0) .or. (v_a < 0 .and. y_b(2) >= 0)
    end function has_peak
+
+   !> A frame that stands still has a course, the last one, and no peaks.
+   pure logical function stands_still(equation, y_a, y_b)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: y_b(:)
+
+      stands_still = equation%has_course .and. max(abs(y_a(2)), abs(y_b(2))) <= 0
+   end function stands_still
 
    !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the hysteretic force of
    !> the frame pass zero in it? The piece ends there, before whatever else was found.
