@@ -98,6 +98,7 @@ contains
       real(wp), intent(in) :: y(equation%n)
       real(wp), intent(out) :: y_dot(equation%n)
       real(wp) :: phi
+      real(wp) :: half_sine
       real(wp) :: lift
       real(wp) :: c
       real(wp) :: side
@@ -110,7 +111,7 @@ contains
 
       side = equation%side
       phi = side*y(1)
-      call turn(equation, phi, lift, c)
+      call turn(equation, phi, half_sine, lift, c)
       a_g = ground_now(equation, t)
       associate (p => equation%p, s => equation%sin_alpha - lift, floors => equation%floors)
          roof = 2*p%R*c*y(2)
@@ -118,7 +119,7 @@ contains
             2*p%R*(side*lift), roof, a_g, y_dot(3), force)
          y_dot(1) = y(2)
          y_dot(2) = -(side*(4*p%gamma*c*s*y(2)**2 + p%g_over_R*(s &
-            + cable_now(equation, phi))) + c*((2*p%gamma + 1)*a_g + 2*force)/p%R) &
+            + cable_now(equation, phi, half_sine))) + c*((2*p%gamma + 1)*a_g + 2*force)/p%R) &
             /(equation%inertia + 4*p%gamma*c**2)
       end associate
    end subroutine corner_with_floors
