@@ -10,7 +10,7 @@
 !> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
 !> natural number).
 module rwmf_bouc_wen
-   use rwmf_case, only: case_t
+   use rwmf_case, only: case_t, yielding_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: yield_displacement
@@ -19,7 +19,7 @@ module rwmf_bouc_wen
    implicit none
    private
 
-   public :: prepare_bouc_wen, follow_course, will_pass_zero, add_bouc_wen, kept_part
+   public :: prepare_bouc_wen, new_hysteresis, follow_course, follow_signs, will_pass_zero, add_bouc_wen, kept_part
    public :: bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
@@ -31,22 +31,32 @@ contains
       !! with `&yielding`
       type(equation_t), intent(inout) :: equation
 
-      associate (law => equation%hysteresis)
-         law%u_y = yield_displacement(case)
-         law%hardening = case%yielding%hardening
-         law%exponent = case%yielding%exponent
-         law%beta = case%yielding%beta
-         law%place = equation%n + 1
-         equation%frame_slope = law%hardening*equation%p%omega_squared
-         law%hold = (equation%p%omega_squared - equation%frame_slope)*law%u_y
-         law%is_odd = abs(modulo(law%exponent, 2.0_wp) - 1) <= 0
-         law%form = form_power
-         if (abs(law%exponent - 1) <= 0) law%form = form_line
-         if (abs(law%exponent - 2) <= 0) law%form = form_square
-      end associate
+      equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
+         equation%p%omega_squared)
+      equation%hysteresis%place = equation%n + 1
+      equation%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
       equation%has_course = .true.
       equation%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
+
+   !> The law of one spring.
+   pure type(hysteresis_t) function new_hysteresis(yielding, u_y, stiffness) result(law)
+      type(yielding_t), intent(in) :: yielding
+      real(wp), intent(in) :: u_y
+      !! displacement at yield [m]
+      real(wp), intent(in) :: stiffness
+      !! elastic, over any mass [1/s2]
+
+      law%u_y = u_y
+      law%hardening = yielding%hardening
+      law%exponent = yielding%exponent
+      law%beta = yielding%beta
+      law%hold = (stiffness - law%hardening*stiffness)*law%u_y
+      law%is_odd = abs(modulo(law%exponent, 2.0_wp) - 1) <= 0
+      law%form = form_power
+      if (abs(law%exponent - 1) <= 0) law%form = form_line
+      if (abs(law%exponent - 2) <= 0) law%form = form_square
+   end function new_hysteresis
 
    !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
    pure subroutine follow_course(equation, z)
@@ -54,16 +64,25 @@ contains
       real(wp), intent(in) :: z
       !! [-]
 
-      associate (law => equation%hysteresis)
-         law%sense = equation%course
-         law%lost = 1
-         if (equation%course*z < 0) then
-            law%sense = -equation%course
-            law%lost = 1 - 2*law%beta
-         end if
-         if (law%form == form_line) law%lost = law%sense*law%lost
-      end associate
+      call follow_signs(equation%hysteresis, equation%course, z)
    end subroutine follow_course
+
+   !> What follows from them for one law.
+   pure subroutine follow_signs(law, course, z)
+      type(hysteresis_t), intent(inout) :: law
+      integer, intent(in) :: course
+      !! sign of u'
+      real(wp), intent(in) :: z
+      !! [-]
+
+      law%sense = course
+      law%lost = 1
+      if (course*z < 0) then
+         law%sense = -course
+         law%lost = 1 - 2*law%beta
+      end if
+      if (law%form == form_line) law%lost = law%sense*law%lost
+   end subroutine follow_signs
 
    !> Does |z| fall in the piece of motion in force, so that z may pass zero?
    pure logical function will_pass_zero(equation)
@@ -94,7 +113,7 @@ contains
    !>
    !> Beyond zero, where only trial states of a step and its search go, a natural power goes on as
    !> it comes: a step sees no corner.
-   pure real(wp) function kept_part(law, z)
+   elemental real(wp) function kept_part(law, z)
       type(hysteresis_t), intent(in) :: law
       real(wp), intent(in) :: z
       !! [-]

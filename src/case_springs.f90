@@ -83,9 +83,9 @@ contains
          call fail_key(groups, 'yielding', 'storey_u_y', 'has '//integer_to_text(size(u_y)) &
             //' values, must have one for all storeys or one for each of the ' &
             //integer_to_text(size(m))//' of m_over_m_w', error)
-      else if (text_of(groups, 'yielding', 'law') == 'bouc_wen') then
-         call fail_key(groups, 'yielding', 'law', "must be 'elastic_plastic' where the storeys " &
-            //'yield one by one', error)
+      else if (text_of(groups, 'yielding', 'law') == 'bouc_wen' .and. coupling /= 'full') then
+         call fail_key(groups, 'yielding', 'law', "must be 'elastic_plastic' with storey_u_y and " &
+            //"&storeys coupling = 'every_floor'; coupling = 'full' allows both", error)
       end if
    end subroutine check_storey_strengths
 

@@ -93,7 +93,7 @@ contains
          equation%frame_slope = equation%p%omega_squared
          call follow_branches(equation)
          written_out => corner_with_lines
-      else if (equation%floors%below > 0 .and. size(equation%extras) == 1) then
+      else if (has_rows(equation)) then
          written_out => corner_with_floors
       else if (is_smooth_hysteresis(equation)) then
          written_out => corner_with_hysteresis
@@ -107,6 +107,14 @@ contains
          equation%rates_negative => written_out
       end if
    end subroutine write_out
+
+   !> Is it a frame with all its modes, whose storeys are straight lines, and nothing further?
+   pure logical function has_rows(equation)
+      type(equation_t), intent(in) :: equation
+
+      has_rows = equation%floors%below > 0 .and. size(equation%extras) == 1 &
+         .and. .not. allocated(equation%floors%laws)
+   end function has_rows
 
    !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
    pure type(paper_t) function paper_parameters(case) result(p)

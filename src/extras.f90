@@ -128,6 +128,7 @@ contains
       if (allocated(case%yielding)) then
          call choose_storey_springs(case, equation)
          floors%plastic_power => storeys_plastic_power
+         if (allocated(equation%floors%laws)) floors%states = floors%states + equation%floors%n
       end if
       call add_extra(equation, floors)
    end subroutine add_floors

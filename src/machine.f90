@@ -67,6 +67,8 @@ module rwmf_machine
       !! memory of what yields
       type(spring_t), allocatable :: storeys(:)
       !! and of storeys that do
+      type(hysteresis_t), allocatable :: laws(:)
+      !! signs of their motion where they are smooth
       integer :: interval = 0
       integer :: side = 1
       integer :: course = 1
@@ -197,7 +199,10 @@ contains
       snapshot%hysteresis = machine%equation%hysteresis
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
-      if (machine%equation%floors%yields) snapshot%storeys = machine%equation%floors%springs
+      if (allocated(machine%equation%floors%springs)) then
+         snapshot%storeys = machine%equation%floors%springs
+      end if
+      if (allocated(machine%equation%floors%laws)) snapshot%laws = machine%equation%floors%laws
       associate (hybrid => machine%hybrid, observer => machine%observer)
          snapshot%mode = hybrid%mode
          snapshot%t_hybrid = hybrid%t
@@ -236,7 +241,8 @@ contains
          machine%equation%springs = snapshot%springs
          call renew_window(machine%equation)
       end if
-      if (machine%equation%floors%yields) then
+      if (allocated(machine%equation%floors%laws)) machine%equation%floors%laws = snapshot%laws
+      if (allocated(machine%equation%floors%springs)) then
          machine%equation%floors%springs = snapshot%storeys
          call follow_storeys(machine%equation)
       end if
@@ -276,7 +282,8 @@ contains
       identity(5:) = 0
       if (equation%cable%is_tendon) identity(5) = 1
       if (equation%has_memory) identity(6) = 1 + size(equation%springs)
-      if (equation%floors%yields) identity(6) = identity(6) + 0.5_wp
+      if (allocated(equation%floors%springs)) identity(6) = identity(6) + 0.5_wp
+      if (allocated(equation%floors%laws)) identity(6) = identity(6) + 0.25_wp
    end function identity_of
 
 end module rwmf_machine

@@ -44,6 +44,40 @@ module rwmf_scene
       !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type extra_t
 
+   integer, parameter :: form_power = 0
+   !! any exponent
+   integer, parameter :: form_line = 1
+   !! exponent 1
+   integer, parameter :: form_square = 2
+   !! exponent 2
+
+   !> Smooth hysteresis of the frame after Bouc and Wen.
+   type :: hysteresis_t
+      real(wp) :: u_y = 1
+      !! displacement at yield [m]
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp) :: exponent = 2
+      !! [-]
+      real(wp) :: beta = 0.5_wp
+      !! [-]
+      integer :: place = 3
+      !! of z among the states
+      real(wp) :: hold = 0
+      !! force of z = 1 over m_s [m/s2]
+      integer :: form = form_power
+      !! of |z|**n, one of the `form_` numbers
+      logical :: is_odd = .false.
+      !! n is an odd number
+      integer :: sense = 1
+      !! sign of z in the piece of motion in force
+      integer :: course = 1
+      !! of a storey: sign that u_i' - u_(i-1)' has in it
+      real(wp) :: lost = 1
+      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; for n = 1
+      !! times the sign of z [-]
+   end type hysteresis_t
+
    !> The floors of a frame with all its modes, from the ground to the roof.
    type :: floors_t
       integer :: n = 0
@@ -74,43 +108,11 @@ module rwmf_scene
       !! (n) shear of that branch at zero drift, over the same mass [m/s2]
       type(spring_t), allocatable :: springs(:)
       !! (n) of each storey; forces over the same mass
-      real(wp), allocatable :: u_y(:)
-      !! (n) displacement u_i - u_(i-1) at which each yields first [m]
+      type(hysteresis_t), allocatable :: laws(:)
+      !! (n) of each storey where they are smooth; forces over the same mass
       real(wp) :: unit = 1
       !! the mass that m is over, in that of the case [-]
    end type floors_t
-
-   integer, parameter :: form_power = 0
-   !! any exponent
-   integer, parameter :: form_line = 1
-   !! exponent 1
-   integer, parameter :: form_square = 2
-   !! exponent 2
-
-   !> Smooth hysteresis of the frame after Bouc and Wen.
-   type :: hysteresis_t
-      real(wp) :: u_y = 1
-      !! displacement at yield [m]
-      real(wp) :: hardening = 0
-      !! stiffness after yielding over elastic stiffness [-]
-      real(wp) :: exponent = 2
-      !! [-]
-      real(wp) :: beta = 0.5_wp
-      !! [-]
-      integer :: place = 3
-      !! of z among the states
-      real(wp) :: hold = 0
-      !! force of z = 1 over m_s [m/s2]
-      integer :: form = form_power
-      !! of |z|**n, one of the `form_` numbers
-      logical :: is_odd = .false.
-      !! n is an odd number
-      integer :: sense = 1
-      !! sign of z in the piece of motion in force
-      real(wp) :: lost = 1
-      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; for n = 1
-      !! times the sign of z [-]
-   end type hysteresis_t
 
    integer, parameter :: place_frame = 0
    !! between ground and frame

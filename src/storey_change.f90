@@ -21,7 +21,8 @@ contains
 
       call observe_state(observer, equation, hybrid%t, hybrid%y)
       call end_branch(equation, ending, hybrid%y)
-      call observe_event(observer, event_branch, hybrid%t, hybrid%y)
+      if (.not. allocated(equation%floors%laws)) call observe_event(observer, event_branch, &
+         hybrid%t, hybrid%y)
       hybrid%must_restart = .true.
    end subroutine change_storey
 

@@ -8,8 +8,8 @@ module rwmf_storey_search
    use rwmf_kinds, only: wp
    use rwmf_locate, only: count_parts
    use rwmf_stepper, only: stepper_t
-   use rwmf_storey_springs, only: branch_limits, course_of, pass_storey_limit, storey_motion, &
-      turn_storey
+   use rwmf_storey_springs, only: branch_limits, course_of, hysteretic_states, pass_storey_limit, &
+      side_beyond_zero, stands_still, stop_at_zero, storey_motion, turn_storey
    implicit none
    private
 
@@ -18,13 +18,14 @@ module rwmf_storey_search
 
    integer, parameter :: of_drift = 1
    integer, parameter :: of_rate = 2
+   integer, parameter :: of_z = 3
 
    !> The storeys at an instant.
    type :: moment_t
       real(wp) :: t
       !! [s]
       real(wp), allocatable :: motion(:, :)
-      !! (n, 2) displacements [m] and their rates [m/s]
+      !! (n, 3) displacements [m], their rates [m/s], and hysteretic states of smooth storeys [-]
    end type moment_t
 
    !> End of a storey's branch.
@@ -32,9 +33,11 @@ module rwmf_storey_search
       integer :: storey = 0
       !! 0: none
       logical :: turns = .false.
-      !! it unloads; else it comes to a limit
+      !! it unloads, or begins to move
+      logical :: passes_zero = .false.
+      !! its hysteretic force does; else it comes to a limit
       logical :: is_rising = .false.
-      !! its displacement grows
+      !! its displacement grows beyond
    end type storey_end_t
 
 contains
@@ -82,6 +85,7 @@ contains
       class(stepper_t), intent(in) :: stepper
       real(wp) :: a(equation%floors%n, 2)
       real(wp) :: b(equation%floors%n, 2)
+      real(wp) :: z(equation%floors%n)
       real(wp) :: rate(2)
       real(wp) :: low
       real(wp) :: high
@@ -90,12 +94,16 @@ contains
 
       call storey_motion(equation, stepper%y0, a(:, of_drift), a(:, of_rate))
       call storey_motion(equation, stepper%y1, b(:, of_drift), b(:, of_rate))
+      z = hysteretic_states(equation, stepper%y1)
       is_quiet = .true.
       do i = 1, size(a, 1)
          rate = [a(i, of_rate), b(i, of_rate)]
          course = course_of(equation, i)
-         if (course /= 0) then
-            is_quiet = 2*abs(rate(2) - rate(1)) < minval(course*rate)
+         if (stands_still(equation, i)) then
+            is_quiet = abs(rate(2)) <= 0
+         else if (course /= 0) then
+            is_quiet = 2*abs(rate(2) - rate(1)) < minval(course*rate) &
+               .and. side_beyond_zero(equation, i)*z(i) <= 0
          else
             call branch_limits(equation, i, low, high)
             associate (reach => (stepper%t1 - stepper%t0)*maxval(abs(rate)))
@@ -122,17 +130,34 @@ contains
       integer :: i
 
       do i = 1, equation%floors%n
-         if (course_of(equation, i) /= 0) then
+         if (stands_still(equation, i)) then
+            ending = storey_end_t(merge(i, 0, abs(b%motion(i, of_rate)) > 0), turns=.true., &
+               is_rising=b%motion(i, of_rate) > 0)
+            t = a%t
+         else if (course_of(equation, i) /= 0) then
             call search_turn(equation, stepper, i, a, b, ending, t, error)
          else
             call search_limit(equation, stepper, i, a, b, ending, t, error)
          end if
          if (allocated(error)) return
-         if (ending%storey == 0) cycle
-         if (found%storey > 0 .and. t >= t_stop) cycle
+         call keep_first(ending, t)
+         call search_zero(equation, stepper, i, a, b, ending, t, error)
+         if (allocated(error)) return
+         call keep_first(ending, t)
+      end do
+
+   contains
+
+      subroutine keep_first(ending, t)
+         type(storey_end_t), intent(in) :: ending
+         real(wp), intent(in) :: t
+         !! [s]
+
+         if (ending%storey == 0) return
+         if (found%storey > 0 .and. t >= t_stop) return
          found = ending
          t_stop = t
-      end do
+      end subroutine keep_first
    end subroutine search_storeys
 
    !> Does a storey that yields turn back?
@@ -156,10 +181,30 @@ contains
          if (allocated(error)) return
          if (course*slowest%motion(storey, of_rate) >= 0) return
       end if
-      ending = storey_end_t(storey, turns=.true., is_rising=course > 0)
+      ending = storey_end_t(storey, turns=.true., is_rising=course < 0)
       if (course*a%motion(storey, of_rate) <= 0) return
       call find_root(equation, stepper, storey, of_rate, 0.0_wp, a, slowest, t, error)
    end subroutine search_turn
+
+   !> Does the hysteretic force of a smooth storey pass zero?
+   subroutine search_zero(equation, stepper, storey, a, b, ending, t, error)
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      integer, intent(in) :: storey
+      type(moment_t), intent(in) :: a
+      type(moment_t), intent(in) :: b
+      type(storey_end_t), intent(out) :: ending
+      real(wp), intent(out) :: t
+      type(error_t), allocatable, intent(out) :: error
+      integer :: side
+
+      t = a%t
+      side = side_beyond_zero(equation, storey)
+      if (side*b%motion(storey, of_z) <= 0) return
+      ending = storey_end_t(storey, passes_zero=.true.)
+      if (side*a%motion(storey, of_z) >= 0) return
+      call find_root(equation, stepper, storey, of_z, 0.0_wp, a, b, t, error)
+   end subroutine search_zero
 
    !> The instant between two at which a storey is about slowest, if it may turn back there and go
    !> on again; else the second one.
@@ -352,19 +397,22 @@ contains
          if (allocated(error)) return
       end if
       now%t = t
-      allocate (now%motion(equation%floors%n, 2))
+      allocate (now%motion(equation%floors%n, 3))
       call storey_motion(equation, y, now%motion(:, of_drift), now%motion(:, of_rate))
+      now%motion(:, of_z) = hysteretic_states(equation, y)
    end subroutine look_at
 
    !> The storey whose branch has ended goes over to its next one.
    subroutine end_branch(equation, ending, y)
       type(equation_t), intent(inout) :: equation
       type(storey_end_t), intent(in) :: ending
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: y(:)
       !! (states)
 
       if (ending%turns) then
-         call turn_storey(equation, ending%storey, y)
+         call turn_storey(equation, ending%storey, ending%is_rising, y)
+      else if (ending%passes_zero) then
+         call stop_at_zero(equation, ending%storey, y)
       else
          call pass_storey_limit(equation, ending%storey, ending%is_rising)
       end if

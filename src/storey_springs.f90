@@ -5,10 +5,11 @@
 !> of a branch is looked for in the states (`storey_search.f90`), storey by storey: an elastic branch
 !> ends at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_storey_springs
+   use rwmf_bouc_wen, only: follow_signs, kept_part, new_hysteresis
    use rwmf_case, only: case_t
    use rwmf_kinds, only: wp
-   use rwmf_memory, only: storey_strengths
-   use rwmf_scene, only: equation_t
+   use rwmf_memory, only: is_elastic_plastic, storey_strengths
+   use rwmf_scene, only: equation_t, floors_t
    use rwmf_spring, only: is_yielding, new_spring, pass_limit, reset_spring, spring_force, &
       spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
    use rwmf_storeys, only: fill_rows, floor_motion
@@ -18,6 +19,7 @@ module rwmf_storey_springs
    public :: choose_storey_springs, storeys_plastic_power, begin_storeys, settle_storeys
    public :: follow_storeys
    public :: storey_motion, branch_limits, course_of, pass_storey_limit, turn_storey
+   public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
    public :: shear_columns, shear_values, storey_residuals
 
 contains
@@ -31,12 +33,32 @@ contains
 
       associate (floors => equation%floors)
          floors%yields = .true.
-         floors%u_y = storey_strengths(case)
-         floors%springs = new_spring(floors%k, floors%k*floors%u_y, case%yielding%hardening)
-         allocate (floors%offset(floors%n))
+         if (is_elastic_plastic(case%yielding)) then
+            floors%springs = new_spring(floors%k, floors%k*storey_strengths(case), &
+               case%yielding%hardening)
+            allocate (floors%offset(floors%n))
+            call follow_storeys(equation)
+         else
+            call choose_laws(case, floors)
+         end if
       end associate
-      call follow_storeys(equation)
    end subroutine choose_storey_springs
+
+   !> Smooth hysteresis of each storey; the states of all stand behind the velocities of the floors.
+   subroutine choose_laws(case, floors)
+      type(case_t), intent(in) :: case
+      type(floors_t), intent(inout) :: floors
+      real(wp) :: u_y(floors%n)
+      integer :: i
+
+      u_y = storey_strengths(case)
+      allocate (floors%laws(floors%n))
+      do i = 1, floors%n
+         floors%laws(i) = new_hysteresis(case%yielding, u_y(i), floors%k(i))
+         floors%laws(i)%place = floors%first + 2*floors%below - 1 + i
+      end do
+      floors%slope = case%yielding%hardening*floors%k
+   end subroutine choose_laws
 
    !> Straight lines of the branches that are in force; to be called when one has changed.
    pure subroutine follow_storeys(equation)
@@ -58,6 +80,10 @@ contains
       real(wp) :: high
       integer :: i
 
+      if (allocated(equation%floors%laws)) then
+         equation%floors%laws%course = 0
+         return
+      end if
       call storey_motion(equation, y, d, d_dot)
       do i = 1, equation%floors%n
          associate (spring => equation%floors%springs(i))
@@ -71,7 +97,7 @@ contains
    end subroutine begin_storeys
 
    !> Storeys that yield against their motion unload: an impact has turned it, or the state has come
-   !> to a turn within round-off.
+   !> to a turn within round-off. Smooth ones take over the signs of their motion.
    subroutine settle_storeys(equation, y)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: y(:)
@@ -81,6 +107,15 @@ contains
       integer :: i
 
       call storey_motion(equation, y, d, d_dot)
+      if (allocated(equation%floors%laws)) then
+         do i = 1, equation%floors%n
+            associate (law => equation%floors%laws(i))
+               if (abs(d_dot(i)) > 0) law%course = int(sign(1.0_wp, d_dot(i)))
+               call follow_signs(law, law%course, y(law%place))
+            end associate
+         end do
+         return
+      end if
       do i = 1, equation%floors%n
          if (course_of(equation, i)*d_dot(i) < 0) call turn_spring(equation%floors%springs(i), d(i))
       end do
@@ -119,16 +154,64 @@ contains
       call spring_limits(equation%floors%springs(storey), low, high)
    end subroutine branch_limits
 
-   !> Sign that d_i' must keep on the branch in force; 0 on an elastic one.
+   !> Sign that d_i' must keep on the branch in force, or in the piece of a smooth law; 0 on an
+   !> elastic branch.
    pure integer function course_of(equation, storey) result(course)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: storey
 
+      if (allocated(equation%floors%laws)) then
+         course = equation%floors%laws(storey)%course
+         return
+      end if
       course = 0
       associate (spring => equation%floors%springs(storey))
          if (is_yielding(spring)) course = int(sign(1.0_wp, spring_power(spring, 1.0_wp)))
       end associate
    end function course_of
+
+   !> Has a smooth storey not moved yet, so that it has no course?
+   pure logical function stands_still(equation, storey)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: storey
+
+      stands_still = .false.
+      if (allocated(equation%floors%laws)) stands_still = equation%floors%laws(storey)%course == 0
+   end function stands_still
+
+   !> Sign of the hysteretic state of a smooth storey beyond zero, where it can pass zero in the piece
+   !> in force; else 0.
+   pure integer function side_beyond_zero(equation, storey) result(side)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: storey
+
+      side = 0
+      if (.not. allocated(equation%floors%laws)) return
+      associate (law => equation%floors%laws(storey))
+         if (law%sense /= law%course) side = law%course
+      end associate
+   end function side_beyond_zero
+
+   !> Hysteretic states of smooth storeys; zero of others [-].
+   pure function hysteretic_states(equation, y) result(z)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: z(equation%floors%n)
+
+      z = 0
+      if (allocated(equation%floors%laws)) z = y(equation%floors%laws%place)
+   end function hysteretic_states
+
+   !> The hysteretic force of a smooth storey passes zero, to the last bit.
+   pure subroutine stop_at_zero(equation, storey, y)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: storey
+      real(wp), intent(inout) :: y(:)
+      !! (states)
+
+      y(equation%floors%laws(storey)%place) = 0
+   end subroutine stop_at_zero
 
    !> A storey comes to a limit of its branch.
    pure subroutine pass_storey_limit(equation, storey, is_rising)
@@ -141,15 +224,21 @@ contains
       call follow_storeys(equation)
    end subroutine pass_storey_limit
 
-   !> A storey turns back: what yielded unloads.
-   subroutine turn_storey(equation, storey, y)
+   !> A storey turns back, or begins to move: what yielded unloads.
+   subroutine turn_storey(equation, storey, is_rising, y)
       type(equation_t), intent(inout) :: equation
       integer, intent(in) :: storey
+      logical, intent(in) :: is_rising
+      !! d_i grows from here on
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: d(equation%floors%n)
       real(wp) :: d_dot(equation%floors%n)
 
+      if (allocated(equation%floors%laws)) then
+         equation%floors%laws(storey)%course = merge(1, -1, is_rising)
+         return
+      end if
       call storey_motion(equation, y, d, d_dot)
       call turn_spring(equation%floors%springs(storey), d(storey))
       call follow_storeys(equation)
@@ -164,7 +253,13 @@ contains
       real(wp) :: d_dot(equation%floors%n)
 
       call storey_motion(equation, y, d, d_dot)
-      power = sum(spring_power(equation%floors%springs, d_dot))
+      if (allocated(equation%floors%laws)) then
+         associate (laws => equation%floors%laws)
+            power = sum(laws%hold*y(laws%place)*d_dot*(1 - kept_part(laws, y(laws%place))))
+         end associate
+      else
+         power = sum(spring_power(equation%floors%springs, d_dot))
+      end if
    end function storeys_plastic_power
 
    !> Columns of the history with the shears of storeys that yield; none for others.
@@ -193,7 +288,14 @@ contains
       real(wp) :: d_dot(equation%floors%n)
 
       call storey_motion(equation, y, d, d_dot)
-      shears = spring_force(equation%floors%springs, d)*(equation%floors%unit/equation%p%g)
+      if (allocated(equation%floors%laws)) then
+         associate (laws => equation%floors%laws)
+            shears = equation%floors%slope*d + laws%hold*y(laws%place)
+         end associate
+      else
+         shears = spring_force(equation%floors%springs, d)
+      end if
+      shears = shears*(equation%floors%unit/equation%p%g)
    end function shear_values
 
    !> Displacement of each storey that elastic unloading to no shear would leave [m].
@@ -206,7 +308,13 @@ contains
       real(wp) :: d_dot(equation%floors%n)
 
       call storey_motion(equation, y, d, d_dot)
-      residuals = spring_plastic(equation%floors%springs, d)
+      if (allocated(equation%floors%laws)) then
+         associate (laws => equation%floors%laws)
+            residuals = (1 - laws%hardening)*(d - laws%u_y*y(laws%place))
+         end associate
+      else
+         residuals = spring_plastic(equation%floors%springs, d)
+      end if
    end function storey_residuals
 
 end module rwmf_storey_springs

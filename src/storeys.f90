@@ -10,6 +10,7 @@
 !> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one of
 !> the branches of `storey_springs.f90`.
 module rwmf_storeys
+   use rwmf_bouc_wen, only: kept_part
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
@@ -81,7 +82,7 @@ contains
       k = floors%slope
       drag = floors%c
       leans = 0
-      if (floors%yields) leans = floors%offset - [floors%offset(2:), 0.0_wp]
+      if (allocated(floors%offset)) leans = floors%offset - [floors%offset(2:), 0.0_wp]
       rows = [row(n - 1), leans(n), k(n), drag(n, n), &
          [(-drag(i, n - 1)/floors%m(n - 1), drag(i, n), i=1, n - 1)]]
       do i = 1, n - 2
@@ -138,6 +139,7 @@ contains
 
       associate (floors => equation%floors, n => equation%floors%n, R => equation%p%R)
          force = resistance_to(floors, y, equation%side*R*kin%u, R*kin%j*y(2))
+         if (allocated(floors%laws)) call flow(floors, R*kin%j*y(2), y, y_dot)
          moment = moment - kin%lever*(equation%side*force(n)/R - floors%k(n)*kin%u)
          associate (first => floors%first)
             y_dot(first:first + n - 2) = y(first + n - 1:first + 2*n - 3)
@@ -178,11 +180,40 @@ contains
       associate (n => floors%n, first => floors%first)
          u = [0.0_wp, y(first:first + n - 2), u_roof]
          shear = floors%slope*(u(1:) - u(:n - 1))
-         if (floors%yields) shear = shear + floors%offset
+         if (floors%yields) shear = shear + offsets(floors, y)
          force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
          force(:n - 1) = force(:n - 1) - shear(2:)
       end associate
    end function resistance_to
+
+   !> Shears of storeys that yield at no displacement [m/s2].
+   pure function offsets(floors, y) result(shears)
+      type(floors_t), intent(in) :: floors
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: shears(floors%n)
+
+      if (allocated(floors%laws)) then
+         shears = floors%laws%hold*y(floors%laws%place)
+      else
+         shears = floors%offset
+      end if
+   end function offsets
+
+   !> Rates of the hysteretic states of smooth storeys.
+   pure subroutine flow(floors, v_roof, y, y_dot)
+      type(floors_t), intent(in) :: floors
+      real(wp), intent(in) :: v_roof
+      !! [m/s]
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: y_dot(:)
+      real(wp) :: v(0:floors%n)
+
+      associate (n => floors%n, first => floors%first, laws => floors%laws)
+         v = [0.0_wp, y(first + n - 1:first + 2*n - 3), v_roof]
+         y_dot(laws%place) = (v(1:) - v(:n - 1))/laws%u_y*kept_part(laws, y(laws%place))
+      end associate
+   end subroutine flow
 
    !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
    !> storeys [m/s2].
@@ -289,14 +320,18 @@ contains
       end associate
    end function velocities
 
-   !> The floors move about as much as the roof.
+   !> The floors move about as much as the roof; z is at most d/u_y and 1.
    subroutine storey_sizes(equation, size_guess, sizes)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: sizes(:)
 
-      sizes(:size(sizes)/2) = frame_travel(equation)*size_guess(1)
-      sizes(size(sizes)/2 + 1:) = frame_travel(equation)*size_guess(2)
+      associate (n => equation%floors%below)
+         sizes(:n) = frame_travel(equation)*size_guess(1)
+         sizes(n + 1:2*n) = frame_travel(equation)*size_guess(2)
+         if (allocated(equation%floors%laws)) sizes(2*n + 1:) = min(1.0_wp, &
+            frame_travel(equation)*size_guess(1)/equation%floors%laws%u_y)
+      end associate
    end subroutine storey_sizes
 
    !> Power that the frame's dampers take [W/kg].
@@ -322,7 +357,12 @@ contains
       n = size(v)
       call floor_motion(equation, y, u, v)
       energy = (sum(equation%floors%m(:n - 1)*v(:n - 1)**2) - equation%floors%k(n)*u(n)**2)/2
-      if (equation%floors%yields) then
+      if (allocated(equation%floors%laws)) then
+         associate (laws => equation%floors%laws)
+            energy = energy + sum(equation%floors%slope*(u(1:) - u(:n - 1))**2 &
+               + laws%hold*laws%u_y*y(laws%place)**2)/2
+         end associate
+      else if (equation%floors%yields) then
          energy = energy + sum(spring_energy(equation%floors%springs, u(1:) - u(:n - 1)))
       else
          energy = energy + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
