@@ -18,6 +18,7 @@ program test_bouc_wen
    call check_unloading()
    call check_passage(1.0_wp, 'n = 1')
    call check_passage(2.0_wp, 'n = 2')
+   call check_natural_exponents()
    call check_standstill()
    call check_elastic_limit()
    call check_sharp_limit(.false., 'bare frame')
@@ -162,6 +163,27 @@ contains
          z = exp(x - x_zero) - 1
       end if
    end function beyond_zero
+
+   !> Small natural exponents have products of their own; their neighbours are powers.
+   subroutine check_natural_exponents()
+      real(wp), parameter :: exponents(5) = [1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 8.0_wp]
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: neighbour
+      type(error_t), allocatable :: error
+      integer :: i
+
+      do i = 1, size(exponents)
+         case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponents(i), 0.75_wp)
+         case%solver%rtol = 1.0e-10_wp
+         call simulate(case, result, error)
+         call checks%no_error(error, 'natural exponent')
+         case%yielding%exponent = exponents(i) + 1.0e-8_wp
+         call simulate(case, neighbour, error)
+         call checks%close_to(neighbour%residual_displacement, result%residual_displacement, &
+            'a natural exponent and its neighbour', atol=1.0e-8_wp*result%u_s_max)
+      end do
+   end subroutine check_natural_exponents
 
    !> A frame that stands still has no peaks: the steps before the ground moves are few.
    subroutine check_standstill()
