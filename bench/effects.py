@@ -29,7 +29,7 @@ BUILD = ROOT / "build"
 MOST = 1.05  # the kernel's instructions over those of the program by hand
 SAME = 1e-9  # relative difference of the sums of theta'': it is the same equation
 # frames alone, fourteen instructions by hand: less than two calls (docs/effects.md)
-EXEMPT = {"frame", "oscillator", "oscillator_yielding"} | {f"frame_smooth_{n}" for n in "12n"}
+EXEMPT = {"frame", "oscillator", "oscillator_yielding"} | {f"frame_smooth_{n}" for n in "123n"}
 SKIPPED = 77  # what meson takes for a test that does not apply
 MARK = "__effects_by_hand_MOD_mark"
 # not part of a right-hand side
@@ -46,7 +46,8 @@ FUSE = "&fuse eta_y = 0.5, stroke_y = 0.005, hardening = 0.02 /"
 YIELDING = "&yielding u_y = 0.02, hardening = 0.05 /"
 SMOOTH = "&yielding u_y = 0.02, hardening = 0.05, law = 'bouc_wen', beta = 0.6, exponent = {} /"
 E = "&impact rule = 'constant', e = 0.9 /"
-SMOOTH_LAWS = [(n, hand, SMOOTH.format(n)) for n, hand in ((1.0, "1"), (2.0, "2"), (1.7, "n"))]
+EXPONENTS = ((1, "1"), (2, "2"), (3, "3"), (1.7, "n"))
+SMOOTH_LAWS = [(n, hand, SMOOTH.format(n)) for n, hand in EXPONENTS]
 SAMPLES = "2.00, 0.1\n2.02, 0.2\n2.04, 0.3\n"  # t (s), a (g): a short record is soon read
 RECORD = "&motion kind = 'record', file = 'record.csv', unit = 'g' /"
 PULSE = "&motion kind = 'one_sine', a_max_g = 0.4, omega_p = 6.283185307179586 /"

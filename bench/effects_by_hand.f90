@@ -254,12 +254,16 @@ contains
          right_hand_side => smooth_1
       case ('smooth_2')
          right_hand_side => smooth_2
+      case ('smooth_3')
+         right_hand_side => smooth_3
       case ('smooth_n')
          right_hand_side => smooth_n
       case ('frame_smooth_1')
          right_hand_side => frame_smooth_1
       case ('frame_smooth_2')
          right_hand_side => frame_smooth_2
+      case ('frame_smooth_3')
+         right_hand_side => frame_smooth_3
       case ('frame_smooth_n')
          right_hand_side => frame_smooth_n
       case ('tendon_yielding')
@@ -689,6 +693,27 @@ contains
       y_dot(3) = p%over_u_y*c*y(2)*(1 - p%lost*y(3)**2)
    end subroutine smooth_2
 
+   !> The same, n = 3.
+   subroutine smooth_3(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%signed_lost*y(3)**3)
+   end subroutine smooth_3
+
    !> The same, any n.
    subroutine smooth_n(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
@@ -735,6 +760,19 @@ contains
          - (p%a_k + p%slope*(t - p%t_k))
       y_dot(3) = p%over_u_y*y(2)*(1 - p%lost*y(3)**2)
    end subroutine frame_smooth_2
+
+   !> The same, n = 3.
+   subroutine frame_smooth_3(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%signed_lost*y(3)**3)
+   end subroutine frame_smooth_3
 
    !> The same, any n.
    subroutine frame_smooth_n(p, t, y, y_dot)

@@ -1,16 +1,16 @@
 !> Right-hand side of each kind of scene, with the terms that it has and no others.
 !> `build_equation` chooses.
 module rwmf_accelerations
-   use rwmf_bouc_wen, only: kept_part
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
-   use rwmf_scene, only: equation_t, floors_t, ground, vertical_ground
+   use rwmf_scene, only: equation_t, floors_t, form_line, form_product, form_square, ground, &
+      hysteresis_t, vertical_ground
    implicit none
    private
 
    public :: bare_frame, corner, corner_with_floors, corner_with_hysteresis, corner_with_lines
    public :: frame_with_extras, frame_with_hysteresis, frame_with_lines
-   public :: hinged, wall_alone, wall_and_frame, with_extras
+   public :: hinged, kept_part, wall_alone, wall_and_frame, with_extras
 
 contains
 
@@ -263,6 +263,40 @@ contains
             equation%side)
       end if
    end function cable_now
+
+   !> Smooth hysteresis: part of the frame's velocity that does not go into plastic flow [-].
+   !>
+   !> Beyond zero, where only trial states of a step and its search go, a natural power goes on as
+   !> it comes: a step sees no corner.
+   elemental real(wp) function kept_part(law, z)
+      type(hysteresis_t), intent(in) :: law
+      real(wp), intent(in) :: z
+      !! [-]
+      real(wp), parameter :: farthest = 1.26_wp
+      !! |z| of a trial state that no step keeps; its power of 1000 is a number [-]
+      real(wp), parameter :: largest = 1.0e3_wp
+      !! of such powers: the next trial state stays a number as well
+      real(wp) :: factor
+      real(wp) :: power
+      integer :: i
+
+      select case (law%form)
+      case (form_line)
+         kept_part = 1 - law%lost*z
+      case (form_square)
+         kept_part = 1 - law%lost*min(abs(z), farthest)**2
+      case (form_product)
+         factor = max(-farthest, min(z, farthest))
+         power = factor**2
+         ! as many factors as are common: no call for the power
+         do i = 3, law%factors
+            power = power*factor
+         end do
+         kept_part = 1 - law%lost*power
+      case default
+         kept_part = 1 - law%lost*min(min(abs(z), farthest)**law%exponent, largest)
+      end select
+   end function kept_part
 
    !> Kinematics of the side in force.
    subroutine see_side(equation, phi, kin)

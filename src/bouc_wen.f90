@@ -10,17 +10,18 @@
 !> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
 !> natural number).
 module rwmf_bouc_wen
+   use rwmf_accelerations, only: kept_part
    use rwmf_case, only: case_t, yielding_t
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: yield_displacement
-   use rwmf_scene, only: equation_t, form_line, form_power, form_square, frame_displacement, &
-      frame_mass, frame_travel, frame_velocity, hysteresis_t
+   use rwmf_scene, only: equation_t, form_line, form_power, form_product, form_square, &
+      frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t
    implicit none
    private
 
-   public :: prepare_bouc_wen, new_hysteresis, follow_course, follow_signs, will_pass_zero, add_bouc_wen, kept_part
-   public :: bouc_wen_sizes
+   public :: prepare_bouc_wen, new_hysteresis, follow_course, follow_signs, will_pass_zero
+   public :: add_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -52,11 +53,23 @@ contains
       law%exponent = yielding%exponent
       law%beta = yielding%beta
       law%hold = (stiffness - law%hardening*stiffness)*law%u_y
-      law%is_odd = abs(modulo(law%exponent, 2.0_wp) - 1) <= 0
-      law%form = form_power
-      if (abs(law%exponent - 1) <= 0) law%form = form_line
-      if (abs(law%exponent - 2) <= 0) law%form = form_square
+      call choose_form(law)
    end function new_hysteresis
+
+   !> How to raise z to the exponent.
+   pure subroutine choose_form(law)
+      type(hysteresis_t), intent(inout) :: law
+      real(wp), parameter :: most = 8
+      !! factors whose product is as accurate as a power, and cheaper [-]
+
+      law%form = form_power
+      law%factors = 0
+      if (law%exponent > most .or. abs(law%exponent - anint(law%exponent)) > 0) return
+      law%factors = nint(law%exponent)
+      law%form = form_product
+      if (law%factors == 1) law%form = form_line
+      if (law%factors == 2) law%form = form_square
+   end subroutine choose_form
 
    !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
    pure subroutine follow_course(equation, z)
@@ -81,7 +94,7 @@ contains
          law%sense = -course
          law%lost = 1 - 2*law%beta
       end if
-      if (law%form == form_line) law%lost = law%sense*law%lost
+      if (modulo(law%factors, 2) == 1) law%lost = law%sense*law%lost
    end subroutine follow_signs
 
    !> Does |z| fall in the piece of motion in force, so that z may pass zero?
@@ -108,32 +121,6 @@ contains
          y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*kept_part(law, y(law%place))
       end associate
    end subroutine add_bouc_wen
-
-   !> Part of the velocity that does not go into plastic flow [-].
-   !>
-   !> Beyond zero, where only trial states of a step and its search go, a natural power goes on as
-   !> it comes: a step sees no corner.
-   elemental real(wp) function kept_part(law, z)
-      type(hysteresis_t), intent(in) :: law
-      real(wp), intent(in) :: z
-      !! [-]
-      real(wp), parameter :: farthest = 1.26_wp
-      !! |z| of a trial state that no step keeps; its power of 1000 is a number [-]
-      real(wp), parameter :: largest = 1.0e3_wp
-      !! of such powers: the next trial state stays a number as well
-      real(wp) :: power
-
-      select case (law%form)
-      case (form_line)
-         power = z
-      case (form_square)
-         power = min(abs(z), farthest)**2
-      case default
-         power = min(min(abs(z), farthest)**law%exponent, largest)
-         if (law%is_odd) power = sign(power, law%sense*z)
-      end select
-      kept_part = 1 - law%lost*power
-   end function kept_part
 
    !> z is below 1, and u/u_y while the frame is elastic.
    subroutine bouc_wen_sizes(equation, size_guess, sizes)

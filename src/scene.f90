@@ -13,7 +13,7 @@ module rwmf_scene
 
    public :: equation_t, right_hand_side_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: form_power, form_line, form_square
+   public :: form_power, form_line, form_square, form_product
    public :: enter_interval, interval_of
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
@@ -50,6 +50,8 @@ module rwmf_scene
    !! exponent 1
    integer, parameter :: form_square = 2
    !! exponent 2
+   integer, parameter :: form_product = 3
+   !! a small natural number as exponent
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
    type :: hysteresis_t
@@ -67,15 +69,15 @@ module rwmf_scene
       !! force of z = 1 over m_s [m/s2]
       integer :: form = form_power
       !! of |z|**n, one of the `form_` numbers
-      logical :: is_odd = .false.
-      !! n is an odd number
+      integer :: factors = 0
+      !! n of `form_product`
       integer :: sense = 1
       !! sign of z in the piece of motion in force
       integer :: course = 1
       !! of a storey: sign that u_i' - u_(i-1)' has in it
       real(wp) :: lost = 1
-      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; for n = 1
-      !! times the sign of z [-]
+      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the sign
+      !! of z where z**n takes the place of |z|**n and n is odd [-]
    end type hysteresis_t
 
    !> The floors of a frame with all its modes, from the ground to the roof.

@@ -197,6 +197,9 @@ contains
 
    !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the hysteretic force of
    !> the frame pass zero in it? The piece ends there, before whatever else was found.
+   !>
+   !> As long as nothing has yielded it does so in the instant of an impact: then the impact is what
+   !> happens, after which the signs of the next piece are looked at anyway.
    subroutine end_at_zero(hybrid, equation, stepper, t_a, y_a, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -210,11 +213,23 @@ contains
 
       if (.not. passes_zero(equation, hybrid%y)) return
       ! z is monotone where theta is: it has passed zero once
-      event = event_passage
       t_b = hybrid%t
       y_b = hybrid%y
-      call locate(equation, stepper, equation%hysteresis%place, 0.0_wp, t_a, y_a, t_b, y_b, &
-         hybrid%t, hybrid%y, error)
+      if (passes_zero(equation, y_a)) then
+         hybrid%t = t_a
+         hybrid%y(:) = y_a
+      else
+         call locate(equation, stepper, equation%hysteresis%place, 0.0_wp, t_a, y_a, t_b, y_b, &
+            hybrid%t, hybrid%y, error)
+         if (allocated(error)) return
+         if (t_b - hybrid%t <= 8*spacing(t_b) .or. (event == event_impact &
+             .and. equation%side*hybrid%y(1) <= 0)) then
+            hybrid%t = t_b
+            hybrid%y(:) = y_b
+            return
+         end if
+      end if
+      event = event_passage
       hybrid%y(equation%hysteresis%place) = 0
    end subroutine end_at_zero
 

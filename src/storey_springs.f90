@@ -5,7 +5,8 @@
 !> of a branch is looked for in the states (`storey_search.f90`), storey by storey: an elastic branch
 !> ends at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_storey_springs
-   use rwmf_bouc_wen, only: follow_signs, kept_part, new_hysteresis
+   use rwmf_accelerations, only: kept_part
+   use rwmf_bouc_wen, only: follow_signs, new_hysteresis
    use rwmf_case, only: case_t
    use rwmf_kinds, only: wp
    use rwmf_memory, only: is_elastic_plastic, storey_strengths

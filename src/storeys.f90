@@ -10,7 +10,7 @@
 !> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one of
 !> the branches of `storey_springs.f90`.
 module rwmf_storeys
-   use rwmf_bouc_wen, only: kept_part
+   use rwmf_accelerations, only: kept_part
    use rwmf_case, only: case_t
    use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
