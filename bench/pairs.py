@@ -82,7 +82,7 @@ EFFECTS = [
                 "storeys": STOREYS | {"coupling": coupling},
                 "yielding": {"storey_u_y": [0.006, 0.004], "law": law},
             },
-            "storeys",
+            "yielding" if law == "bouc_wen" else "storeys",
         )
         for coupling, what, law in (
             ("every_floor", "each yields", "elastic_plastic"),

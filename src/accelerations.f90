@@ -104,8 +104,6 @@ contains
       real(wp) :: side
       real(wp) :: a_g
       !! acceleration of the ground [m/s2]
-      real(wp) :: roof
-      !! velocity of the roof [m/s]
       real(wp) :: force
       !! of storeys and dampers on it, over m_w [m/s2]
 
@@ -114,9 +112,8 @@ contains
       call turn(equation, phi, half_sine, lift, c)
       a_g = ground_now(equation, t)
       associate (p => equation%p, s => equation%sin_alpha - lift, floors => equation%floors)
-         roof = 2*p%R*c*y(2)
          call move_floors(floors%below, floors%rows, y(3), y(3 + floors%below), &
-            2*p%R*(side*lift), roof, a_g, y_dot(3), force)
+            2*p%R*(side*lift), 2*p%R*c*y(2), a_g, y_dot(3), force)
          y_dot(1) = y(2)
          y_dot(2) = -(side*(4*p%gamma*c*s*y(2)**2 + p%g_over_R*(s &
             + cable_now(equation, phi, half_sine))) + c*((2*p%gamma + 1)*a_g + 2*force)/p%R) &
@@ -135,20 +132,16 @@ contains
       !! their displacements [m]
       real(wp), intent(in) :: v(n)
       !! their velocities [m/s]
-      real(wp), intent(in) :: u_roof
-      !! [m]
-      real(wp), intent(in) :: v_roof
-      !! [m/s]
+      real(wp), intent(in) :: u_roof, v_roof
+      !! displacement and velocity of the roof [m], [m/s]
       real(wp), intent(in) :: a_g
       !! acceleration of the ground [m/s2]
       real(wp), intent(inout) :: y_dot(2*n)
       !! rates of u and v
       real(wp), intent(out) :: force
       !! over m_w [m/s2]
-      real(wp) :: below
-      !! displacement of the storey below a floor [m]
-      real(wp) :: above
-      !! and of the one above [m]
+      real(wp) :: below, above
+      !! displacements of the storeys below and above a floor [m]
       real(wp) :: rate
       integer :: at
       !! constants used so far
