@@ -32,7 +32,10 @@ contains
       type(spring_t) :: fuse
 
       allocate (equation%springs(0))
-      if (frame_yields) equation%springs = frame_springs(case, equation%p%omega_s**2)
+      if (frame_yields) then
+         equation%parts = frame_parts(case)
+         equation%springs = frame_springs(case, equation%p%omega_s**2, equation%parts)
+      end if
       if (allocated(case%fuse)) then
          fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
             case%fuse%eta_y*equation%p%g, case%fuse%hardening)
@@ -44,37 +47,41 @@ contains
       call follow_branches(equation)
    end subroutine choose_springs
 
+   !> Parts that the springs of the frame have in its stiffness: one has all, storeys have theirs.
+   pure function frame_parts(case) result(parts)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      real(wp), allocatable :: parts(:)
+
+      parts = [1.0_wp]
+      if (.not. allocated(case%yielding%storey_u_y)) return
+      parts = case%storeys%frame%k*case%storeys%frame%height**2
+      parts = parts/sum(parts)
+   end function frame_parts
+
    !> Spring of the frame, or one for each of its storeys where a straight line links them to the
    !> rotation: all of them follow the roof.
-   function frame_springs(case, stiffness) result(springs)
+   function frame_springs(case, stiffness, parts) result(springs)
       type(case_t), intent(in) :: case
       !! with `&yielding`
       real(wp), intent(in) :: stiffness
       !! of the frame over m_s [1/s2]
-      type(sprung_t), allocatable :: springs(:)
-      real(wp), allocatable :: share(:)
-      !! of each storey in the height [-]
-      real(wp), allocatable :: part(:)
-      !! of each storey in the stiffness [-]
-      real(wp), allocatable :: u_y(:)
+      real(wp), intent(in) :: parts(:)
+      !! (springs)
+      type(sprung_t) :: springs(size(parts))
+      real(wp) :: u_y(size(parts))
+      !! displacement of the roof at first yield [m]
       integer :: i
 
-      associate (yielding => case%yielding)
-         if (.not. allocated(yielding%storey_u_y)) then
-            springs = [sprung_t(new_spring(stiffness, stiffness*yield_displacement(case), &
-               yielding%hardening), place_frame)]
-            return
-         end if
-         share = case%storeys%frame%height/sum(case%storeys%frame%height)
-         part = case%storeys%frame%k*share**2
-         part = part/sum(part)
-         u_y = storey_strengths(case)/share
-         allocate (springs(size(share)))
-         do i = 1, size(share)
-            springs(i) = sprung_t(new_spring(stiffness*part(i), stiffness*part(i)*u_y(i), &
-               yielding%hardening), place_frame, part=part(i))
-         end do
-      end associate
+      if (allocated(case%yielding%storey_u_y)) then
+         u_y = storey_strengths(case)*sum(case%storeys%frame%height)/case%storeys%frame%height
+      else
+         u_y = yield_displacement(case)
+      end if
+      do i = 1, size(parts)
+         springs(i) = sprung_t(new_spring(stiffness*parts(i), stiffness*parts(i)*u_y(i), &
+            case%yielding%hardening), place_frame)
+      end do
    end function frame_springs
 
    !> Displacement at which each storey of a case yields first [m].
@@ -176,7 +183,7 @@ contains
             if (place == place_frame) then
                x = elongation(equation, place, equation%side*y(1))
                energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
-                  - equation%springs(i)%part*(equation%p%omega_s*x)**2/2)
+                  - equation%parts(i)*(equation%p%omega_s*x)**2/2)
             else
                x = 0
                if (moves(equation, place)) x = elongation(equation, place, equation%side*y(1))

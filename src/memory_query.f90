@@ -85,8 +85,8 @@ contains
       real(wp), intent(in) :: theta
       !! [rad] or [m]
 
-      residual = sum(frame_residuals(equation, theta)*pack(equation%springs%part, &
-         equation%springs%place == place_frame))
+      residual = 0
+      if (allocated(equation%parts)) residual = sum(equation%parts*frame_residuals(equation, theta))
    end function frame_residual
 
    !> The same of each spring of the frame by itself [m].

@@ -133,8 +133,6 @@ module rwmf_scene
       !! force of the branch in force at the elongation zero
       real(wp) :: slope = 0
       !! and its derivative: a branch is a straight line
-      real(wp) :: part = 1
-      !! of the frame's stiffness that is its own [-]
    end type sprung_t
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
@@ -188,7 +186,9 @@ module rwmf_scene
       logical :: has_memory = .false.
       !! there are springs that yield or break
       type(sprung_t), allocatable :: springs(:)
-      !! fuses and yielding frame; the tendon's is in `cable`
+      !! yielding frame and fuses; the tendon's is in `cable`
+      real(wp), allocatable :: parts(:)
+      !! of the frame's stiffness that its springs have, the first of them all [-]
       real(wp) :: frame_offset = 0
       !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
       real(wp) :: frame_slope = 0
