@@ -385,3 +385,49 @@ def test_states_of_smooth_storeys() -> None:
         "z_1",
         "z_2",
     ]
+
+
+@pytest.mark.parametrize("law", ["elastic_plastic", "bouc_wen"])
+def test_base_shear_is_that_of_the_lowest_storey(law: str) -> None:
+    """Without dampers: masses times accelerations on one side, the columns on the other."""
+    m = [3.0, 2.0, 1.5]
+    groups = _groups(m, [600.0, 500.0, 300.0], "full", 9.0)
+    groups["frame"]["xi_s"] = 0.0
+    case = bare_frame(
+        **groups,
+        yielding={"storey_u_y": [0.015], "hardening": 0.05, "law": law},
+        motion=PULSE,
+        solver=SOLVER | {"t_end": 3.0},
+        output={"reactions": True, "dt": 0.01},
+    )
+    run = rwmf.simulate(case)
+    assert float(run["ductility"]) > 3
+    shear = run["storey_1_shear_over_m_w_g"].values / sum(m)
+    assert run["base_shear_over_weight"].values == pytest.approx(-shear, abs=1e-9)
+
+
+def test_wall_at_rest_bears_what_the_storeys_have_left() -> None:
+    """After the motion the roof is held, and the link carries the shear of the uppermost storey."""
+    m, k = [2.0, 2.0, 2.0], [700.0, 600.0, 400.0]
+    case = coupled(
+        **_groups(m, k, "full", 2 * H),
+        wall={"h": H, "b": B},
+        yielding={"storey_u_y": [0.008, 0.02, 0.015], "hardening": 0.05},
+        cable={"eta_0": 10.0, "eta_alpha": 12.0, "law": "linear"},
+        impact={"e": 0.0},
+        motion=PULSE | {"a_max_g": 0.5},
+        model={"formulation": "exact"},
+        solver={"rtol": 1e-9, "method": "dop853", "t_end": 60.0},
+        output={"reactions": True, "dt": 1.0},
+    )
+    run = rwmf.simulate(case)
+    kind = run["event"].to_numpy()
+    assert kind[kind != "branch"][-1] == "rest"
+    # storeys have yielded while the wall was held as well
+    assert kind[-1] == "branch"
+    left = run["storey_3_shear_over_m_w_g"].values[-1]
+    assert abs(left) > 1e-3
+    # nothing moves any more: the base pushes the wall against what the link pulls
+    assert float(run["pivot_horizontal_over_m_w_g"][-1]) == pytest.approx(left, abs=1e-5)
+    shears = [float(run[f"storey_{i}_shear_over_m_w_g"][-1]) for i in (1, 2, 3)]
+    assert shears == pytest.approx([left] * 3, abs=1e-5)
