@@ -74,6 +74,22 @@ EFFECTS = [
         )
         for coupling in ("reduced", "every_floor", "full")
     ),
+    *(
+        Effect(
+            f"`&storeys`, {coupling}, {what}",
+            NO_PERIOD
+            | {
+                "storeys": STOREYS | {"coupling": coupling},
+                "yielding": {"storey_u_y": [0.006, 0.004], "law": law},
+            },
+            "yielding" if law == "bouc_wen" else "storeys",
+        )
+        for coupling, what, law in (
+            ("every_floor", "each yields", "elastic_plastic"),
+            ("full", "each yields", "elastic_plastic"),
+            ("full", "Bouc-Wen", "bouc_wen"),
+        )
+    ),
     Effect("`&inerter`", {"inerter": {"inertance_over_m_w": 1.0}}, "inerter"),
     Effect("impact, constant", {"impact": {"rule": "constant", "e": 0.8}}, "impact"),
     Effect("impact, `housner`", {"impact": {"rule": "housner"}}, "impact"),

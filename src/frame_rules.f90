@@ -78,12 +78,6 @@ contains
             //'which the floors are linked to', error)
          return
       end if
-      if (has_group(groups, 'yielding') &
-          .and. text_of(groups, 'storeys', 'coupling') == 'full') then
-         call fail_group(groups, 'yielding', "must not be given with &storeys coupling = 'full', " &
-            //"whose storeys are elastic; the other couplings allow it", error)
-         return
-      end if
       if (logical_of(groups, 'output', 'reactions') &
           .and. text_of(groups, 'storeys', 'coupling') == 'every_floor') then
          call fail_key(groups, 'output', 'reactions', "must be .false. with &storeys coupling = " &

@@ -6,6 +6,7 @@
 !> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
+   use rwmf_bouc_wen, only: follow_course
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
@@ -21,9 +22,12 @@ module rwmf_hybrid
       pass_knot
    use rwmf_rest, only: find_lift_off, jumps, may_rest, pull_duration
    use rwmf_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
-      event_peak, event_rest, event_rupture
+      event_passage, event_peak, event_rest, event_rupture
    use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_change, only: change_storey
+   use rwmf_storey_search, only: stop_at_storey, storey_end_t
+   use rwmf_storey_springs, only: begin_storeys, settle_storeys
    use rwmf_text, only: real_to_text
    implicit none
    private
@@ -56,11 +60,13 @@ contains
       equation%course = 1
       if (.not. equation%has_impacts) then
          if (equation%has_memory) call begin_memory(equation, y(1))
+         if (equation%floors%yields) call begin_storeys(equation, y)
          hybrid%mode = mode_no_impacts
          return
       end if
       if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
       if (equation%has_memory) call begin_memory(equation, y(1))
+      if (equation%floors%yields) call begin_storeys(equation, y)
       call find_bearing(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
@@ -182,6 +188,7 @@ contains
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
       real(wp) :: t_limit
       integer :: event
 
@@ -195,11 +202,14 @@ contains
       if (hybrid%must_restart) then
          if (equation%has_memory) call renew_window(equation)
          if (equation%has_course) call set_course(hybrid, equation)
+         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
          call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
       hybrid%must_restart = .false.
       call stepper%step(t_limit, error)
+      if (allocated(error)) return
+      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
       if (allocated(error)) return
       call search_step(hybrid, equation, stepper, observer, event, error)
       if (allocated(error)) return
@@ -220,16 +230,20 @@ contains
             hybrid%y(2) = 0
          end if
          hybrid%must_restart = .true.
+      case (event_passage)
+         hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
          call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
       case default
-         ! Nothing happened: the flight goes on with the next step.
+         ! Nothing else happened: the flight goes on with the next step.
+         if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
       end select
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
 
-   !> The sign that theta' has in the piece of motion that begins; after a peak it is known already.
+   !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
+   !> peak it is known already.
    pure subroutine set_course(hybrid, equation)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -239,6 +253,7 @@ contains
       else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
          equation%course = equation%side
       end if
+      call follow_course(equation, hybrid%y(equation%hysteresis%place))
    end subroutine set_course
 
    !> A spring enters another branch.

@@ -129,8 +129,7 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, 1.0_wp, [rise_of_top_corner(geometry, kin), 2*kin%s, -2*kin%c, &
-         -2*kin%s], kin)
+      call add_tilt(geometry%link, 1.0_wp, rise_of_top_corner(geometry, kin), 2*kin%s, kin)
    end subroutine linked_top_corner
 
    !> Link of finite length at the left top corner, theta < 0 of `exact`: the corner sinks by
@@ -141,8 +140,7 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1.0_wp, [rise_of_left_corner(geometry, kin), -kin%u, -kin%j, &
-         kin%u], kin)
+      call add_tilt(geometry%link, -1.0_wp, rise_of_left_corner(geometry, kin), -kin%u, kin)
    end subroutine linked_left_corner
 
    !> How far the top corner above the lifting base corner has risen, over R [-].
@@ -164,24 +162,27 @@ contains
       rise = -4*geometry%cos_alpha*kin%half_sine**2
    end function rise_of_left_corner
 
-   !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.
-   pure subroutine add_tilt(l, sign_of_tilt, v, kin)
+   !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement. The corner moves on
+   !> a circle: the second derivative of v is -j of the infinitely long link, the third is -v_1.
+   pure subroutine add_tilt(l, sign_of_tilt, v, v_1, kin)
       real(wp), intent(in) :: l
       !! length of the link over R [-]
       real(wp), intent(in) :: sign_of_tilt
       !! +1: the tilt pushes the frame on, -1: it holds it back
-      real(wp), intent(in) :: v(0:3)
-      !! rise of the corner over R and its derivatives by phi [-]
+      real(wp), intent(in) :: v
+      !! rise of the corner over R [-]
+      real(wp), intent(in) :: v_1
+      !! and its derivative by phi
       type(kinematics_t), intent(inout) :: kin
       real(wp) :: root
       real(wp) :: tilt_1, tilt_2, tilt_3
 
-      root = sqrt(l**2 - v(0)**2)
+      root = sqrt(l**2 - v**2)
       ! tilt = l - root has root*tilt' = v v', which is differentiated twice
-      tilt_1 = v(0)*v(1)/root
-      tilt_2 = (v(1)**2 + v(0)*v(2) + tilt_1**2)/root
-      tilt_3 = (3*(v(1)*v(2) + tilt_1*tilt_2) + v(0)*v(3))/root
-      kin%u = kin%u + sign_of_tilt*v(0)**2/(l + root)
+      tilt_1 = v*v_1/root
+      tilt_2 = (v_1**2 - v*kin%j + tilt_1**2)/root
+      tilt_3 = (3*(tilt_1*tilt_2 - v_1*kin%j) - v*v_1)/root
+      kin%u = kin%u + sign_of_tilt*v**2/(l + root)
       kin%j = kin%j + sign_of_tilt*tilt_1
       kin%k = kin%k + sign_of_tilt*tilt_2
       kin%k_1 = kin%k_1 + sign_of_tilt*tilt_3

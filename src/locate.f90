@@ -25,9 +25,9 @@ contains
       type(equation_t), intent(inout) :: equation
       class(stepper_t), intent(inout) :: stepper
       integer, intent(in) :: component
-      !! 1: theta, 2: theta'
+      !! 1: theta, 2: theta', or a further state
       real(wp), intent(in) :: level
-      !! [rad] or [rad/s]
+      !! [rad], [rad/s] or of the further state
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: y_a(:)

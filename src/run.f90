@@ -10,8 +10,8 @@ module rwmf_run
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_kinds, only: i8, pi, wp
-   use rwmf_memory, only: yield_displacement
-   use rwmf_memory_query, only: frame_residual, prestress_loss, tendon_is_broken
+   use rwmf_memory, only: storey_strengths, yield_displacement
+   use rwmf_memory_query, only: frame_residual, frame_residuals, prestress_loss, tendon_is_broken
    use rwmf_methods, only: new_stepper, run_method
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
@@ -20,6 +20,7 @@ module rwmf_run
    use rwmf_result, only: add_warning, result_t
    use rwmf_scene, only: frame_travel
    use rwmf_stepper, only: stepper_t, tolerance_t
+   use rwmf_storey_springs, only: storey_residuals
    use rwmf_text, only: real_to_text
    use rwmf_vertical, only: lowest_vertical
    implicit none
@@ -258,6 +259,10 @@ contains
       if (equation%has_memory .or. equation%has_course) then
          call fill_memory(case, equation, hybrid, result)
       end if
+      if (allocated(case%yielding) .and. allocated(case%storeys)) then
+         if (allocated(case%yielding%storey_u_y)) call fill_storeys(case, equation, hybrid, &
+            observer, result)
+      end if
       if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
       if (observer%keeps_energy) result%energy = observer%energy
       if (allocated(observer%forces)) then
@@ -282,7 +287,8 @@ contains
          result%has_ruptured = tendon_is_broken(equation)
       end if
       if (allocated(case%yielding)) then
-         result%ductility = result%u_s_max/yield_displacement(case)
+         if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
+            /yield_displacement(case)
          if (equation%has_course) then
             result%residual_displacement = bouc_wen_residual(equation, hybrid%y)
          else
@@ -290,6 +296,33 @@ contains
          end if
       end if
    end subroutine fill_memory
+
+   !> What yielding of the single storeys leaves behind. Where a straight line links them all to the
+   !> roof, they have their shares of its displacement.
+   subroutine fill_storeys(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      !! with `&yielding storey_u_y`
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(in) :: observer
+      type(result_t), intent(inout) :: result
+      real(wp) :: share(size(case%storeys%frame%m))
+      !! of each storey in the height [-]
+
+      associate (height => case%storeys%frame%height)
+         if (equation%floors%yields) then
+            result%storey_ductility = observer%drifts/storey_strengths(case)
+            result%storey_residual_drift = storey_residuals(equation, hybrid%y)
+            result%residual_displacement = sum(result%storey_residual_drift)
+            result%storey_residual_drift = result%storey_residual_drift/height
+         else
+            share = height/sum(height)
+            result%storey_ductility = result%u_s_max*share/storey_strengths(case)
+            result%storey_residual_drift = frame_residuals(equation, hybrid%y(1))/sum(height)
+         end if
+      end associate
+      result%ductility = maxval(result%storey_ductility)
+   end subroutine fill_storeys
 
    !> What the user should know about the scene itself.
    subroutine collect_warnings(case, equation, result)

@@ -49,6 +49,11 @@ _EFFECTS = st.fixed_dictionaries(
         ),
         "yielding": _maybe({"u_y": st.floats(3e-3, 5e-2), "hardening": st.sampled_from([0.0, 0.1])})
         | _maybe({"u_y": st.floats(3e-3, 5e-2), "law": st.just("bouc_wen")}),
+        # of the frame's mass and period: how many, and what they are linked by
+        "storeys": st.none()
+        | st.fixed_dictionaries(
+            {"n": st.integers(1, 4), "coupling": st.sampled_from(["full", "every_floor"])}
+        ),
         "inerter": _maybe({"inertance_over_m_w": st.floats(0.1, 10.0)}),
         "vertical": _maybe({"ratio": st.floats(-0.7, 0.7)}),
         "impact": st.sampled_from(
@@ -84,12 +89,37 @@ _EFFECTS = st.fixed_dictionaries(
 
 def _case(groups: dict[str, dict | None], method: str = "dop853", **more: object) -> rwmf.Case:
     given_groups = {name: keys for name, keys in groups.items() if keys is not None}
+    if "storeys" in given_groups:
+        given_groups |= _storeys(given_groups)
     return rwmf.Case(
         wall={"h": 2.0, "b": 0.5},
         solver={"t_end": 4.0, "method": method, "rtol": 1e-10},
         **given_groups,
         **more,
     )
+
+
+def _storeys(groups: dict[str, dict]) -> dict[str, dict]:
+    """Equal storeys that have the frame's mass and period, and its yielding each by itself."""
+    n, coupling = groups["storeys"]["n"], groups["storeys"]["coupling"]
+    frame = groups["frame"]
+    m = frame["gamma"] / n
+    k = m * (math.pi / frame["T_s"] / math.sin(math.pi / (4 * n + 2))) ** 2
+    made = {
+        "frame": {"xi_s": frame["xi_s"]},
+        "storeys": {
+            "m_over_m_w": [m] * n,
+            "k_over_m_w": [k] * n,
+            "height": [4.0 / n] * n,
+            "coupling": coupling,
+        },
+    }
+    yielding = groups.get("yielding")
+    if yielding and (coupling == "full" or "law" not in yielding):
+        made["yielding"] = {key: value for key, value in yielding.items() if key != "u_y"}
+        # the lowest storey is the weakest
+        made["yielding"]["storey_u_y"] = [yielding["u_y"] * (1 + i) / n for i in range(n)]
+    return made
 
 
 @_PROFILE

@@ -271,3 +271,26 @@ def test_history_of_the_floors() -> None:
         "floor_1_dot_m_s",
         "floor_2_dot_m_s",
     ]
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853"])
+def test_wall_that_never_lifts_off(method: str) -> None:
+    """An implicit method must not give the resting wall a rotation out of round-off."""
+    case = coupled(
+        wall={"h": H, "b": B},
+        frame={"T_s": None, "gamma": None, "xi_s": 0.02},
+        storeys={
+            "m_over_m_w": [1.0, 1.0],
+            "k_over_m_w": [800.0, 800.0],
+            "height": [H, H],
+            "coupling": "full",
+        },
+        cable=None,
+        impact={"e": 0.9},
+        motion={"kind": "one_sine", "a_max_g": 0.02, "omega_p": 4.0},
+        solver={"t_end": 2.0, "method": method},
+    )
+    run = rwmf.simulate(case, dt=0.1)
+    assert int(run["lift_offs"]) == 0
+    assert float(run["theta_dot_max"]) == 0
+    assert abs(run["floor_1"]).max() > 1e-4
