@@ -45,6 +45,9 @@ contains
    !> A multistep method that carries its past over a kink loses two digits there, and a restart
    !> costs it some 30 small steps. So it begins anew at jumps, and where an interval has taken more
    !> steps than that; not at the samples of a record, where a step is about as long as an interval.
+   !>
+   !> Before the first knot nothing may have moved, and steps have grown without bound: the first one
+   !> into a pulse would reach to its end, where the acceleration is zero again, and miss it.
    subroutine pass_knot(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -55,6 +58,7 @@ contains
       if (hybrid%t < interval_end(equation%motion, interval_of(equation))) return
       call enter_interval(equation, interval_of(equation) + 1)
       if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
+      if (interval_of(equation) == 1) hybrid%must_restart = .true.
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
