@@ -22,6 +22,7 @@ Samples = tuple[tuple[float, float], ...]
 H, B = 2.0, 0.5
 ALPHA = math.atan2(B, H)
 T_END = 4.0
+MAX_STEPS = 200_000
 _PULSE_RATE = 0.55  # part of the scenes that have a pulse, not a record
 
 
@@ -93,7 +94,7 @@ def combination(number: int) -> Combination:
             "overturning_angle": 0.9,
         },
         "impact": dict(dice.choice(_IMPACTS)),
-        "solver": {"t_end": T_END, "max_steps": 1_000_000},
+        "solver": {"t_end": T_END, "max_steps": MAX_STEPS},
     }
     groups |= _frame(dice)
     for chance, name, keys in (
@@ -110,6 +111,41 @@ def combination(number: int) -> Combination:
     return _moved(dice, number, groups)
 
 
+def spectrum_combination(number: int) -> Combination:
+    """Make a scene with `&spectrum` that method `fast` supports.
+
+    Parameters
+    ----------
+    number : int
+        Any.
+
+    Returns
+    -------
+    Combination
+        A frame alone, or with a rocking wall, at a few periods.
+    """
+    dice = random.Random(f"spectrum {number}")
+    groups: Groups = {
+        "frame": {"xi_s": dice.choice([0.0, 0.05, 0.05, 0.3])},
+        "solver": {"t_end": T_END, "max_steps": MAX_STEPS},
+        "spectrum": {"T_s": sorted(_log(dice, 0.05, 3.0) for _ in range(3))},
+    }
+    if dice.random() > 0.1:
+        groups["wall"] = {"h": H, "b": B}
+        groups["frame"]["gamma"] = _log(dice, 0.5, 1000.0)
+        groups["model"] = {"formulation": dice.choice(["published", "symmetric", "exact"])}
+        groups["impact"] = dict(dice.choice([*_IMPACTS[:4], {"rule": "housner"}]))
+        if dice.random() < 0.7:
+            laws = ["linear"] if groups["model"]["formulation"] == "published" else _LAWS
+            groups["cable"] = {
+                "eta_0": dice.choice([0.0, 1.0, 4.0]),
+                "eta_alpha": dice.uniform(4.5, 12.0),
+                "law": dice.choice(laws),
+            }
+    return _moved(dice, number, groups, may_be_vertical=False)
+
+
+_LAWS = ["linear", "truss"]
 _IMPACTS: tuple[dict[str, Any], ...] = (
     {"e": 0.8},
     {"e": 1.0},
@@ -166,7 +202,7 @@ def _storeys(dice: random.Random, gamma: float, coupling: str) -> dict[str, Any]
 def _cable(dice: random.Random) -> dict[str, Any]:
     eta_0, eta_alpha = dice.choice([0.0, 1.0, 1.0, 4.0]), dice.uniform(4.5, 12.0)
     keys: dict[str, Any] = {"eta_0": eta_0, "eta_alpha": eta_alpha}
-    keys["law"] = dice.choice(["linear", "truss"])
+    keys["law"] = dice.choice(_LAWS)
     kind = dice.choice(["elastic", "yields", "yields", "breaks", "yields and breaks"])
     if "yields" in kind:
         keys |= {"eta_y": eta_0 + dice.uniform(0.1, 0.8), "hardening": dice.choice([0.0, 0.02])}
@@ -195,12 +231,14 @@ def _inerter(dice: random.Random) -> dict[str, Any]:
     return {"inertance_over_m_w": _log(dice, 0.1, 10.0)}
 
 
-def _moved(dice: random.Random, number: int, groups: Groups) -> Combination:
+def _moved(
+    dice: random.Random, number: int, groups: Groups, may_be_vertical: bool = True
+) -> Combination:
     """Add the motion: a pulse or a record, with or without a vertical one."""
     peak = dice.uniform(0.1, 0.9)
     if dice.random() < _PULSE_RATE:
         groups["motion"] = _pulse(dice, peak)
-        if dice.random() < 0.3:
+        if may_be_vertical and dice.random() < 0.3:
             groups["vertical"] = {"ratio": dice.uniform(-0.7, 0.7)}
         return Combination(number, groups)
     groups["motion"] = {"kind": "record"}
@@ -209,9 +247,11 @@ def _moved(dice: random.Random, number: int, groups: Groups) -> Combination:
     if ends_with_record and horizontal[-1][0] > 0:
         del groups["solver"]["t_end"]  # most walls are in mid flight then
     draw, vertical = dice.random(), ()
+    if not may_be_vertical or draw >= 0.4:
+        return Combination(number, groups, horizontal)
     if draw < 0.2:
         groups["vertical"] = {"ratio": dice.uniform(-0.7, 0.7)}
-    elif draw < 0.4:
+    else:
         groups["vertical"] = {}
         vertical = _record(dice, 9.81 * 0.6 * peak)
     return Combination(number, groups, horizontal, vertical)
