@@ -16,7 +16,8 @@ from typing import Any
 import rwmf
 from rwmf import records
 
-Groups = dict[str, dict[str, Any]]
+Changes = dict[str, Any]
+Groups = dict[str, Changes]
 Samples = tuple[tuple[float, float], ...]
 
 H, B = 2.0, 0.5
@@ -45,7 +46,7 @@ class Combination:
     horizontal: Samples = ()
     vertical: Samples = ()
 
-    def build(self, folder: Path, **changes: dict[str, Any]) -> rwmf.Case:
+    def build(self, folder: Path, **changes: Changes) -> rwmf.Case:
         """Make the case; its records are written into the folder.
 
         Parameters

@@ -11,13 +11,12 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from combinations import Combination, combination, spectrum_combination
+from combinations import Changes, Combination, combination, spectrum_combination
 
 NUMBERS = int(os.environ.get("RWMF_COMBINATIONS", "60"))
 FIRST = int(os.environ.get("RWMF_COMBINATIONS_FIRST", "0"))
@@ -44,9 +43,7 @@ class UndecidedError(Exception):
     """The scene amplifies what no method can help."""
 
 
-def _go_through(
-    check: Check, make: Callable[[int], Combination], start: int, folder: Path
-) -> None:
+def _go_through(check: Check, make: Callable[[int], Combination], start: int, folder: Path) -> None:
     """Apply a check to a chunk of numbers; it returns a finding or None."""
     numbers = range(start, min(start + _CHUNK, FIRST + NUMBERS))
     findings, undecided = [], 0
@@ -69,7 +66,7 @@ def _go_through(
     assert undecided <= (1 - DECIDED) * len(numbers) + 1, (numbers, undecided)
 
 
-def _run(made: Combination, folder: Path, method: str = "dop853", **changes: Any) -> xr.Dataset:
+def _run(made: Combination, folder: Path, method: str = "dop853", **changes: Changes) -> xr.Dataset:
     changes["solver"] = {"method": method, "rtol": RTOL} | changes.get("solver", {})
     return rwmf.simulate(made.build(folder, **changes))
 
@@ -78,7 +75,7 @@ def _peak(run: xr.Dataset) -> float:
     return float(run["u_s_max" if "u_s_max" in run else "theta_max_over_alpha"])
 
 
-def _shaken(made: Combination, factor: float) -> dict[str, dict[str, float]]:
+def _shaken(made: Combination, factor: float) -> dict[str, Changes]:
     """Return the keys that multiply the whole motion by a factor."""
     if not made.horizontal:
         return {"motion": {"a_max_g": factor * made.groups["motion"]["a_max_g"]}}
@@ -105,7 +102,7 @@ def _amplification(made: Combination, folder: Path) -> float:
 
 
 def find_imbalance(made: Combination, folder: Path) -> str | None:
-    """Work of the ground is what is stored and what is dissipated, by name."""
+    """Compare the work of the ground with what is stored and what is dissipated, by name."""
     run = _run(made, folder, output={"energy": True})
     if not float(run["energy_balance_relative"]) < BALANCE:
         return f"balance {float(run['energy_balance_relative'])}"
@@ -116,7 +113,7 @@ def find_imbalance(made: Combination, folder: Path) -> str | None:
 
 
 def find_disagreement(made: Combination, folder: Path) -> str | None:
-    """Every step may err by the tolerance, and nothing but the scene may amplify that.
+    """Compare methods: a step may err by the tolerance, and only the scene may amplify that.
 
     Without loss at impact the chatter keeps the phase of flights that are smaller than the
     tolerance. There a multistep method has no digits, so that it is not asked.
@@ -137,7 +134,7 @@ def find_disagreement(made: Combination, folder: Path) -> str | None:
 
 
 def find_asymmetry(made: Combination, folder: Path) -> str | None:
-    """`symmetric`: the opposite motion, the vertical one as before, gives the opposite rotation."""
+    """Turn the motion round, not the vertical one: in `symmetric` the rotation turns as well."""
     groups = made.groups | {"model": made.groups["model"] | {"formulation": "symmetric"}}
     made = replace(made, groups=groups)
     opposite = _shaken(made, -1.0)
@@ -153,15 +150,17 @@ def find_asymmetry(made: Combination, folder: Path) -> str | None:
 
 
 def find_shift(made: Combination, folder: Path) -> str | None:
-    """A motion that begins later does the same later; before it, nothing moves."""
-    if made.horizontal and made.horizontal[0][0] < 0 or made.groups["motion"].get("t_0", 0.0) < 0:
+    """Delay the motion: it does the same later, and before it nothing moves."""
+    if (made.horizontal and made.horizontal[0][0] < 0) or made.groups["motion"].get("t_0", 0.0) < 0:
         return None
     if made.vertical and made.vertical[0][0] < 0:
         return None
     delay = 1.0 / 3.0
     t_end = made.groups["solver"].get("t_end")
     if t_end is None:
-        t_end = max(t for samples in (made.horizontal, made.vertical) for t, _ in samples or [(0, 0)])
+        t_end = max(
+            t for samples in (made.horizontal, made.vertical) for t, _ in samples or [(0, 0)]
+        )
     groups = {name: dict(keys) for name, keys in made.groups.items()}
     if not made.horizontal:
         groups["motion"]["t_0"] = groups["motion"].get("t_0", 0.0) + delay
@@ -182,9 +181,9 @@ def find_shift(made: Combination, folder: Path) -> str | None:
 
 
 def find_slip(made: Combination, folder: Path) -> str | None:
-    """Method `fast` as a whole: in its lanes, and where it leaves the scene to the kernel."""
+    """Ask method `fast` as a whole: its lanes, and where it leaves the scene to the kernel."""
 
-    def peaks(solver: dict[str, Any], **changes: Any) -> np.ndarray:
+    def peaks(solver: Changes, **changes: Changes) -> np.ndarray:
         found = rwmf.spectrum(made.build(folder, solver=solver, **changes), threads=1)
         if set(found["status"].values.flat) - {"ok", "overturned"}:
             raise UndecidedError
@@ -204,7 +203,9 @@ def find_slip(made: Combination, folder: Path) -> str | None:
 
 @pytest.mark.parametrize("start", _STARTS)
 @pytest.mark.parametrize(
-    "check", [find_imbalance, find_disagreement, find_asymmetry, find_shift], ids=lambda x: x.__name__
+    "check",
+    [find_imbalance, find_disagreement, find_asymmetry, find_shift],
+    ids=lambda x: x.__name__,
 )
 def test_combinations(check: Check, start: int, tmp_path: Path) -> None:
     """What must hold whatever acts together."""
