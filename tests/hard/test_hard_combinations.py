@@ -34,6 +34,7 @@ NOTHING = 1e-12  # m or rad
 CHANGE = 1e-9  # of the motion, to see what amplifies
 UNDECIDED = 0.01  # an error that may be larger says nothing
 DECIDED = 0.6  # least part of the scenes that a check can decide on
+ENDLESS = 0.99  # velocity factor of an impact
 LIMIT = 1e-9  # what the steps of two runs at rtol 1e-13 leave
 
 Check = Callable[[Combination, Path], str | None]
@@ -55,15 +56,23 @@ def _go_through(check: Check, make: Callable[[int], Combination], start: int, fo
             undecided += 1
             continue
         except rwmf.NumericalError as error:
-            # without loss at impact and a frame that damps, ever smaller flights have no end
+            # hardly a loss at impact: ever smaller flights have no end, or a late one
             assert "max_steps" in str(error), (number, str(error))
-            assert made.groups["impact"].get("e") == 1.0, (number, str(error))
+            assert _velocity_factor(made, folder) > ENDLESS, (number, str(error))
             undecided += 1
             continue
         if finding is not None:
             findings.append(f"{number}: {finding}")
     assert not findings, "\n".join(findings)
     assert undecided <= (1 - DECIDED) * len(numbers) + 1, (numbers, undecided)
+
+
+def _velocity_factor(made: Combination, folder: Path) -> float:
+    """Return e; a table here loses enough."""
+    given = made.groups["impact"].get("e")
+    if given is not None:
+        return float(given)
+    return float(rwmf.simulate(made.build(folder, solver={"t_end": 1e-3})).get("e", 0.0))
 
 
 def _run(made: Combination, folder: Path, method: str = "dop853", **changes: Changes) -> xr.Dataset:

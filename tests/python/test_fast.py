@@ -120,6 +120,23 @@ def test_bare_frame_is_exact(folder: Path) -> None:
         assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 1e-11
 
 
+def test_peak_in_the_first_step_of_a_frame(tmp_path: Path) -> None:
+    """A frame that starts with nothing and turns back within its first step."""
+    path = tmp_path / "turns.txt"
+    path.write_text("0.0 -1.3213\n0.0137 2.9329\n", encoding="utf-8")
+    case = rwmf.Case(
+        frame={"xi_s": 0.05},
+        motion={"kind": "record", "file": str(path), "unit": "m/s2"},
+        spectrum={"T_s": [0.3, 2.0, 2.2]},
+    )
+    found, evaluations = _peaks(case)
+    assert evaluations == 0
+    truth, _ = _peaks(case.replace(solver=TRUSTED))
+    assert np.max(np.abs(found / truth - 1)) < 1e-11
+    # the ground turns at 0.00426 s, the frame later, and falls back before the record ends
+    assert np.all(found > 1.5e-5)
+
+
 def test_what_the_lanes_do_not_know_falls_back() -> None:
     """Every group and key that is not in their list leaves the spectrum to the general kernel."""
     scene = {
