@@ -59,9 +59,9 @@ contains
    !> costs it some 30 small steps. So it begins anew at jumps, and where an interval has taken more
    !> steps than that; not at the samples of a record, where a step is about as long as an interval.
    !>
-   !> Before the first knot nothing may have moved, and steps have grown without bound: the first one
-   !> into a pulse would reach to its end, where the acceleration is zero again, and miss it. So the
-   !> count of steps begins with those of a restart there (`count_steps`).
+   !> Before the first knot nothing may have moved, and steps have grown without bound: the first
+   !> one into a pulse would reach to its end, where the acceleration is zero again, and miss it. So
+   !> the count of steps begins with those of a restart there (`count_steps`).
    subroutine pass_knot(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
