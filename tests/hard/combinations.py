@@ -23,7 +23,7 @@ Samples = tuple[tuple[float, float], ...]
 H, B = 2.0, 0.5
 ALPHA = math.atan2(B, H)
 T_END = 4.0
-MAX_STEPS = 200_000
+MAX_STEPS = 400_000
 _PULSE_RATE = 0.55  # part of the scenes that have a pulse, not a record
 
 
