@@ -2,7 +2,7 @@
 
 The ground acceleration goes from one sign to the other between two samples, and a method of high
 order takes them in one step: the velocities at both ends are alike, two peaks lie between them.
-Here the first one is the largest of all. Found by `test_hard_combinations.py` (`fast`, its number 5274).
+Here the first one is the largest of all. Found by `test_hard_combinations.py` (number 5274).
 """
 
 from __future__ import annotations
