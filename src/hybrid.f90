@@ -18,8 +18,8 @@ module rwmf_hybrid
    use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
-   use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
-      pass_knot
+   use rwmf_regime, only: count_steps, hybrid_t, mode_no_impacts, mode_overturned, mode_rest, &
+      mode_rocking, pass_knot
    use rwmf_rest, only: find_lift_off, jumps, may_rest, pull_duration
    use rwmf_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
@@ -53,8 +53,8 @@ contains
       hybrid%t = t
       hybrid%y = y
       hybrid%must_restart = .true.
-      hybrid%steps_at_knot = 0_i8
       call enter_interval(equation, interval_at(equation%motion, t))
+      call count_steps(hybrid, equation)
       equation%side = 1
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%course = 1

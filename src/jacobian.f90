@@ -40,6 +40,9 @@ contains
          call rates_at(equation, t, y - step, backward)
          values(:, i) = (forward - backward)/(2*h)
       end do
+      ! A wall that is held (theta'' = 0 whatever happens) stays at zero to the last bit only if the
+      ! elimination finds nothing below its own two rows.
+      if (all(abs(values(2, :)) <= 0)) values(3:, :2) = 0
    end subroutine full_jacobian
 
    !> Derivatives of theta'' by theta [1/s2] and by theta' [1/s].

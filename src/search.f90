@@ -64,14 +64,23 @@ contains
 
    !> Is it plain from the ends of the step that nothing happens in it? Most steps of a multistep
    !> method are so short that the velocity hardly changes, under a motion that is monotone.
+   !>
+   !> A ground acceleration that changes its sign may take the velocity below zero and back to what
+   !> it was: then the way is shorter than such a velocity says, by two thirds when the velocity is
+   !> a parabola that touches zero.
    logical function is_quiet(hybrid, equation, stepper)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       class(stepper_t), intent(in) :: stepper
       real(wp) :: change
+      real(wp) :: least
+      real(wp) :: way
+      !! in the direction of the velocity [rad] or [m]
 
       change = abs(stepper%y1(2) - stepper%y0(2))
-      is_quiet = 2*change < min(abs(stepper%y0(2)), abs(stepper%y1(2)))
+      least = min(abs(stepper%y0(2)), abs(stepper%y1(2)))
+      way = sign(1.0_wp, stepper%y0(2))*(stepper%y1(1) - stepper%y0(1))
+      is_quiet = 2*change < least .and. 2*way > (stepper%t1 - stepper%t0)*least
       if (is_quiet .and. equation%has_wall) then
          is_quiet = abs(stepper%y1(1)) < hybrid%overturning_angle
          if (hybrid%mode == mode_rocking) then

@@ -294,3 +294,29 @@ def test_wall_that_never_lifts_off(method: str) -> None:
     assert int(run["lift_offs"]) == 0
     assert float(run["theta_dot_max"]) == 0
     assert abs(run["floor_1"]).max() > 1e-4
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
+def test_a_wall_that_stays_at_rest_does_not_move(method: str) -> None:
+    """Not by round-off either: a response of 1e-45 rad became the scale of the tolerances."""
+    run = rwmf.simulate(
+        rwmf.Case(
+            wall={"h": 2.0, "b": 0.5},
+            frame={"xi_s": 0.0},
+            storeys={
+                "m_over_m_w": [0.18, 0.11, 0.21],
+                "k_over_m_w": [1450.0, 1020.0, 15000.0],
+                "height": [1.3, 1.7, 1.0],
+                "coupling": "full",
+            },
+            cable={"eta_0": 4.0, "eta_alpha": 7.0},
+            impact={"e": 0.9},
+            model={"formulation": "symmetric"},
+            motion={"kind": "ricker", "a_max_g": 0.57, "T_p": 1.4},
+            solver={"t_end": 4.0, "method": method, "rtol": 1e-10, "max_steps": 20_000},
+        ),
+        dt=0.01,
+    )
+    assert int(run["lift_offs"]) == 0
+    assert np.all(run["theta"].values == 0)
+    assert np.max(np.abs(run["floor_1"].values)) > 1e-4
