@@ -1,7 +1,7 @@
 !> Rules between the groups that describe the frame: period, mass ratio, storeys.
 module rwmf_frame_rules
    use rwmf_errors, only: error_t
-   use rwmf_given, only: get_list, has_group, has_key, logical_of, real_of, text_of
+   use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
    use rwmf_rule_tools, only: fail_group, fail_key, too_stiff
@@ -82,13 +82,6 @@ contains
           .and. text_of(groups, 'storeys', 'coupling') == 'full') then
          call fail_group(groups, 'yielding', "must not be given with &storeys coupling = 'full', " &
             //"whose storeys are elastic; the other couplings allow it", error)
-         return
-      end if
-      if (logical_of(groups, 'output', 'reactions') &
-          .and. text_of(groups, 'storeys', 'coupling') == 'every_floor') then
-         call fail_key(groups, 'output', 'reactions', "must be .false. with &storeys coupling = " &
-            //"'every_floor': of the links at the floors their moment about the base is known, " &
-            //'not their sum; the other couplings allow it', error)
          return
       end if
       if (has_key(groups, 'spectrum', 'gamma')) then

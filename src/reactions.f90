@@ -95,6 +95,7 @@ contains
       !! [m/s2]
       real(wp), allocatable :: resisting(:)
       !! forces of the storeys [m/s2]
+      real(wp) :: u_ddot
       real(wp) :: rise
       !! of the link's corner over R [-]
       real(wp) :: side_of_frame
@@ -103,8 +104,8 @@ contains
       force = 0
       if (.not. equation%has_frame) return
       associate (p => equation%p)
-         force(1) = -p%gamma*(roof_acceleration(equation, kin, y, y_ddot) &
-            + equation%push*ground(equation, t))
+         u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+         force(1) = -p%gamma*(u_ddot + equation%push*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
             force(1) = force(1) - resisting(size(resisting))
@@ -116,6 +117,7 @@ contains
             *frame_residual(equation, y(1))
          if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
             *bouc_wen_residual(equation, y)
+         if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
       if (equation%geometry%link <= 0) return
       side_of_frame = 1
@@ -128,6 +130,31 @@ contains
       end if
       force(2) = side_of_frame*force(1)*rise/sqrt(equation%geometry%link**2 - rise**2)
    end function link_force
+
+   !> What the links of all floors do to the wall, from what a single one at the roof would do.
+   !>
+   !> On the straight line the shears of the storeys are in the proportion of k_i h_i at every
+   !> instant, those of dampers and of yielding included; the lowest one goes to the ground, and the
+   !> links carry the rest of the floors' momentum.
+   real(wp) function sum_of_links(equation, t, y, u_ddot, roof_alone) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_ddot
+      !! of the roof relative to the ground [m/s2]
+      real(wp), intent(in) :: roof_alone
+      !! force at the roof with the same moment about the base [m/s2]
+      real(wp) :: resisting
+      !! of spring and damper at the roof [m/s2]
+
+      associate (gamma => equation%p%gamma, a => ground(equation, t))
+         resisting = -roof_alone - gamma*(u_ddot + equation%push*a)
+         force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
+            - equation%foot*resisting
+      end associate
+   end function sum_of_links
 
    !> Force of the cable on the wall: along the straight cable of the law 'truss', else along the
    !> wall's axis, the only line fixed to the wall whose arm about both corners is R sin(alpha).

@@ -114,6 +114,10 @@ module rwmf_scene
       real(wp) :: floor_mass = 0
       !! mass of the frame's floors beyond that which moves with the roof, over m_w; without wall
       !! over the latter [-]
+      logical :: links_floors = .false.
+      !! every floor is linked to the wall, not the roof alone
+      real(wp) :: foot = 1
+      !! shear of the lowest storey over the force that resists the roof [-]
       real(wp) :: quickest = 0
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors

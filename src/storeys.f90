@@ -14,7 +14,7 @@ module rwmf_storeys
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: equation_t, frame_displacement, frame_mass, frame_travel, &
       frame_velocity, ground
-   use rwmf_shear_frame, only: damping_matrix, roof_factor, shear_frame_t
+   use rwmf_shear_frame, only: damping_matrix, foot_share, roof_factor, shear_frame_t
    implicit none
    private
 
@@ -40,6 +40,9 @@ contains
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
+         equation%foot = equation%push
+         equation%links_floors = case%storeys%coupling == 'every_floor'
+         if (equation%links_floors) equation%foot = foot_share(frame)
          equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          return
       end if

@@ -2,6 +2,7 @@
 program test_reactions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use check, only: checks_t
+   use rwmf_bouc_wen, only: bouc_wen_residual
    use rwmf_case, only: case_t, damper_t, fuse_t, inerter_t, initial_t, link_t, output_t
    use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
@@ -9,6 +10,7 @@ program test_reactions
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: pi, wp
    use rwmf_memory, only: load_to
+   use rwmf_memory_query, only: frame_residual
    use rwmf_kinematics, only: kinematics_t
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_reactions, only: cable_force, link_force, reactions_at, reactions_t
@@ -42,6 +44,13 @@ program test_reactions
    call check_balance(storeys('reduced', 'symmetric'), 'one mode, symmetric')
    call check_balance(storeys('full', 'exact'), 'all modes')
    call check_balance(storeys('full', 'published'), 'all modes, published')
+   call check_balance(storeys('every_floor', 'exact'), 'every floor')
+   call check_balance(storeys('every_floor', 'symmetric'), 'every floor, symmetric')
+   call check_balance(storeys('every_floor', 'published'), 'every floor, published')
+   call check_balance(linked_storeys('every_floor'), 'every floor, link')
+   call check_balance(storeys_of_pinned_wall(), 'every floor, pinned')
+   call check_balance(yielding_storeys('elastic_plastic'), 'every floor, yielding')
+   call check_balance(yielding_storeys('bouc_wen'), 'every floor, Bouc and Wen')
    call check_balance(linked_storeys('full'), 'all modes, link')
    call check_balance(linked_storeys('reduced'), 'one mode, link')
    call check_modal_base_shear('full')
@@ -164,6 +173,24 @@ contains
       call add_storeys(case, coupling)
    end function linked_storeys
 
+   !> Every floor linked to a hinged wall.
+   function storeys_of_pinned_wall() result(case)
+      type(case_t) :: case
+
+      case = pinned()
+      call add_storeys(case, 'every_floor')
+   end function storeys_of_pinned_wall
+
+   !> Every floor linked; all storeys yield at the same drift, far below that of the test.
+   function yielding_storeys(law) result(case)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      case = hysteretic('exact')
+      case%yielding%law = law
+      call add_storeys(case, 'every_floor')
+   end function yielding_storeys
+
    subroutine add_storeys(case, coupling)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: coupling
@@ -213,8 +240,7 @@ contains
                   t, y, y_ddot, damper)
             end if
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
-               + turn(link_corner(equation, case, y), link_force(equation, &
-               kinematics_at(equation, y(1)), t, y, y_ddot), equation, y) &
+               + turn_of_links(equation, case, y, y_ddot) &
                + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
                + turn(lifting_corner(equation, y), damper, equation, y)
             call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
@@ -239,6 +265,67 @@ contains
       arm = point - place(equation, y(1), [0.0_wp, 0.0_wp])
       turn = arm(2)*force(1) - arm(1)*force(2)
    end function turn
+
+   !> Moment of what the links do to the wall: of one at the roof, or of one at every floor, on the
+   !> line from the pivot to the roof's corner.
+   real(wp) function turn_of_links(equation, case, y, y_ddot) result(moment)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force(2)
+      real(wp), allocatable :: pulls(:)
+      !! of the floors on their links [m/s2]
+      real(wp), allocatable :: share(:)
+      !! of the floors in the height [-]
+      real(wp) :: resists
+      integer :: i
+
+      force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_ddot)
+      moment = turn(link_corner(equation, case, y), force, equation, y)
+      if (.not. has_all_links(case)) return
+      associate (frame => case%storeys%frame)
+         share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
+         resists = resisting_roof(equation, case, y)
+         pulls = frame%m*(share*roof_ddot_of(equation, y, y_ddot) + ground(equation, t)) &
+            + resists*[frame%k*frame%height/sum(frame%height)]
+         pulls(:2) = pulls(:2) - resists*frame%k(2:)*frame%height(2:)/sum(frame%height)
+      end associate
+      call checks%close_to(-force(1), sum(pulls), 'all links', rtol=1.0e-12_wp)
+      moment = 0
+      do i = 1, size(pulls)
+         moment = moment + turn(pivot(equation) + share(i)*(link_corner(equation, case, y) &
+            - pivot(equation)), force*pulls(i)/sum(pulls), equation, y)
+      end do
+   end function turn_of_links
+
+   !> Displacement that the elastic storeys would need for the force of spring and damper [m]:
+   !> the same line for both, and for what has yielded.
+   real(wp) function resisting_roof(equation, case, y) result(u)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      type(kinematics_t) :: kin
+
+      kin = kinematics_at(equation, y(1))
+      u = equation%p%R*(equation%side*kin%u + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
+      if (.not. allocated(case%yielding)) return
+      if (equation%has_course) then
+         u = u - bouc_wen_residual(equation, y)
+      else
+         u = u - frame_residual(equation, y(1))
+      end if
+   end function resisting_roof
+
+   real(wp) function roof_ddot_of(equation, y, y_ddot) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      type(kinematics_t) :: kin
+
+      kin = kinematics_at(equation, y(1))
+      u_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+   end function roof_ddot_of
 
    !> Where a point of the wall is, given from its centroid [m].
    function place(equation, theta, point) result(x)
@@ -325,7 +412,10 @@ contains
       slope = equation%p%R*root%im/step
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
-      if (allocated(case%yielding)) then
+      if (has_all_links(case)) then
+         shear = case%storeys%frame%k(1)*case%storeys%frame%height(1) &
+            /sum(case%storeys%frame%height)*resisting_roof(equation, case, y)
+      else if (allocated(case%yielding)) then
          associate (law => case%yielding)
             shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
                *(law%u_y*y(3) - u)
@@ -334,6 +424,13 @@ contains
          shear = storey_shear(equation, case, y, u, slope*y(2))
       end if
    end function frame_shear
+
+   pure logical function has_all_links(case)
+      type(case_t), intent(in) :: case
+
+      has_all_links = .false.
+      if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
+   end function has_all_links
 
    !> The columns of the lowest storey and all dampers; one mode: what its floors need less what
    !> the link brings.
