@@ -321,12 +321,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(*), parameter :: problem = 'the key t_end is missing (end of the simulation): ' &
          //'must be a number >= 0 [s]; only a record gives it by default'
+      character(:), allocatable :: kind
 
       if (has_key(groups, 'solver', 't_end')) return
-      if (has_group(groups, 'motion')) then
-         if (text_of(groups, 'motion', 'kind') == 'record') return
-      end if
-      if (has_group(groups, 'vertical')) then
+      kind = 'none'
+      if (has_group(groups, 'motion')) kind = text_of(groups, 'motion', 'kind')
+      if (kind == 'record') return
+      if (has_group(groups, 'vertical') .and. kind == 'none') then
          if (has_key(groups, 'vertical', 'file')) return
       end if
       if (has_group(groups, 'solver')) then
