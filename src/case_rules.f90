@@ -97,15 +97,10 @@ contains
    subroutine check_base(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
-      character(7), parameter :: excluded(*) = [character(7) :: 'impact', 'cable', 'link', &
-         'damper', 'inerter', 'fuse']
+      character(6), parameter :: excluded(*) = [character(6) :: 'impact', 'cable']
       character(60), parameter :: reasons(size(excluded)) = [character(60) :: &
          'a hinged wall has no impacts', &
-         'a straight cable through the hinge is not stretched', &
-         'the link of a hinged wall is infinitely long', &
-         'the dampers work at corners that lift', &
-         'the inerters work at corners that lift', &
-         'the fuses work at corners that lift']
+         'a straight cable through the hinge is not stretched']
       integer :: i
 
       if (.not. has_group(groups, 'wall')) return

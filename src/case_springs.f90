@@ -23,7 +23,8 @@ contains
       if (.not. has_group(groups, 'yielding')) return
       call check_one_of(groups, 'yielding', 'u_y', 'f_y_over_m_s_g', 'as the strength', error)
       if (allocated(error) .or. .not. has_group(groups, 'link')) return
-      if (text_of(groups, 'model', 'formulation') /= 'exact') return
+      if (text_of(groups, 'model', 'formulation') /= 'exact' &
+          .and. text_of(groups, 'wall', 'base') /= 'pinned') return
       limit = turning_rotation(real_of(groups, 'wall', 'h'), real_of(groups, 'link', 'L'))
       if (real_of(groups, 'model', 'overturning_angle') <= limit) return
       call fail_key(groups, 'link', 'L', 'needs &model overturning_angle <= '//real_to_text(limit) &

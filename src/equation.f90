@@ -17,7 +17,7 @@ module rwmf_equation
    use rwmf_extras, only: are_lines, choose_extras, rates_of_all
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
-      linked_top_corner, pinned_base, published_negative, top_corner
+      linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
    use rwmf_paper, only: paper_t
    use rwmf_scene, only: cable_at, enter_interval, equation_t, frame_displacement, ground, &
@@ -130,7 +130,12 @@ contains
       equation%kinematics_positive => pinned_base
       equation%kinematics_negative => pinned_base
       equation%acceleration_positive => hinged
-      equation%acceleration_negative => hinged
+      if (equation%geometry%link > 0) then
+         equation%kinematics_positive => linked_pinned_base
+         equation%kinematics_negative => linked_pinned_base
+         equation%acceleration_positive => wall_and_frame
+      end if
+      equation%acceleration_negative => equation%acceleration_positive
    end subroutine hinge_base
 
    subroutine choose_kinematics(formulation, equation)

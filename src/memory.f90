@@ -28,6 +28,8 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
+      real(wp) :: stroke_y
+      !! [m]
       logical :: is_bilinear
 
       allocate (equation%springs(0))
@@ -38,8 +40,12 @@ contains
             equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
       end if
       if (allocated(case%fuse)) then
-         fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
-            case%fuse%eta_y*equation%p%g, case%fuse%hardening)
+         ! Both fuses of a hinged wall at half the arm are one, that of the left corner, with twice
+         ! the stroke: the stroke that counts here is that of a rocking wall.
+         stroke_y = case%fuse%stroke_y
+         if (.not. equation%has_impacts) stroke_y = 2*stroke_y
+         fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
+            case%fuse%hardening)
          equation%springs = [equation%springs, sprung_t(fuse, place_left), &
             sprung_t(fuse, place_right)]
       end if
@@ -87,7 +93,8 @@ contains
       end select
    end function elongation
 
-   !> Does a spring move on the side in force? A fuse does when its corner lifts.
+   !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
+   !> hinged wall always, and stands for both.
    pure logical function moves(equation, place)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: place

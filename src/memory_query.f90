@@ -2,7 +2,7 @@
 module rwmf_memory_query
    use rwmf_kinds, only: wp
    use rwmf_memory, only: elongation_of, moves
-   use rwmf_scene, only: equation_t, place_frame, place_left
+   use rwmf_scene, only: equation_t, place_frame, place_left, place_right
    use rwmf_spring, only: is_broken, spring_force, spring_plastic, spring_t, turn_spring
    implicit none
    private
@@ -32,6 +32,10 @@ contains
          end if
          forces(i) = spring_force(equation%springs(i)%spring, x)/equation%p%g
       end do
+      if (equation%has_impacts .or. size(forces) < 2) return
+      ! under a hinged wall the right fuse, which comes last, mirrors the left one
+      i = size(forces)
+      if (equation%springs(i)%place == place_right) forces(i) = -forces(i - 1)
    end function spring_forces
 
    !> Names of the columns of these forces in a history.

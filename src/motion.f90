@@ -123,15 +123,18 @@ contains
    end function horizontal_motion
 
    !> Motion that is linear between samples and zero before the first and after the last one.
-   pure function piecewise_linear_motion(t, a) result(motion)
+   pure function piecewise_linear_motion(t, a, vertical_ratio) result(motion)
       real(wp), intent(in) :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), intent(in) :: a(:)
       !! (n) accelerations [m/s2]
+      real(wp), intent(in), optional :: vertical_ratio
+      !! of the vertical to this acceleration, 0 when absent [-]
       type(motion_t) :: motion
       type(lines_t) :: lines
 
       lines = lines_through(t, a)
+      if (present(vertical_ratio)) motion%vertical_ratio = vertical_ratio
       motion%shape = shape_linear
       motion%knot = lines%knot
       motion%a = lines%a
@@ -247,7 +250,8 @@ contains
       else if (motion%shape == shape_linear) then
          acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
       else if (motion%shape == shape_harmonic) then
-         acceleration = motion%curve%amplitude*harmonic(motion, t)
+         acceleration = motion%curve%amplitude*sin(motion%curve%omega*(t - motion%knot(1)) &
+            + motion%curve%phase)
       else if (motion%shape == shape_pulse) then
          acceleration = motion%curve%amplitude*pulse_shape(motion%curve%pulse, t)
       else if (motion%shape == shape_joined) then
@@ -287,7 +291,6 @@ contains
       integer, intent(in) :: interval
       real(wp), intent(in) :: t
       !! [s], in the closed interval
-
       type(line_t) :: line
 
       vertical = motion%vertical_ratio*acceleration(motion, interval, t)
@@ -309,15 +312,6 @@ contains
       line = line_t(.true., motion%knot(interval), motion%vertical%a(interval), &
          motion%vertical%slope(interval))
    end function vertical_line_of
-
-   !> Unit harmonic of the pulse [-].
-   pure real(wp) function harmonic(motion, t)
-      type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: t
-      !! [s]
-
-      harmonic = sin(motion%curve%omega*(t - motion%knot(1)) + motion%curve%phase)
-   end function harmonic
 
    !> Interval that begins at or before t and ends after it.
    pure integer function interval_at(motion, t)

@@ -121,7 +121,8 @@ contains
       end associate
       if (equation%geometry%link <= 0) return
       side_of_frame = 1
-      if (equation%side < 0 .and. associated(equation%kinematics_negative, linked_left_corner)) then
+      if (.not. equation%has_impacts .or. (equation%side < 0 &
+          .and. associated(equation%kinematics_negative, linked_left_corner))) then
          rise = rise_of_left_corner(equation%geometry, kin)
       else
          ! `symmetric` is a wall whose frame changes its place with the side

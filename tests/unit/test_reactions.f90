@@ -33,6 +33,8 @@ program test_reactions
    call check_balance(linked('exact'), 'link, exact')
    call check_balance(damped(), 'dampers')
    call check_balance(pinned(), 'pinned')
+   call check_balance(linked_pinned(), 'pinned, link')
+   call check_balance(pinned_with_corners(), 'pinned, dampers, fuses, inerters')
    call check_balance(fused(), 'fuses')
    call check_balance(with_inerter(), 'inerters')
    call check_balance(shaken_vertically(), 'vertical motion')
@@ -107,6 +109,23 @@ contains
       deallocate (case%cable, case%impact)
       case%wall%base = 'pinned'
    end function pinned
+
+   function linked_pinned() result(case)
+      type(case_t) :: case
+
+      case = pinned()
+      case%link = link_t(5.0_wp)
+   end function linked_pinned
+
+   !> All that acts under both corners of a hinged wall.
+   function pinned_with_corners() result(case)
+      type(case_t) :: case
+
+      case = pinned()
+      case%damper = damper_t(2.0_wp)
+      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+      case%inerter = inerter_t(1.5_wp)
+   end function pinned_with_corners
 
    !> Fuses that yield far below the rotation of the test.
    function fused() result(case)
@@ -242,7 +261,8 @@ contains
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
                + turn_of_links(equation, case, y, y_ddot) &
                + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
-               + turn(lifting_corner(equation, y), damper, equation, y)
+               + turn(lifting_corner(equation, y), damper, equation, y) &
+               + couple(equation, case, y, y_ddot)
             call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
                //name, atol=round_off*equation%p%g*equation%p%R*(1 + equation%p%gamma))
             shear = reactions%horizontal + sum([1.0_wp, 0.0_wp]*(cable_force(equation, y(1)) &
@@ -265,6 +285,29 @@ contains
       arm = point - place(equation, y(1), [0.0_wp, 0.0_wp])
       turn = arm(2)*force(1) - arm(1)*force(2)
    end function turn
+
+   !> Clockwise moment of the devices under both corners of a hinged wall: each is drawn out or
+   !> pressed by s = 2b sin(theta/2). The fuses have yielded up to 0.13 rad and unload.
+   real(wp) function couple(equation, case, y, y_ddot)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force
+      real(wp) :: largest
+      !! stroke of the fuses [m]
+
+      couple = 0
+      if (equation%has_impacts .or. .not. allocated(case%fuse)) return
+      associate (b => case%wall%b, half => y(1)/2, fuse => case%fuse, g => case%model%g)
+         force = case%damper%c_over_m_w*b*cos(half)*y(2) + case%inerter%inertance_over_m_w &
+            *(b*cos(half)*y_ddot - b*sin(half)*y(2)**2/2)
+         largest = 2*b*sin(0.13_wp/2)
+         force = force + sign(fuse%eta_y*g*(1 + fuse%hardening*(largest/fuse%stroke_y - 1)), half) &
+            + fuse%eta_y*g/fuse%stroke_y*(2*b*sin(half) - sign(largest, half))
+         couple = -2*force*b*cos(half)
+      end associate
+   end function couple
 
    !> Moment of what the links do to the wall: of one at the roof, or of one at every floor, on the
    !> line from the pivot to the roof's corner.
@@ -398,7 +441,8 @@ contains
       associate (s => equation%sin_alpha, c => equation%cos_alpha, L => equation%geometry%link)
          rise = 2*(c*cos(w) + s*sin(w) - c)
          if (.not. equation%has_impacts) then
-            rise = 0
+            w = cmplx(y(1), step, wp)
+            rise = 2*c*(cos(w) - 1)
             root = 2*c*sin(w)
          else if (is_left(equation)) then
             rise = 2*c*(cos(w) - 1)
