@@ -6,13 +6,14 @@
 !> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
+   use rwmf_cable, only: cable_state_t
    use rwmf_control, only: control_t, is_cancelled
-   use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
+   use rwmf_equation, only: cable_at, enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_impact, only: factor_at, largest_factor
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
-   use rwmf_memory_query, only: tendon_is_broken
+   use rwmf_memory_query, only: fuse_push, tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
    use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
@@ -174,6 +175,54 @@ contains
       !$omp end critical (rwmf_text)
    end subroutine check_ground
 
+   !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
+   !> holds up at one corner rocks on the other; together stronger than weight and cable, they lift
+   !> it off both, and it stands on its fuses. Fails at the first such time of the step.
+   subroutine check_fuses(hybrid, equation, stepper, error)
+      type(hybrid_t), intent(in) :: hybrid
+      !! at the end of the step, or at the event that cuts it
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: middle
+      real(wp) :: y(equation%n)
+
+      if (fuse_push(equation, hybrid%y(1)) <= 1) return
+      if (.not. stands_on_fuses(equation, hybrid%y(1))) return
+      low = stepper%t0
+      high = hybrid%t
+      do
+         middle = low + (high - low)/2
+         if (middle <= low .or. middle >= high) exit
+         call stepper%state_at(middle, y, error)
+         if (allocated(error)) return
+         if (stands_on_fuses(equation, y(1))) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+      !$omp critical (rwmf_text)
+      call fail(error, err_numerical, 'the wall stands on its fuses at t = '//real_to_text(high) &
+         //' s: drawn out before, both together push it up with more than weight and cable, and ' &
+         //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
+         //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
+      !$omp end critical (rwmf_text)
+   end subroutine check_fuses
+
+   !> Do the fuses push the wall up with more than weight and cable, beyond round-off?
+   logical function stands_on_fuses(equation, theta)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      type(cable_state_t) :: cable
+
+      cable = cable_at(equation, theta)
+      stands_on_fuses = fuse_push(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
+   end function stands_on_fuses
+
    !> One step of the integrator, cut at the first event that ends the flight.
    subroutine fly(hybrid, equation, stepper, observer, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
@@ -202,6 +251,8 @@ contains
       call stepper%step(t_limit, error)
       if (allocated(error)) return
       call search_step(hybrid, equation, stepper, observer, event, error)
+      if (allocated(error)) return
+      if (equation%has_memory) call check_fuses(hybrid, equation, stepper, error)
       if (allocated(error)) return
       call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return

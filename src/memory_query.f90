@@ -8,7 +8,7 @@ module rwmf_memory_query
    private
 
    public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
-   public :: frame_force_column
+   public :: frame_force_column, fuse_push
 
    character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
    !! of every law
@@ -37,6 +37,22 @@ contains
       i = size(forces)
       if (equation%springs(i)%place == place_right) forces(i) = -forces(i - 1)
    end function spring_forces
+
+   !> Force with which both fuses push a rocking wall up, over m_w g; without fuses 0 [-].
+   real(wp) function fuse_push(equation, theta) result(push)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: forces(size(equation%springs))
+      integer :: n
+
+      push = 0
+      n = size(forces)
+      if (n < 2 .or. .not. equation%has_impacts) return
+      ! the fuses come last
+      forces = spring_forces(equation, theta)
+      push = -sum(forces(n - 1:))
+   end function fuse_push
 
    !> Names of the columns of these forces in a history.
    pure function spring_columns(equation) result(names)

@@ -112,6 +112,8 @@ module rwmf_result
       !! u_s_max over u_y [-]; absent unless the frame yields
       real(wp), allocatable :: residual_displacement
       !! of the frame without force in the end [m]; absent unless the frame yields
+      real(wp), allocatable :: theta_end_over_alpha
+      !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max

@@ -281,6 +281,7 @@ contains
          result%prestress_loss = prestress_loss(equation, hybrid%y(1))
          result%has_ruptured = tendon_is_broken(equation)
       end if
+      if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
       if (allocated(case%yielding)) then
          result%ductility = result%u_s_max/yield_displacement(case)
          if (equation%has_course) then

@@ -114,6 +114,7 @@ contains
       end if
       call add_real(items, 'ductility', result%ductility)
       call add_real(items, 'residual_displacement_m', result%residual_displacement)
+      call add_real(items, 'theta_end_over_alpha', result%theta_end_over_alpha)
    end subroutine add_maxima
 
    !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
