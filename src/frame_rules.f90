@@ -31,7 +31,7 @@ contains
       end if
    end subroutine check_frame
 
-   !> Keys of the smooth law only with it; its state at a start away from zero is not known.
+   !> Keys of the smooth law only with it.
    subroutine check_hysteresis(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
@@ -39,13 +39,7 @@ contains
       integer :: i
 
       if (.not. has_group(groups, 'yielding')) return
-      if (text_of(groups, 'yielding', 'law') == 'bouc_wen') then
-         if (abs(real_of(groups, 'initial', 'theta_over_alpha')) > 0) then
-            call fail_key(groups, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
-               //"'bouc_wen', whose hysteresis begins at zero", error)
-         end if
-         return
-      end if
+      if (text_of(groups, 'yielding', 'law') == 'bouc_wen') return
       do i = 1, size(keys)
          if (.not. has_key(groups, 'yielding', trim(keys(i)))) cycle
          call fail_key(groups, 'yielding', trim(keys(i)), "belongs to law = 'bouc_wen'", error)

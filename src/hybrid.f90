@@ -6,6 +6,7 @@
 !> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
+   use rwmf_bouc_wen, only: load_bouc_wen
    use rwmf_cable, only: cable_state_t
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_equation, only: cable_at, enter_interval, equation_t, interval_of, second_derivative
@@ -55,18 +56,32 @@ contains
       equation%side = 1
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%course = 1
+      if (equation%has_impacts) then
+         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
+      end if
+      if (equation%has_memory) call begin_memory(equation, y(1))
+      if (equation%has_course .and. abs(y(1)) > 0) call begin_course(hybrid, equation)
       if (.not. equation%has_impacts) then
-         if (equation%has_memory) call begin_memory(equation, y(1))
          hybrid%mode = mode_no_impacts
          return
       end if
-      if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
-      if (equation%has_memory) call begin_memory(equation, y(1))
       call find_bearing(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine begin_hybrid
+
+   !> Smooth hysteresis that has not moved before, at the initial rotation; from rest the
+   !> acceleration says where it goes.
+   subroutine begin_course(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      call load_bouc_wen(equation, hybrid%y)
+      equation%course = 1
+      if (abs(hybrid%y(2)) <= 0) equation%course = int(sign(1.0_wp, second_derivative(equation, &
+         hybrid%t, hybrid%y)))
+   end subroutine begin_course
 
    !> Springs that have not moved before, at the initial rotation.
    subroutine begin_memory(equation, theta)

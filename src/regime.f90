@@ -45,6 +45,7 @@ contains
    !> A multistep method that carries its past over a kink loses two digits there, and a restart
    !> costs it some 30 small steps. So it begins anew at jumps, and where an interval has taken more
    !> steps than that; not at the samples of a record, where a step is about as long as an interval.
+   !> A state of nothing but zeros has taught it steps without end: it begins anew as well.
    subroutine pass_knot(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -56,6 +57,7 @@ contains
       call enter_interval(equation, interval_of(equation) + 1)
       if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
+      if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
 
