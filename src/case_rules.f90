@@ -63,16 +63,16 @@ contains
          call check_needs(groups, 'link', 'wall', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
-         call check_needs(groups, 'damper', 'wall', 'dampers work at corners that lift', error)
+         call check_needs(groups, 'damper', 'wall', 'dampers work under its corners', error)
       end if
       if (.not. allocated(error)) then
-         call check_needs(groups, 'fuse', 'wall', 'fuses work at corners that lift', error)
+         call check_needs(groups, 'fuse', 'wall', 'fuses work under its corners', error)
       end if
       if (.not. allocated(error)) then
          call check_needs(groups, 'yielding', 'frame', 'the frame is what yields', error)
       end if
       if (.not. allocated(error)) then
-         call check_needs(groups, 'inerter', 'wall', 'inerters work at corners that lift', error)
+         call check_needs(groups, 'inerter', 'wall', 'inerters work under its corners', error)
       end if
       if (.not. allocated(error)) then
          call check_needs(groups, 'vertical', 'wall', 'a frame moves horizontally only', error)
@@ -315,7 +315,7 @@ contains
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
       character(*), parameter :: problem = 'the key t_end is missing (end of the simulation): ' &
-         //'must be a number >= 0 [s]; only a record gives it by default'
+         //'must be a number >= 0 [s]; only records without a pulse give it by default'
       character(:), allocatable :: kind
 
       if (has_key(groups, 'solver', 't_end')) return

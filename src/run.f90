@@ -292,6 +292,21 @@ contains
       end if
    end subroutine fill_memory
 
+   !> Fuses that may hold the wall up when they have been drawn out.
+   subroutine warn_of_fuses(eta_y, eta_0, result)
+      real(wp), intent(in) :: eta_y
+      !! yield force over m_w g [-]
+      real(wp), intent(in) :: eta_0
+      !! prestress over m_w g, 0 without cable [-]
+      type(result_t), intent(inout) :: result
+
+      if (2*eta_y <= 1 + eta_0) return
+      !$omp critical (rwmf_text)
+      call add_warning(result, '2 eta_y = '//real_to_text(2*eta_y)//' of &fuse exceeds 1 + eta_0 = ' &
+         //real_to_text(1 + eta_0)//', weight and prestress: the wall need not come down again')
+      !$omp end critical (rwmf_text)
+   end subroutine warn_of_fuses
+
    !> What the user should know about the scene itself.
    subroutine collect_warnings(case, equation, result)
       type(case_t), intent(in) :: case
@@ -307,6 +322,7 @@ contains
       if (.not. allocated(case%wall)) return
       if (case%wall%base == 'pinned') return
       if (equation%has_vertical) call warn_of_weight(equation, result)
+      if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
       e = restitution(case, equation%p%alpha)
       e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
       if (allocated(case%impact)) then

@@ -105,6 +105,22 @@ def test_energy_closes(groups: dict[str, dict | None]) -> None:
 
 @_PROFILE
 @given(_EFFECTS)
+def test_hinged_wall(groups: dict[str, dict | None]) -> None:
+    """The same, all but cable and impact: the ledger closes and two methods agree."""
+    groups = groups | {"cable": None, "impact": None}
+    runs = [
+        rwmf.simulate(
+            _case(groups, method, output={"energy": True}).replace(wall={"base": "pinned"})
+        )
+        for method in ("dop853", "bdf")
+    ]
+    assert abs(float(runs[0]["energy_balance_relative"])) < BALANCE
+    peaks = [float(run["u_s_max"]) for run in runs]
+    assert peaks == pytest.approx([peaks[0]] * 2, rel=AGREEMENT, abs=1e-12)
+
+
+@_PROFILE
+@given(_EFFECTS)
 def test_methods_agree(groups: dict[str, dict | None]) -> None:
     peaks = [
         float(rwmf.simulate(_case(groups, method))["u_s_max"])

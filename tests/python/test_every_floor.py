@@ -147,7 +147,12 @@ def test_forces_of_all_bodies(m: list[float], k: list[float], height: list[float
     found = run.sel(time=rows[:, 0], method="nearest")
     assert np.abs(found["time"].values - rows[:, 0]).max() < 1e-12
     for i, name in enumerate(
-        ["theta", "pivot_normal_over_m_w_g", "pivot_horizontal_over_m_w_g", "base_shear_over_weight"]
+        [
+            "theta",
+            "pivot_normal_over_m_w_g",
+            "pivot_horizontal_over_m_w_g",
+            "base_shear_over_weight",
+        ]
     ):
         size = np.abs(rows[:, i + 1]).max()
         assert found[name].values == pytest.approx(rows[:, i + 1], abs=1e-8 * size), name

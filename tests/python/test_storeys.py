@@ -230,7 +230,9 @@ def test_wall_let_go_with_a_smoothly_yielding_frame(exponent: float, start: floa
     def rates(_t: float, y: np.ndarray) -> list[float]:
         theta, rate, z = y
         u, slope, bend = frame(theta)
-        force = omega**2 * (hardening * u + (1 - hardening) * u_y * z) + 2 * xi * omega * slope * rate
+        force = (
+            omega**2 * (hardening * u + (1 - hardening) * u_y * z) + 2 * xi * omega * slope * rate
+        )
         moment = -gamma * slope * (force + bend * rate**2)
         moment -= side * G * radius * math.sin(alpha - side * theta)
         course = math.copysign(1.0, -side * z)

@@ -368,7 +368,7 @@ def _pulse(kind: str, a: float = 0.4) -> dict[str, object]:
 
 
 def _shape(kind: str, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and acceleration [m/s2] of a pulse of 1 m/s2, as the kernel says it."""
+    """Return times [s] and acceleration [m/s2] of a pulse of 1 m/s2, as the kernel has it."""
     motion = _pulse(kind, 1 / G)
     case = bare_frame(motion=motion, solver={"t_end": 9.0, "method": "dop853"})
     run = rwmf.simulate(case, dt=0.0005)
@@ -455,9 +455,7 @@ def _record_beside_pulse_by_scipy(t_v: np.ndarray, v: np.ndarray, t_end: float) 
             return float(y[0] * side)
 
         base.terminal, base.direction = True, -1
-        found = solve_ivp(
-            rates, (t, stop), y, events=base, method="DOP853", rtol=1e-12, atol=1e-14
-        )
+        found = solve_ivp(rates, (t, stop), y, events=base, method="DOP853", rtol=1e-12, atol=1e-14)
         t, y = float(found.t[-1]), list(found.y[:, -1])
         if found.status == 1:
             y, side = [0.0, 0.9 * y[1]], -side
