@@ -1,8 +1,8 @@
 !> When the wall rests, and when it lifts off again: questions about the ground motion alone.
 !>
 !> Straight lines of horizontal and vertical motion on the same knots, or one that is a multiple of
-!> the other, make a drive that is monotone where the horizontal motion is. A pulse beside a vertical
-!> record makes one that turns where their slopes meet (`drive_turns`).
+!> the other, make a drive that is monotone where the horizontal motion is. A pulse beside a
+!> vertical record makes one that turns where their slopes meet (`drive_turns`).
 module rwmf_rest
    use rwmf_equation, only: equation_t, interval_of, lift_off_drive
    use rwmf_kinds, only: wp

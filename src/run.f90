@@ -302,8 +302,9 @@ contains
 
       if (2*eta_y <= 1 + eta_0) return
       !$omp critical (rwmf_text)
-      call add_warning(result, '2 eta_y = '//real_to_text(2*eta_y)//' of &fuse exceeds 1 + eta_0 = ' &
-         //real_to_text(1 + eta_0)//', weight and prestress: the wall need not come down again')
+      call add_warning(result, '2 eta_y = '//real_to_text(2*eta_y)//' of &fuse exceeds ' &
+         //'1 + eta_0 = '//real_to_text(1 + eta_0)//', weight and prestress: the wall need not ' &
+         //'come down again')
       !$omp end critical (rwmf_text)
    end subroutine warn_of_fuses
 
