@@ -204,7 +204,8 @@ contains
       real(wp) :: middle
       real(wp) :: y(equation%n)
 
-      if (fuse_push(equation, hybrid%y(1)) <= 1) return
+      ! forces grow with the stroke: what they are on the base mostly says that all is well
+      if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
       if (.not. stands_on_fuses(equation, hybrid%y(1))) return
       low = stepper%t0
       high = hybrid%t
@@ -267,7 +268,7 @@ contains
       if (allocated(error)) return
       call search_step(hybrid, equation, stepper, observer, event, error)
       if (allocated(error)) return
-      if (equation%has_memory) call check_fuses(hybrid, equation, stepper, error)
+      if (equation%has_fuses) call check_fuses(hybrid, equation, stepper, error)
       if (allocated(error)) return
       call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return

@@ -48,6 +48,7 @@ contains
             case%fuse%hardening)
          equation%springs = [equation%springs, sprung_t(fuse, place_left), &
             sprung_t(fuse, place_right)]
+         equation%has_fuses = equation%has_impacts
       end if
       equation%has_memory = .true.
       equation%farthest = case%model%overturning_angle

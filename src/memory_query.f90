@@ -38,18 +38,17 @@ contains
       if (equation%springs(i)%place == place_right) forces(i) = -forces(i - 1)
    end function spring_forces
 
-   !> Force with which both fuses push a rocking wall up, over m_w g; without fuses 0 [-].
+   !> Force with which both fuses push a rocking wall up, over m_w g [-].
    real(wp) function fuse_push(equation, theta) result(push)
       type(equation_t), intent(in) :: equation
+      !! with fuses
       real(wp), intent(in) :: theta
       !! [rad]
       real(wp) :: forces(size(equation%springs))
       integer :: n
 
-      push = 0
-      n = size(forces)
-      if (n < 2 .or. .not. equation%has_impacts) return
       ! the fuses come last
+      n = size(forces)
       forces = spring_forces(equation, theta)
       push = -sum(forces(n - 1:))
    end function fuse_push

@@ -45,6 +45,8 @@ module rwmf_motion
       !! (knots) its rate in the interval after the knot [m/s3]
       type(curve_t) :: curve
       !! a pulse; of lines its amplitude alone, their largest magnitude
+      integer :: last_turning = 1
+      !! interval after which nothing turns inside an interval
       class(ground_t), pointer :: ground => null()
       !! of a host, for the time of one advance
       real(wp) :: vertical_ratio = 0
@@ -100,6 +102,7 @@ contains
       motion%vertical = on_knots(motion%vertical, motion%knot)
       motion%curve%first = last_until(motion%knot, own(1))
       motion%curve%last = last_until(motion%knot, own(size(own)))
+      motion%last_turning = motion%curve%last - 1
    end subroutine join_curve
 
    !> The horizontal ground motion that a case describes; none when it has no `&motion`.
@@ -387,16 +390,14 @@ contains
       !! [s], inside the interval
 
       turning_point = interval_end(motion, interval)
-      if (motion%shape == shape_joined) then
-         if (is_curved(motion, interval)) turning_point = min(curve_turn(motion%curve, t), &
-            turning_point)
-         return
-      end if
-      if (interval /= 1) return
+      if (interval > motion%last_turning .or. interval < 1) return
       if (motion%shape == shape_given) then
          turning_point = next_eighth(motion%knot(1), motion%knot(2), t)
       else if (motion%shape == shape_harmonic) then
          turning_point = min(curve_turn(motion%curve, t), turning_point)
+      else if (motion%shape == shape_joined) then
+         if (is_curved(motion, interval)) turning_point = min(curve_turn(motion%curve, t), &
+            turning_point)
       end if
    end function turning_point
 
@@ -429,8 +430,9 @@ contains
       type(motion_t), intent(in) :: motion
 
       fastest_rate = 0
-      if (motion%shape == shape_harmonic .or. motion%shape >= shape_pulse) &
+      if (any(motion%shape == [shape_harmonic, shape_pulse, shape_joined])) then
          fastest_rate = curve_rate(motion%curve)
+      end if
    end function fastest_rate
 
    !> The last knot, after which the ground is still; 0 without any [s].

@@ -144,6 +144,8 @@ module rwmf_scene
       !! the further effects that the case calls for; not allocated without any
       logical :: has_memory = .false.
       !! there are springs that yield or break
+      logical :: has_fuses = .false.
+      !! under the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
       !! fuses and yielding frame; the tendon's is in `cable`
       real(wp) :: frame_offset = 0

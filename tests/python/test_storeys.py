@@ -213,7 +213,7 @@ def test_bouc_wen_against_scipy(exponent: float) -> None:
     )
 
 
-@pytest.mark.parametrize(("exponent", "start"), [(1.0, 0.3), (1.7, -0.4), (5.0, 0.3), (60.0, 0.08)])
+@pytest.mark.parametrize(("exponent", "start"), [(1.0, 0.3), (1.7, -0.4), (5.0, 0.12), (60.0, 0.08)])
 def test_wall_let_go_with_a_smoothly_yielding_frame(exponent: float, start: float) -> None:
     """An initial rotation counts as reached from zero: z from the quadrature of 1/(1 - z^n)."""
     u_y, hardening, beta, gamma, xi, T_s = 0.08, 0.1, 0.6, 3.0, 0.05, 0.8
@@ -246,7 +246,7 @@ def test_wall_let_go_with_a_smoothly_yielding_frame(exponent: float, start: floa
         path = quad(lambda s: 1 / (1 - s**exponent), 0, -math.expm1(-w), epsabs=0, epsrel=1e-12)
         return path[0] - x
 
-    z = -math.expm1(-brentq(excess, 1e-6, 30.0, xtol=1e-13))
+    z = -math.expm1(-brentq(excess, 1e-6, 10.0, xtol=1e-13))
     assert 0.5 < z < 1
     flow = solve_ivp(rates, (0, t_end), [start * alpha, 0.0, side * z], **TIGHT)
     case = coupled(
