@@ -213,7 +213,9 @@ def test_bouc_wen_against_scipy(exponent: float) -> None:
     )
 
 
-@pytest.mark.parametrize(("exponent", "start"), [(1.0, 0.3), (1.7, -0.4), (5.0, 0.12), (60.0, 0.08)])
+@pytest.mark.parametrize(
+    ("exponent", "start"), [(1.0, 0.3), (1.7, -0.4), (5.0, 0.12), (60.0, 0.08)]
+)
 def test_wall_let_go_with_a_smoothly_yielding_frame(exponent: float, start: float) -> None:
     """An initial rotation counts as reached from zero: z from the quadrature of 1/(1 - z^n)."""
     u_y, hardening, beta, gamma, xi, T_s = 0.08, 0.1, 0.6, 3.0, 0.05, 0.8
