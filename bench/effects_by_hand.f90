@@ -818,7 +818,7 @@ contains
          *(p%a_k + p%slope*(t - p%t_k)))/(p%inertia + p%four_gamma*c**2)
    end subroutine with_one_mode
 
-   !> Two storeys, the upper one linked to the wall: y = (theta, theta', u, v) with the floor's u, v.
+   !> Two storeys, the upper one linked to the wall: y = (theta, theta', u, v) with its u, v.
    subroutine with_two_storeys(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t

@@ -121,8 +121,8 @@ contains
       end associate
    end subroutine corner_with_floors
 
-   !> Rates of the floors below the roof, and the force of storeys and dampers on it. The uppermost of
-   !> them and the roof have one loop.
+   !> Rates of the floors below the roof, and the force on it. One loop for the uppermost two.
+   ! allow(assumed-size): the caller's array goes on as it is, without a descriptor
    pure subroutine move_floors(n, rows, u, v, u_roof, v_roof, a_g, y_dot, force)
       integer, intent(in) :: n
       !! number of floors below the roof, > 0

@@ -12,6 +12,7 @@
 module rwmf_bouc_wen
    use rwmf_accelerations, only: kept_part
    use rwmf_case, only: case_t, yielding_t
+   use rwmf_first_loading, only: first_loading
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: yield_displacement
@@ -21,7 +22,7 @@ module rwmf_bouc_wen
    private
 
    public :: prepare_bouc_wen, new_hysteresis, follow_course, follow_signs, will_pass_zero
-   public :: add_bouc_wen, bouc_wen_sizes
+   public :: load_bouc_wen, add_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -39,6 +40,18 @@ contains
       equation%has_course = .true.
       equation%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
+
+   !> Bring a frame that has not moved yet to an initial displacement, as if it had grown from zero.
+   subroutine load_bouc_wen(equation, y)
+      type(equation_t), intent(in) :: equation
+      !! with the side in force
+      real(wp), intent(inout) :: y(:)
+      !! (states)
+
+      associate (law => equation%hysteresis)
+         y(law%place) = first_loading(frame_displacement(equation, y(1))/law%u_y, law%exponent)
+      end associate
+   end subroutine load_bouc_wen
 
    !> The law of one spring.
    pure type(hysteresis_t) function new_hysteresis(yielding, u_y, stiffness) result(law)

@@ -73,7 +73,7 @@ module rwmf_case
       real(wp), allocatable :: f_y_over_m_s_g
       !! yield force over the weight of the frame's mass [-]
       real(wp), allocatable :: storey_u_y(:)
-      !! or, of `&storeys`, displacement of each floor from the one below at which the storey between
+      !! or, of `&storeys`, displacement of a floor from the one below at which the storey between
       !! yields first: one for all or one for each [m]
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]

@@ -27,7 +27,8 @@ contains
          call check_one_of(groups, 'yielding', 'u_y', 'f_y_over_m_s_g', 'as the strength', error)
       end if
       if (allocated(error) .or. .not. has_group(groups, 'link')) return
-      if (text_of(groups, 'model', 'formulation') /= 'exact') return
+      if (text_of(groups, 'model', 'formulation') /= 'exact' &
+          .and. text_of(groups, 'wall', 'base') /= 'pinned') return
       if (has_group(groups, 'storeys')) then
          ! storeys of a frame with all its modes do not follow the rotation
          if (text_of(groups, 'storeys', 'coupling') == 'full') return

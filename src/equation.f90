@@ -19,7 +19,7 @@ module rwmf_equation
    use rwmf_extras, only: are_lines, choose_extras, is_smooth_hysteresis
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
-      linked_top_corner, pinned_base, published_negative, top_corner
+      linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
    use rwmf_paper, only: paper_t
    use rwmf_scene, only: cable_at, enter_interval, equation_t, frame_displacement, ground, &
@@ -75,8 +75,9 @@ contains
          equation%rates_positive => bare_frame
          if (allocated(equation%extras)) then
             equation%rates_positive => frame_with_extras
-            if (are_lines(equation) .and. .not. allocated(case%storeys)) &
+            if (are_lines(equation) .and. .not. allocated(case%storeys)) then
                equation%rates_positive => frame_with_lines
+            end if
             if (is_smooth_hysteresis(equation)) equation%rates_positive => frame_with_hysteresis
          end if
          equation%rates_negative => equation%rates_positive
@@ -126,8 +127,6 @@ contains
          p%R = hypot(case%wall%h, case%wall%b)
          p%sin_alpha = sin(p%alpha)
          p%cos_alpha = cos(p%alpha)
-         p%sin_alpha = sin(p%alpha)
-         p%cos_alpha = cos(p%alpha)
       end if
       if (allocated(case%frame)) then
          if (allocated(case%frame%gamma)) p%gamma = case%frame%gamma
@@ -152,7 +151,12 @@ contains
       equation%kinematics_positive => pinned_base
       equation%kinematics_negative => pinned_base
       equation%rates_positive => hinged
-      equation%rates_negative => hinged
+      if (equation%geometry%link > 0) then
+         equation%kinematics_positive => linked_pinned_base
+         equation%kinematics_negative => linked_pinned_base
+         equation%rates_positive => wall_and_frame
+      end if
+      equation%rates_negative => equation%rates_positive
    end subroutine hinge_base
 
    subroutine choose_kinematics(formulation, equation)

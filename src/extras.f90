@@ -38,7 +38,7 @@ contains
       ! first of all, as `rates_with_floors` knows
       if (is_full) call add_floors(case, equation)
       if (allocated(case%damper)) then
-         equation%damper_c = case%damper%c_over_m_w
+         equation%damper_c = corner_share(equation)*case%damper%c_over_m_w
          call add_extra(equation, extra_t(add=add_damper, power=damper_power, &
             force=damper_force))
       end if
@@ -63,7 +63,7 @@ contains
          call add_extra(equation, extra_t(add=add_push, input=push_input, is_motion=.true.))
       end if
       if (allocated(case%inerter)) then
-         equation%inertance = case%inerter%inertance_over_m_w
+         equation%inertance = corner_share(equation)*case%inerter%inertance_over_m_w
          call add_extra(equation, extra_t(add=add_inerter, energy=inerter_energy, &
             force=inerter_force))
       end if
@@ -89,6 +89,14 @@ contains
       is_bilinear = is_elastic_plastic(case%yielding)
       is_smooth = .not. is_bilinear
    end subroutine look_at_frame
+
+   !> A rocking wall has one corner that moves, at the arm 2b; a hinged one two with half the arm
+   !> and so half the moment [-].
+   pure real(wp) function corner_share(equation)
+      type(equation_t), intent(in) :: equation
+
+      corner_share = merge(1.0_wp, 0.5_wp, equation%has_impacts)
+   end function corner_share
 
    !> Are all further effects those that `corner_with_lines` and `frame_with_lines` have written
    !> out?
@@ -140,6 +148,8 @@ contains
 
       if (.not. allocated(equation%extras)) allocate (equation%extras(0))
       equation%extras = [equation%extras, extra]
+      ! what acts at both corners of a hinged wall is a couple
+      if (.not. equation%has_impacts) equation%extras(size(equation%extras))%force => null()
       equation%extras(size(equation%extras))%first = equation%n + 1
       equation%n = equation%n + extra%states
    end subroutine add_extra

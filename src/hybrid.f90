@@ -6,14 +6,15 @@
 !> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
-   use rwmf_bouc_wen, only: follow_course
+   use rwmf_bouc_wen, only: follow_course, load_bouc_wen
+   use rwmf_cable, only: cable_state_t
    use rwmf_control, only: control_t, is_cancelled
-   use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
+   use rwmf_equation, only: cable_at, enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_impact, only: factor_at, largest_factor
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
-   use rwmf_memory_query, only: tendon_is_broken
+   use rwmf_memory_query, only: fuse_push, tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
    use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
@@ -58,20 +59,34 @@ contains
       equation%side = 1
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%course = 1
+      if (equation%has_impacts) then
+         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
+      end if
+      if (equation%has_memory) call begin_memory(equation, y(1))
+      if (equation%has_course .and. abs(y(1)) > 0) call begin_course(hybrid, equation)
       if (.not. equation%has_impacts) then
-         if (equation%has_memory) call begin_memory(equation, y(1))
          if (equation%floors%yields) call begin_storeys(equation, y)
          hybrid%mode = mode_no_impacts
          return
       end if
-      if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
-      if (equation%has_memory) call begin_memory(equation, y(1))
       if (equation%floors%yields) call begin_storeys(equation, y)
       call find_bearing(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine begin_hybrid
+
+   !> Smooth hysteresis that has not moved before, at the initial rotation; from rest the
+   !> acceleration says where it goes.
+   subroutine begin_course(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      call load_bouc_wen(equation, hybrid%y)
+      equation%course = 1
+      if (abs(hybrid%y(2)) <= 0) equation%course = int(sign(1.0_wp, second_derivative(equation, &
+         hybrid%t, hybrid%y)))
+   end subroutine begin_course
 
    !> Springs that have not moved before, at the initial rotation.
    subroutine begin_memory(equation, theta)
@@ -180,6 +195,55 @@ contains
       !$omp end critical (rwmf_text)
    end subroutine check_ground
 
+   !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
+   !> holds up at one corner rocks on the other; together stronger than weight and cable, they lift
+   !> it off both, and it stands on its fuses. Fails at the first such time of the step.
+   subroutine check_fuses(hybrid, equation, stepper, error)
+      type(hybrid_t), intent(in) :: hybrid
+      !! at the end of the step, or at the event that cuts it
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: middle
+      real(wp) :: y(equation%n)
+
+      ! forces grow with the stroke: what they are on the base mostly says that all is well
+      if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
+      if (.not. stands_on_fuses(equation, hybrid%y(1))) return
+      low = stepper%t0
+      high = hybrid%t
+      do
+         middle = low + (high - low)/2
+         if (middle <= low .or. middle >= high) exit
+         call stepper%state_at(middle, y, error)
+         if (allocated(error)) return
+         if (stands_on_fuses(equation, y(1))) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+      !$omp critical (rwmf_text)
+      call fail(error, err_numerical, 'the wall stands on its fuses at t = '//real_to_text(high) &
+         //' s: drawn out before, both together push it up with more than weight and cable, and ' &
+         //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
+         //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
+      !$omp end critical (rwmf_text)
+   end subroutine check_fuses
+
+   !> Do the fuses push the wall up with more than weight and cable, beyond round-off?
+   logical function stands_on_fuses(equation, theta)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      type(cable_state_t) :: cable
+
+      cable = cable_at(equation, theta)
+      stands_on_fuses = fuse_push(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
+   end function stands_on_fuses
+
    !> One step of the integrator, cut at the first event that ends the flight.
    subroutine fly(hybrid, equation, stepper, observer, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
@@ -212,6 +276,8 @@ contains
       if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
       if (allocated(error)) return
       call search_step(hybrid, equation, stepper, observer, event, error)
+      if (allocated(error)) return
+      if (equation%has_fuses) call check_fuses(hybrid, equation, stepper, error)
       if (allocated(error)) return
       call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return

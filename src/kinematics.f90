@@ -10,7 +10,7 @@ module rwmf_kinematics
 
    public :: geometry_t, kinematics_t, kinematics_i
    public :: top_corner, left_corner, published_negative, pinned_base
-   public :: linked_top_corner, linked_left_corner
+   public :: linked_top_corner, linked_left_corner, linked_pinned_base
    public :: rise_of_top_corner, rise_of_left_corner
 
    !> Shape of the wall and length of the link.
@@ -143,6 +143,17 @@ contains
       call add_tilt(geometry%link, -1.0_wp, rise_of_left_corner(geometry, kin), -kin%u, kin)
    end subroutine linked_left_corner
 
+   !> Link of finite length at the middle of a hinged wall's top, the frame to the left of it: that
+   !> point sinks by 2 cos(alpha) (1 - cos(theta)) on both sides.
+   pure subroutine linked_pinned_base(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
+      real(wp), value :: phi
+      type(kinematics_t), intent(out) :: kin
+
+      call pinned_base(geometry, phi, kin)
+      call add_tilt(geometry%link, 1.0_wp, rise_of_left_corner(geometry, kin), -kin%u, kin)
+   end subroutine linked_pinned_base
+
    !> How far the top corner above the lifting base corner has risen, over R [-].
    pure real(wp) function rise_of_top_corner(geometry, kin) result(rise)
       type(geometry_t), intent(in) :: geometry
@@ -153,7 +164,7 @@ contains
          - geometry%cos_alpha*kin%half_sine)
    end function rise_of_top_corner
 
-   !> The same for the top corner above the pivot, which sinks [-].
+   !> The same for a point of the top above the pivot, which sinks [-].
    pure real(wp) function rise_of_left_corner(geometry, kin) result(rise)
       type(geometry_t), intent(in) :: geometry
       type(kinematics_t), intent(in) :: kin

@@ -121,11 +121,17 @@ contains
       real(wp) :: size_guess(2)
       !! [rad], [rad/s]
       real(wp) :: a
+      real(wp) :: ratio
+      !! of the vertical motion to whatever the host hands over [-]
 
       a = peak_acceleration(machine%own_motion)
       if (.not. a > 0) a = machine%case%model%g/10
       if (present(peak)) a = peak
-      machine%given_motion = piecewise_linear_motion([0.0_wp], [a])
+      ratio = 0
+      if (allocated(machine%case%vertical)) then
+         if (allocated(machine%case%vertical%ratio)) ratio = machine%case%vertical%ratio
+      end if
+      machine%given_motion = piecewise_linear_motion([0.0_wp], [a], ratio)
       machine%equation%motion => machine%given_motion
       size_guess = guess_size(machine%case, machine%equation)
       machine%equation%motion => machine%own_motion

@@ -30,6 +30,8 @@ contains
       !! as a bilinear spring
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
+      real(wp) :: stroke_y
+      !! [m]
 
       allocate (equation%springs(0))
       if (frame_yields) then
@@ -37,10 +39,15 @@ contains
          equation%springs = frame_springs(case, equation%p%omega_s**2, equation%parts)
       end if
       if (allocated(case%fuse)) then
-         fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
-            case%fuse%eta_y*equation%p%g, case%fuse%hardening)
+         ! Both fuses of a hinged wall at half the arm are one, that of the left corner, with twice
+         ! the stroke: the stroke that counts here is that of a rocking wall.
+         stroke_y = case%fuse%stroke_y
+         if (.not. equation%has_impacts) stroke_y = 2*stroke_y
+         fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
+            case%fuse%hardening)
          equation%springs = [equation%springs, sprung_t(fuse, place_left), &
             sprung_t(fuse, place_right)]
+         equation%has_fuses = equation%has_impacts
       end if
       equation%has_memory = .true.
       equation%farthest = case%model%overturning_angle
@@ -136,7 +143,8 @@ contains
       end select
    end function elongation
 
-   !> Does a spring move on the side in force? A fuse does when its corner lifts.
+   !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
+   !> hinged wall always, and stands for both.
    pure logical function moves(equation, place)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: place

@@ -8,8 +8,8 @@ module rwmf_memory_query
    private
 
    public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
-   public :: frame_residuals
-   public :: frame_force_column
+   public :: frame_residuals, foot_residual
+   public :: frame_force_column, fuse_push
 
    character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
    !! of every law
@@ -34,11 +34,29 @@ contains
          end if
          force(i) = spring_force(equation%springs(i)%spring, x)/equation%p%g
       end do
+      ! under a hinged wall the right fuse, which comes last, mirrors the left one
+      i = size(force)
+      if (.not. equation%has_impacts .and. i > 1) then
+         if (equation%springs(i)%place == place_right) force(i) = -force(i - 1)
+      end if
       associate (of_frame => equation%springs%place == place_frame)
          forces = pack(force, .not. of_frame)
          if (any(of_frame)) forces = [sum(force, of_frame), forces]
       end associate
    end function spring_forces
+
+   !> Force with which both fuses push a rocking wall up, over m_w g [-].
+   real(wp) function fuse_push(equation, theta) result(push)
+      type(equation_t), intent(in) :: equation
+      !! with fuses
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp), allocatable :: forces(:)
+
+      ! the fuses come last
+      forces = spring_forces(equation, theta)
+      push = -sum(forces(size(forces) - 1:))
+   end function fuse_push
 
    !> Names of the columns of these forces in a history; springs of the frame have one together.
    pure function spring_columns(equation) result(names)
@@ -89,6 +107,20 @@ contains
       if (allocated(equation%parts)) residual = sum(equation%parts*frame_residuals(equation, theta))
    end function frame_residual
 
+   !> The same of the lowest storey, as a displacement of the roof: where storeys yield one by one
+   !> it is not that of the frame [m].
+   real(wp) function foot_residual(equation, theta) result(residual)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp), allocatable :: residuals(:)
+
+      residual = 0
+      if (.not. allocated(equation%parts)) return
+      residuals = frame_residuals(equation, theta)
+      residual = residuals(1)
+   end function foot_residual
+
    !> The same of each spring of the frame by itself [m].
    function frame_residuals(equation, theta) result(residuals)
       type(equation_t), intent(in) :: equation
@@ -99,7 +131,8 @@ contains
       integer :: i
 
       residuals = pack([(spring_plastic(equation%springs(i)%spring, elongation_of(equation, i, &
-         equation%side*theta)), i=1, size(equation%springs))], equation%springs%place == place_frame)
+         equation%side*theta)), i=1, size(equation%springs))], &
+         equation%springs%place == place_frame)
    end function frame_residuals
 
 end module rwmf_memory_query

@@ -61,7 +61,8 @@ contains
    !>
    !> Before the first knot nothing may have moved, and steps have grown without bound: the first
    !> one into a pulse would reach to its end, where the acceleration is zero again, and miss it. So
-   !> the count of steps begins with those of a restart there (`count_steps`).
+   !> the count of steps begins with those of a restart there (`count_steps`). At later knots, which
+   !> a vertical record may put before a pulse, it is a state of nothing but zeros that says so.
    subroutine pass_knot(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -72,6 +73,7 @@ contains
       call enter_interval(equation, interval_of(equation) + 1)
       if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
+      if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
 

@@ -116,10 +116,12 @@ module rwmf_result
       real(wp), allocatable :: residual_displacement
       !! of the frame without force in the end [m]; absent unless the frame yields
       real(wp), allocatable :: storey_ductility(:)
-      !! (storeys) largest |u_i - u_(i-1)| over that at first yield [-]; absent unless they yield one
-      !! by one
+      !! (storeys) largest |u_i - u_(i-1)| over that at first yield [-]; absent unless they yield
+      !! one by one
       real(wp), allocatable :: storey_residual_drift(:)
       !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
+      real(wp), allocatable :: theta_end_over_alpha
+      !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max

@@ -22,7 +22,7 @@ module rwmf_run
    use rwmf_stepper, only: stepper_t, tolerance_t
    use rwmf_storey_springs, only: storey_residuals
    use rwmf_text, only: real_to_text
-   use rwmf_vertical, only: lowest_vertical
+   use rwmf_warnings, only: warn_of_fuses, warn_of_reactions, warn_of_weight
    implicit none
    private
 
@@ -286,6 +286,7 @@ contains
          result%prestress_loss = prestress_loss(equation, hybrid%y(1))
          result%has_ruptured = tendon_is_broken(equation)
       end if
+      if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
       if (allocated(case%yielding)) then
          if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
             /yield_displacement(case)
@@ -339,6 +340,7 @@ contains
       if (.not. allocated(case%wall)) return
       if (case%wall%base == 'pinned') return
       if (equation%has_vertical) call warn_of_weight(equation, result)
+      if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
       e = restitution(case, equation%p%alpha)
       e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
       if (allocated(case%impact)) then
@@ -361,44 +363,6 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
       end if
    end subroutine collect_warnings
-
-   !> A pivot that lifts or slides is not in the equation of motion.
-   subroutine warn_of_reactions(result)
-      type(result_t), intent(inout) :: result
-
-      associate (reactions => result%reactions)
-         if (.not. allocated(reactions%pivot_lifts)) return
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
-         if (reactions%pivot_lifts) then
-            call add_warning(result, 'the pivot reaction falls to N/(m_w g) = ' &
-               //real_to_text(reactions%normal_min)//' at t = ' &
-               //real_to_text(reactions%t_normal_min)//' s: the wall would leave the ground, ' &
-               //'which the model does not follow')
-         end if
-         if (allocated(reactions%t_exceeded)) then
-            call add_warning(result, 'the friction demand |H|/N exceeds the friction_limit from ' &
-               //'t = '//real_to_text(reactions%t_exceeded)//' s: the wall would slide, which ' &
-               //'the model does not follow')
-         end if
-         !$omp end critical (rwmf_text)
-      end associate
-   end subroutine warn_of_reactions
-
-   !> A pivot that lifts is not in the equation of motion.
-   subroutine warn_of_weight(equation, result)
-      type(equation_t), intent(in) :: equation
-      type(result_t), intent(inout) :: result
-      real(wp) :: lowest
-      !! [m/s2]
-
-      lowest = lowest_vertical(equation%motion)
-      if (equation%p%g*(1 + equation%p%eta_0) + lowest > 0) return
-      !$omp critical (rwmf_text)
-      call add_warning(result, 'v_g'''' falls to '//real_to_text(lowest) &
-         //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')
-      !$omp end critical (rwmf_text)
-   end subroutine warn_of_weight
 
    subroutine fill_wall(case, equation, hybrid, observer, result)
       type(case_t), intent(in) :: case

@@ -76,8 +76,8 @@ module rwmf_scene
       integer :: course = 1
       !! of a storey: sign that u_i' - u_(i-1)' has in it
       real(wp) :: lost = 1
-      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the sign
-      !! of z where z**n takes the place of |z|**n and n is odd [-]
+      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the
+      !! sign of z where z**n takes the place of |z|**n and n is odd [-]
    end type hysteresis_t
 
    !> The floors of a frame with all its modes, from the ground to the roof.
@@ -97,11 +97,7 @@ module rwmf_scene
       integer :: first = 3
       !! place of their first state among all
       real(wp), allocatable :: rows(:)
-      !! constants of `move_floors` in the order of their use: of each acceleration by 1, by the
-      !! displacements of the storeys below and above, by the velocities of roof and floors; of the
-      !! force on the roof over m_w by 1, by the displacement of the storey below, by the velocities.
-      !! First those of the uppermost floor and of the roof, in which two by the velocity of a floor
-      !! stand together
+      !! constants of `move_floors` in the order of their use, see `fill_rows`
       real(wp), allocatable :: slope(:)
       !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
       logical :: yields = .false.
@@ -157,8 +153,11 @@ module rwmf_scene
       real(wp) :: pushed = 1
       !! 1 + 2 gamma push: what the ground motion pushes where the link is at the top corner [-]
       real(wp) :: floor_mass = 0
-      !! mass of the frame's floors beyond that which moves with the roof, over m_w; without wall
-      !! over the latter [-]
+      !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
+      logical :: links_floors = .false.
+      !! every floor is linked to the wall, not the roof alone
+      real(wp) :: foot = 1
+      !! shear of the lowest storey over the force that resists the roof [-]
       real(wp) :: quickest = 0
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors
@@ -185,6 +184,8 @@ module rwmf_scene
       !! the further effects that the case calls for; not allocated without any
       logical :: has_memory = .false.
       !! there are springs that yield or break
+      logical :: has_fuses = .false.
+      !! under the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
       !! yielding frame and fuses; the tendon's is in `cable`
       real(wp), allocatable :: parts(:)
@@ -227,8 +228,7 @@ module rwmf_scene
       procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
       procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
       procedure(right_hand_side_i), pointer, nopass :: kept_positive => null()
-      !! what `rates_positive` was before the wall was held at rest; not associated before the first
-      !! time
+      !! `rates_positive` before the wall was held at rest; not associated before the first time
       procedure(right_hand_side_i), pointer, nopass :: kept_negative => null()
    end type equation_t
 

@@ -78,7 +78,7 @@ contains
       stepper%y1(:) = y
    end subroutine stop_at_storey
 
-   !> Is it plain from the ends of a short step that no branch ends in it? Most are: the storey stays
+   !> Is it plain from the ends of a short step that no branch ends in it? Most are: the storey is
    !> far from the limits, or yields on at a rate that hardly changes.
    logical function is_quiet(equation, stepper)
       type(equation_t), intent(in) :: equation

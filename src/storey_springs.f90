@@ -2,8 +2,8 @@
 !> the shear, the energy and what stays displaced.
 !>
 !> The displacement d_i = u_i - u_(i-1) of a storey is no function of the rotation alone. So the end
-!> of a branch is looked for in the states (`storey_search.f90`), storey by storey: an elastic branch
-!> ends at a known d_i, one that yields where d_i' changes its sign.
+!> of a branch is looked for in the states (`storey_search.f90`), storey by storey: elastic branches
+!> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_storey_springs
    use rwmf_accelerations, only: kept_part
    use rwmf_bouc_wen, only: follow_signs, new_hysteresis
@@ -180,8 +180,8 @@ contains
       if (allocated(equation%floors%laws)) stands_still = equation%floors%laws(storey)%course == 0
    end function stands_still
 
-   !> Sign of the hysteretic state of a smooth storey beyond zero, where it can pass zero in the piece
-   !> in force; else 0.
+   !> Sign of the hysteretic state of a smooth storey beyond zero, where it can pass zero in the
+   !> piece in force; else 0.
    pure integer function side_beyond_zero(equation, storey) result(side)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: storey

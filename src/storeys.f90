@@ -7,8 +7,8 @@
 !>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i,   i < n
 !>
 !> The roof's own mass and the stiffness of the storey below it are the frame of `equation.f90`
-!> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one of
-!> the branches of `storey_springs.f90`.
+!> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one
+!> of the branches of `storey_springs.f90`.
 module rwmf_storeys
    use rwmf_accelerations, only: kept_part
    use rwmf_case, only: case_t
@@ -16,7 +16,7 @@ module rwmf_storeys
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: equation_t, floors_t, frame_mass, frame_travel, frame_velocity, &
       ground, kinematics_at
-   use rwmf_shear_frame, only: damping_matrix, roof_factor, shear_frame_t
+   use rwmf_shear_frame, only: damping_matrix, foot_share, roof_factor, shear_frame_t
    use rwmf_spring, only: spring_energy
    implicit none
    private
@@ -43,6 +43,9 @@ contains
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
          equation%push = roof_factor(frame, 1)
+         equation%foot = equation%push
+         equation%links_floors = case%storeys%coupling == 'every_floor'
+         if (equation%links_floors) equation%foot = foot_share(frame)
          equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          return
       end if
@@ -67,7 +70,11 @@ contains
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine prepare_storeys
 
-   !> Constants of the rates, for the branches of the storeys that are in force.
+   !> Constants of the rates, for the branches of the storeys that are in force, in the order in
+   !> which `move_floors` uses them: of each acceleration by 1, by the displacements of the storeys
+   !> below and above, by the velocities of roof and floors; of the force on the roof over m_w by 1,
+   !> by the displacement of the storey below, by the velocities. First those of the uppermost floor
+   !> and of the roof, in which two by the velocity of a floor stand together.
    pure subroutine fill_rows(floors)
       type(floors_t), intent(inout) :: floors
       real(wp) :: k(floors%n)

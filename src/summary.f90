@@ -114,6 +114,7 @@ contains
       end if
       call add_real(items, 'ductility', result%ductility)
       call add_real(items, 'residual_displacement_m', result%residual_displacement)
+      call add_real(items, 'theta_end_over_alpha', result%theta_end_over_alpha)
       if (.not. allocated(result%storey_ductility)) return
       call add_numbered(items, 'storey_', '_ductility', result%storey_ductility)
       call add_numbered(items, 'storey_', '_residual_drift', result%storey_residual_drift)

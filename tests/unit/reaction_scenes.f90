@@ -11,6 +11,8 @@ module reaction_scenes
 
    public :: scene, linked, damped, pinned, fused, with_inerter, shaken_vertically, with_tendon
    public :: hysteretic, storeys, linked_storeys, add_storeys, column
+   public :: linked_pinned, pinned_with_corners, storeys_of_pinned_wall, yielding_storeys
+   public :: uneven_storeys
 
 contains
 
@@ -45,6 +47,23 @@ contains
       deallocate (case%cable, case%impact)
       case%wall%base = 'pinned'
    end function pinned
+
+   function linked_pinned() result(case)
+      type(case_t) :: case
+
+      case = pinned()
+      case%link = link_t(5.0_wp)
+   end function linked_pinned
+
+   !> All that acts under both corners of a hinged wall.
+   function pinned_with_corners() result(case)
+      type(case_t) :: case
+
+      case = pinned()
+      case%damper = damper_t(2.0_wp)
+      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+      case%inerter = inerter_t(1.5_wp)
+   end function pinned_with_corners
 
    !> Fuses that yield far below the rotation of the test.
    function fused() result(case)
@@ -110,6 +129,35 @@ contains
       case = linked('exact')
       call add_storeys(case, coupling)
    end function linked_storeys
+
+   !> Every floor linked to a hinged wall.
+   function storeys_of_pinned_wall() result(case)
+      type(case_t) :: case
+
+      case = pinned()
+      call add_storeys(case, 'every_floor')
+   end function storeys_of_pinned_wall
+
+   !> Every floor linked; all storeys yield at the same drift, far below that of the test.
+   function yielding_storeys(law) result(case)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      case = hysteretic('exact')
+      case%yielding%law = law
+      call add_storeys(case, 'every_floor')
+   end function yielding_storeys
+
+   !> Every floor linked; each storey yields by itself, far below the drift of the test.
+   function uneven_storeys() result(case)
+      type(case_t) :: case
+
+      case = hysteretic('exact')
+      case%yielding%law = 'elastic_plastic'
+      deallocate (case%yielding%u_y)
+      case%yielding%storey_u_y = [0.02_wp, 0.05_wp, 0.01_wp]
+      call add_storeys(case, 'every_floor')
+   end function uneven_storeys
 
    subroutine add_storeys(case, coupling)
       type(case_t), intent(inout) :: case

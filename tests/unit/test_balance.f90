@@ -2,14 +2,17 @@
 !> of the foundation on every part.
 program test_balance
    use check, only: checks_t
-   use reaction_scenes, only: damped, fused, hysteretic, linked, linked_storeys, pinned, scene, &
-      shaken_vertically, storeys, with_inerter, with_tendon
+   use reaction_scenes, only: damped, fused, hysteretic, linked, linked_pinned, linked_storeys, &
+      pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
+      uneven_storeys, with_inerter, with_tendon, yielding_storeys
+   use rwmf_bouc_wen, only: bouc_wen_residual
    use rwmf_case, only: case_t
    use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
-   use rwmf_kinds, only: wp
+   use rwmf_kinds, only: pi, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_memory, only: load_to
+   use rwmf_memory_query, only: frame_residuals
    use rwmf_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_reactions, only: cable_force, link_force, reactions_at, reactions_t
    use rwmf_scene, only: ground
@@ -28,6 +31,8 @@ program test_balance
    call check_balance(linked('exact'), 'link, exact')
    call check_balance(damped(), 'dampers')
    call check_balance(pinned(), 'pinned')
+   call check_balance(linked_pinned(), 'pinned, link')
+   call check_balance(pinned_with_corners(), 'pinned, dampers, fuses, inerters')
    call check_balance(fused(), 'fuses')
    call check_balance(with_inerter(), 'inerters')
    call check_balance(shaken_vertically(), 'vertical motion')
@@ -39,6 +44,14 @@ program test_balance
    call check_balance(storeys('reduced', 'symmetric'), 'one mode, symmetric')
    call check_balance(storeys('full', 'exact'), 'all modes')
    call check_balance(storeys('full', 'published'), 'all modes, published')
+   call check_balance(storeys('every_floor', 'exact'), 'every floor')
+   call check_balance(storeys('every_floor', 'symmetric'), 'every floor, symmetric')
+   call check_balance(storeys('every_floor', 'published'), 'every floor, published')
+   call check_balance(linked_storeys('every_floor'), 'every floor, link')
+   call check_balance(storeys_of_pinned_wall(), 'every floor, pinned')
+   call check_balance(yielding_storeys('elastic_plastic'), 'every floor, yielding')
+   call check_balance(yielding_storeys('bouc_wen'), 'every floor, Bouc and Wen')
+   call check_balance(uneven_storeys(), 'every floor, storeys that yield one by one')
    call check_balance(linked_storeys('full'), 'all modes, link')
    call check_balance(linked_storeys('reduced'), 'one mode, link')
    call check_damper_power()
@@ -81,10 +94,10 @@ contains
                   t, y, y_ddot, damper)
             end if
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
-               + turn(link_corner(equation, case, y), link_force(equation, &
-               kinematics_at(equation, y(1)), t, y, y_ddot), equation, y) &
+               + turn_of_links(equation, case, y, y_ddot) &
                + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
-               + turn(lifting_corner(equation, y), damper, equation, y)
+               + turn(lifting_corner(equation, y), damper, equation, y) &
+               + couple(equation, case, y, y_ddot)
             call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
                //name, atol=round_off*equation%p%g*equation%p%R*(1 + equation%p%gamma))
             shear = reactions%horizontal + sum([1.0_wp, 0.0_wp]*(cable_force(equation, y(1)) &
@@ -107,6 +120,94 @@ contains
       arm = point - place(equation, y(1), [0.0_wp, 0.0_wp])
       turn = arm(2)*force(1) - arm(1)*force(2)
    end function turn
+
+   !> Clockwise moment of the devices under both corners of a hinged wall: each is drawn out or
+   !> pressed by s = 2b sin(theta/2). The fuses have yielded up to 0.13 rad and unload.
+   real(wp) function couple(equation, case, y, y_ddot)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force
+      real(wp) :: largest
+      !! stroke of the fuses [m]
+
+      couple = 0
+      if (equation%has_impacts .or. .not. allocated(case%fuse)) return
+      associate (b => case%wall%b, half => y(1)/2, fuse => case%fuse, g => case%model%g)
+         force = case%damper%c_over_m_w*b*cos(half)*y(2) + case%inerter%inertance_over_m_w &
+            *(b*cos(half)*y_ddot - b*sin(half)*y(2)**2/2)
+         largest = 2*b*sin(0.13_wp/2)
+         force = force + sign(fuse%eta_y*g*(1 + fuse%hardening*(largest/fuse%stroke_y - 1)), half) &
+            + fuse%eta_y*g/fuse%stroke_y*(2*b*sin(half) - sign(largest, half))
+         couple = -2*force*b*cos(half)
+      end associate
+   end function couple
+
+   !> Moment of what the links do to the wall: of one at the roof, or of one at every floor, on the
+   !> line from the pivot to the roof's corner.
+   real(wp) function turn_of_links(equation, case, y, y_ddot) result(moment)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force(2)
+      real(wp), allocatable :: pulls(:)
+      !! of the floors on their links [m/s2]
+      real(wp), allocatable :: share(:)
+      !! of the floors in the height [-]
+      real(wp), allocatable :: forces(:)
+      !! of the storeys, spring and damper [m/s2]
+      integer :: i
+
+      force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_ddot)
+      moment = turn(link_corner(equation, case, y), force, equation, y)
+      if (.not. has_all_links(case)) return
+      associate (frame => case%storeys%frame)
+         share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
+         forces = resisting_roof(equation, case, y)*frame%k*frame%height/sum(frame%height)
+         pulls = frame%m*(share*roof_ddot_of(equation, y, y_ddot) + ground(equation, t)) + forces
+         pulls(:2) = pulls(:2) - forces(2:)
+      end associate
+      call checks%close_to(-force(1), sum(pulls), 'all links', rtol=1.0e-12_wp)
+      moment = 0
+      do i = 1, size(pulls)
+         moment = moment + turn(pivot(equation) + share(i)*(link_corner(equation, case, y) &
+            - pivot(equation)), force*pulls(i)/sum(pulls), equation, y)
+      end do
+   end function turn_of_links
+
+   !> Displacement of the roof that each storey, elastic, would need for the force of its spring and
+   !> damper [m]: the same line for both, and for what has yielded unless each does so by itself.
+   function resisting_roof(equation, case, y) result(u)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp) :: u(size(case%storeys%frame%m))
+      type(kinematics_t) :: kin
+      real(wp), allocatable :: residuals(:)
+
+      kin = kinematics_at(equation, y(1))
+      u = equation%p%R*(equation%side*kin%u + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
+      if (.not. allocated(case%yielding)) return
+      if (equation%has_course) then
+         u = u - bouc_wen_residual(equation, y)
+      else
+         residuals = frame_residuals(equation, y(1))
+         if (size(residuals) == 1) residuals = spread(residuals(1), 1, size(u))
+         u = u - residuals
+      end if
+   end function resisting_roof
+
+   real(wp) function roof_ddot_of(equation, y, y_ddot) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      type(kinematics_t) :: kin
+
+      kin = kinematics_at(equation, y(1))
+      u_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+   end function roof_ddot_of
 
    !> Where a point of the wall is, given from its centroid [m].
    function place(equation, theta, point) result(x)
@@ -179,7 +280,8 @@ contains
       associate (s => equation%sin_alpha, c => equation%cos_alpha, L => equation%geometry%link)
          rise = 2*(c*cos(w) + s*sin(w) - c)
          if (.not. equation%has_impacts) then
-            rise = 0
+            w = cmplx(y(1), step, wp)
+            rise = 2*c*(cos(w) - 1)
             root = 2*c*sin(w)
          else if (is_left(equation)) then
             rise = 2*c*(cos(w) - 1)
@@ -193,7 +295,11 @@ contains
       slope = equation%p%R*root%im/step
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
-      if (allocated(case%yielding)) then
+      if (has_all_links(case)) then
+         shear = case%storeys%frame%k(1)*case%storeys%frame%height(1) &
+            /sum(case%storeys%frame%height)*sum(resisting_roof(equation, case, y), &
+            [.true., .false., .false.])
+      else if (allocated(case%yielding)) then
          associate (law => case%yielding)
             shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
                *(law%u_y*y(3) - u)
@@ -202,6 +308,13 @@ contains
          shear = storey_shear(equation, case, y, u, slope*y(2))
       end if
    end function frame_shear
+
+   pure logical function has_all_links(case)
+      type(case_t), intent(in) :: case
+
+      has_all_links = .false.
+      if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
+   end function has_all_links
 
    !> The columns of the lowest storey and all dampers; one mode: what its floors need less what
    !> the link brings.

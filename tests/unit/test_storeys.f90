@@ -12,6 +12,8 @@ program test_storeys
    use rwmf_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, roof_factor, &
       shear_frame_t
    use rwmf_simulation, only: simulate
+   use rwmf_stepping, only: advance_stepping, create_stepping, destroy_stepping, stepping_t
+   use rwmf_stepping_query, only: query_forces, query_state, wall_forces_t, wall_state_t
    use rwmf_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text, only: real_to_text
    use scenes, only: frame_scene, rwmf_scene
@@ -30,6 +32,7 @@ program test_storeys
       call check_one_storey('every_floor', trim(formulations(i)))
    end do
    call check_every_floor()
+   call check_links_of_every_floor()
    call check_modal_superposition()
    call check_reduced_bare_frame()
    call check_stiff_storeys()
@@ -181,6 +184,39 @@ contains
       call checks%close_to(modal_height(frame, 1)*roof_factor(frame, 1), 4.0_wp, &
          'the modal height moves as the mode''s oscillator', rtol=1.0e-14_wp)
    end subroutine check_every_floor
+
+   !> A host is told the sum of all links, and the shear of the lowest storey: with dampers that lie
+   !> in the storeys, both from the displacement of the line alone.
+   subroutine check_links_of_every_floor()
+      type(case_t) :: case
+      type(stepping_t) :: stepping
+      type(wall_state_t) :: state
+      type(wall_forces_t) :: forces
+      type(error_t), allocatable :: error
+      real(wp), parameter :: share(3) = [0.5_wp, 0.875_wp, 1.0_wp]
+      real(wp), parameter :: a = 3.0_wp
+      real(wp) :: shear
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
+      case%wall%m_w = 1000
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'every floor')
+      call create_stepping(stepping, case, error)
+      call advance_stepping(stepping, [0.0_wp, 0.2_wp], [a, a], error)
+      call checks%no_error(error, 'advance')
+      call query_state(stepping, state, error)
+      call query_forces(stepping, forces, error)
+      call checks%that(abs(state%theta) > 0 .and. .not. state%at_rest, 'the wall rocks')
+      shear = 600*share(1)*(state%u_s + case%frame%xi_s*case%frame%T_s/pi*state%u_s_dot)
+      call checks%close_to(forces%frame_shear, 1000*shear, 'shear of the lowest storey', &
+         rtol=1.0e-13_wp)
+      call checks%close_to(forces%link, 1000*(sum(case%storeys%frame%m*(share*state%u_s_ddot &
+         + a)) + shear), 'all links', rtol=1.0e-13_wp)
+      call destroy_stepping(stepping)
+   end subroutine check_links_of_every_floor
 
    !> Without wall the roof is the sum over the modes of what an oscillator of the mode's period
    !> does, times the mode's factor.
@@ -463,8 +499,9 @@ contains
          'what is left of them', rtol=1.0e-8_wp)
    end subroutine check_storeys_of_a_line
 
-   !> A ground acceleration that changes slowly is a pushover: the shear of a storey is the mass above
-   !> times it. Each storey with hardening a follows V = k d up to V_y and V_y + a k (d - u_y) after.
+   !> A ground acceleration that changes slowly is a pushover: the shear of a storey is the mass
+   !> above times it. Each storey with hardening a follows V = k d up to V_y and V_y + a k (d - u_y)
+   !> after.
    subroutine check_pushed_storeys()
       real(wp), parameter :: m(2) = [2.0_wp, 1.0_wp]
       real(wp), parameter :: k(2) = [3.0e5_wp, 2.0e5_wp]
@@ -568,17 +605,14 @@ contains
       call refuse(wall//'&frame xi_s = 0 / &yielding /'//two &
          //', height = 3 3, coupling = ''full'' /', 'the key storey_u_y is missing')
       call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 0.02 0.03 /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'storey_u_y = 0.01, 0.02, 0.03 (line 1): has 3 ' &
-         //'values, must have one for all storeys or one for each of the 2')
+         //', height = 3 3, coupling = ''full'' /', 'storey_u_y = 0.01, 0.02, 0.03 (line 1): has ' &
+         //'3 values, must have one for all storeys or one for each of the 2')
       call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 /'//two &
          //', height = 3 3 /', 'storey_u_y = 0.01 (line 1): must not be given without &storeys')
       call refuse(wall//'&frame xi_s = 0, T_s = 1, gamma = 2 / &yielding storey_u_y = 0.01 /', &
          'storey_u_y = 0.01 (line 1): must not be given without &storeys')
       call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01, u_y = 0.1 /'//two &
          //', height = 3 3, coupling = ''every_floor'' /', 'u_y = 0.1 (line 1): must not be given')
-      call refuse(wall//'&frame xi_s = 0 / &output reactions = .true. /'//two &
-         //', height = 3 3, coupling = ''every_floor'' /', 'reactions = .true. (line 1): must be ' &
-         //'.false. with &storeys')
       call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
          //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
       call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
