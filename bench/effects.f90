@@ -5,10 +5,13 @@
 !> For each scene the right-hand sides of the program written by hand for the scene NAME, those of
 !> the kernel, and a run of the kernel, between calls of `mark`. The right-hand sides go through the
 !> same states, on both sides, in one interval of the ground motion. Prints the number of states,
-!> the sums of theta'' of both, by which they are compared, and the number of steps of the run.
+!> the sums of all rates but theta' of both, by which they are compared, and the number of steps of
+!> the run.
 program effects
-   use effects_by_hand, only: choose, hand_i, hand_t, mark, prepare
+   use effects_by_hand, only: choose, follow_by_hand => follow_course, hand_i, hand_t, mark, &
+      prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
+   use rwmf_bouc_wen, only: follow_course
    use rwmf_equation, only: build_equation, enter_interval, equation_t, rhs
    use rwmf_memory, only: pass_window, renew_window
    use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
@@ -21,8 +24,11 @@ program effects
    !> States to evaluate at.
    type :: table_t
       real(wp) :: t(n_states)
-      real(wp) :: y(2, n_states)
+      real(wp), allocatable :: y(:, :)
+      !! (as many as the equation has, n_states)
       integer :: side(n_states)
+      integer :: course(n_states)
+      !! sign of theta'
    end type table_t
 
    character(4096) :: name
@@ -56,11 +62,13 @@ contains
 
       call read_case(path, case)
       motion = motion_from_case(case)
-      call fill(case, table)
+      call fill_times(case, table)
       do side = -1, 1, 2
          call prepare_side(case, motion, table, index(name, '_yielding') > 0, side, equations(side))
       end do
+      call fill_states(case, equations(1)%n, table)
       call prepare(case, p)
+      p%n = equations(1)%n
       call follow_record(case, motion, table%t(1), p)
       call choose(name, by_hand)
       if (.not. associated(by_hand)) error stop 'no program of that name'
@@ -107,24 +115,41 @@ contains
       call pass_window(equation, is_rising=equation%side > 0)
    end subroutine prepare_side
 
-   !> Rotations up to 0.9 alpha (bare frame: displacements in m) and velocities of both signs, on
-   !> both sides, within one interval of the motion.
-   subroutine fill(case, table)
+   !> Times within one interval of the motion.
+   subroutine fill_times(case, table)
       type(case_t), intent(in) :: case
-      type(table_t), intent(out) :: table
+      type(table_t), intent(inout) :: table
+      integer :: j
+
+      do j = 1, n_states
+         table%t(j) = t_begin + 0.01_wp*j/n_states
+         if (.not. allocated(case%record)) table%t(j) = (j - 0.5_wp)/n_states
+      end do
+   end subroutine fill_times
+
+   !> Rotations up to 0.9 alpha (bare frame: displacements in m) on both sides, velocities of both
+   !> signs, and further states up to 0.9.
+   subroutine fill_states(case, n, table)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: n
+      !! number of states of the equation
+      type(table_t), intent(inout) :: table
       real(wp) :: alpha
-      integer :: i
+      integer :: i, j
 
       alpha = 1
       if (allocated(case%wall)) alpha = atan2(case%wall%b, case%wall%h)
-      do i = 1, n_states
-         table%side(i) = merge(1, -1, mod(i, 2) == 1)
-         table%t(i) = t_begin + 0.01_wp*i/n_states
-         if (.not. allocated(case%record)) table%t(i) = (i - 0.5_wp)/n_states
-         table%y(1, i) = table%side(i)*0.9_wp*alpha*mod(7*i, n_states)/n_states
-         table%y(2, i) = sin(1.0_wp*i)
+      allocate (table%y(n, n_states))
+      do j = 1, n_states
+         table%side(j) = merge(1, -1, mod(j, 2) == 1)
+         table%y(1, j) = table%side(j)*0.9_wp*alpha*mod(7*j, n_states)/n_states
+         table%y(2, j) = sin(1.0_wp*j)
+         table%course(j) = merge(1, -1, table%y(2, j) > 0)
+         do i = 3, n
+            table%y(i, j) = 0.9_wp*sin(1.7_wp*i*j)
+         end do
       end do
-   end subroutine fill
+   end subroutine fill_states
 
    !> Straight line between the samples around a time.
    subroutine follow_record(case, motion, t, p)
@@ -144,11 +169,11 @@ contains
          /(case%record%t(k + 1) - case%record%t(k))
    end subroutine follow_record
 
-   !> theta'' of the kernel, summed over all states.
+   !> All rates but theta' of the kernel, summed over all states.
    real(wp) function sum_of_kernel(equations, table) result(total)
       type(equation_t), intent(inout) :: equations(-1:)
       type(table_t), intent(in) :: table
-      real(wp) :: y_dot(2)
+      real(wp) :: y_dot(size(table%y, 1))
       logical :: rocks
       integer :: side
       integer :: j
@@ -158,26 +183,28 @@ contains
       total = 0
       do j = 1, n_states
          if (rocks) side = table%side(j)
+         equations(side)%course = table%course(j)
+         if (equations(side)%has_course) call follow_course(equations(side), table%y(3, j))
          call rhs(equations(side), table%t(j), table%y(:, j), y_dot)
-         total = total + y_dot(2)
+         total = total + sum(y_dot(2:))
       end do
    end function sum_of_kernel
 
-   !> theta'' of the program by hand, summed over all states.
+   !> The same of the program by hand.
    real(wp) function sum_of_hand(by_hand, p, table, rocks) result(total)
       procedure(hand_i), pointer, intent(in) :: by_hand
       type(hand_t), intent(inout) :: p
       type(table_t), intent(in) :: table
       logical, intent(in) :: rocks
-      real(wp) :: y_dot(2)
+      real(wp) :: y_dot(size(table%y, 1))
       integer :: j
 
-      y_dot = 0
       total = 0
       do j = 1, n_states
          if (rocks) p%side = table%side(j)
+         if (p%n > 2) call follow_by_hand(table%course(j), table%y(3, j), p)
          call by_hand(p, table%t(j), table%y(:, j), y_dot)
-         total = total + y_dot(2)
+         total = total + sum(y_dot(2:))
       end do
    end function sum_of_hand
 

@@ -7,13 +7,16 @@
 module effects_by_hand
    use rwmf, only: case_t, wp
    use rwmf_kinds, only: pi
+   use rwmf_shear_frame, only: damping_matrix, roof_factor
    implicit none
    private
 
-   public :: hand_t, hand_i, prepare, choose, mark
+   public :: hand_t, hand_i, prepare, follow_course, choose, mark
 
    !> Constants of a scene, and what holds during one flight in one interval of the record.
    type :: hand_t
+      integer :: n = 2
+      !! number of states
       real(wp) :: alpha, sin_alpha, cos_alpha
       real(wp) :: g, g_over_R, three_quarters_over_R
       real(wp) :: gamma, two_gamma, four_gamma, one_plus_two_gamma_over_R, over_R
@@ -42,17 +45,33 @@ module effects_by_hand
       !! pulse
       real(wp) :: side
       !! +1 or -1
+      real(wp) :: hold, over_u_y, exponent
+      !! smooth hysteresis of the frame: force of z = 1 over m_s (with a wall 2/R times
+      !! that and gamma), velocity of z over u_s' (with a wall over theta' cos(alpha - phi)), n
+      real(wp) :: grow_lost, fall_lost
+      !! part of |z|**n that is lost while |z| grows and while it falls
+      real(wp) :: lost, signed_lost
+      !! of both, the one in force, and that times the sign of z
+      integer :: floors = 0
+      !! number of floors of a frame with all its modes
+      real(wp), allocatable :: k(:), over_m(:), offset(:)
+      !! stiffness of each storey over m_w, 1/m_i, shear of its branch at no displacement
+      real(wp), allocatable :: drag(:, :)
+      !! damping, a row in each column: of the floors over their mass, of the roof over m_w
+      real(wp) :: two_R, two_over_R
+      real(wp) :: push_over_R
+      !! (1 + 2 gamma push)/R of a frame of which one mode moves
    end type hand_t
 
    abstract interface
-      !> y_dot of y = (theta, theta').
+      !> y_dot of y = (theta, theta', further states of the scene).
       subroutine hand_i(p, t, y, y_dot)
          import :: hand_t, wp
          implicit none
          type(hand_t), intent(in) :: p
          real(wp), intent(in) :: t
-         real(wp), intent(in) :: y(2)
-         real(wp), intent(out) :: y_dot(2)
+         real(wp), intent(in) :: y(p%n)
+         real(wp), intent(out) :: y_dot(p%n)
       end subroutine hand_i
    end interface
 
@@ -102,6 +121,7 @@ contains
          p%link_squared = p%link**2
       end if
       call prepare_springs(case, p)
+      if (allocated(case%storeys)) call prepare_storeys(case, p)
       if (allocated(case%vertical)) p%ratio_over_R = case%vertical%ratio*p%over_R
       if (allocated(case%inerter)) p%inertance = case%inerter%inertance_over_m_w*p%sin_alpha**2
       if (allocated(case%damper)) p%damper = 4*p%sin_alpha**2*case%damper%c_over_m_w
@@ -110,6 +130,28 @@ contains
          if (allocated(case%motion%omega_p)) p%omega_p = case%motion%omega_p
       end if
    end subroutine prepare
+
+   !> Floors of a frame with all its modes; of one mode what the ground pushes.
+   subroutine prepare_storeys(case, p)
+      type(case_t), intent(in) :: case
+      type(hand_t), intent(inout) :: p
+      integer :: i
+
+      associate (frame => case%storeys%frame)
+         p%push_over_R = (1 + p%two_gamma*roof_factor(frame, 1))*p%over_R
+         if (case%storeys%coupling /= 'full') return
+         p%floors = size(frame%m)
+         p%two_R = 2/p%over_R
+         p%two_over_R = 2*p%over_R
+         p%k = frame%k
+         p%over_m = 1/frame%m
+         p%drag = damping_matrix(frame, case%frame%xi_s)
+         do i = 1, p%floors - 1
+            p%drag(:, i) = p%drag(:, i)/frame%m(i)
+         end do
+         allocate (p%offset(p%floors), source=0.0_wp)
+      end associate
+   end subroutine prepare_storeys
 
    !> What yields, elastic and on its first plastic branch, where F = F_y + h k (x - x_y).
    subroutine prepare_springs(case, p)
@@ -126,8 +168,19 @@ contains
             p%fuse_hard = k*four_b*fuse%hardening
          end associate
       end if
-      if (allocated(case%yielding)) then
+      if (allocated(case%yielding) .and. .not. allocated(case%storeys)) then
          associate (h => case%yielding%hardening)
+            if (case%yielding%law == 'bouc_wen') then
+               p%hold = (1 - h)*p%omega_squared*case%yielding%u_y
+               p%over_u_y = 1/case%yielding%u_y
+               if (allocated(case%wall)) then
+                  p%hold = p%two_gamma*p%over_R*p%hold
+                  p%over_u_y = 2*p%over_u_y/p%over_R
+               end if
+               p%exponent = case%yielding%exponent
+               p%grow_lost = 1
+               p%fall_lost = 1 - 2*case%yielding%beta
+            end if
             p%soft = h*p%omega_squared
             p%yield_drop = (1 - h)*p%omega_squared*case%yielding%u_y
             if (allocated(case%wall)) p%yield_drop = p%yield_drop*p%over_R/2
@@ -139,6 +192,19 @@ contains
          p%tendon_0 = case%cable%eta_y - (case%cable%eta_y - p%eta_0)*case%cable%hardening
       end if
    end subroutine prepare_springs
+
+   !> Smooth hysteresis in the piece of motion that begins: what the signs of theta' and z say.
+   subroutine follow_course(course, z, p)
+      integer, intent(in) :: course
+      !! sign of theta'
+      real(wp), intent(in) :: z
+      type(hand_t), intent(inout) :: p
+
+      p%lost = p%grow_lost
+      if (course*z < 0) p%lost = p%fall_lost
+      p%signed_lost = p%lost
+      if (z < 0) p%signed_lost = -p%lost
+   end subroutine follow_course
 
    !> Program of a scene, by its name.
    subroutine choose(name, right_hand_side)
@@ -184,12 +250,36 @@ contains
          right_hand_side => symmetric_yielding
       case ('tendon')
          right_hand_side => symmetric
+      case ('smooth_1')
+         right_hand_side => smooth_1
+      case ('smooth_2')
+         right_hand_side => smooth_2
+      case ('smooth_3')
+         right_hand_side => smooth_3
+      case ('smooth_n')
+         right_hand_side => smooth_n
+      case ('frame_smooth_1')
+         right_hand_side => frame_smooth_1
+      case ('frame_smooth_2')
+         right_hand_side => frame_smooth_2
+      case ('frame_smooth_3')
+         right_hand_side => frame_smooth_3
+      case ('frame_smooth_n')
+         right_hand_side => frame_smooth_n
       case ('tendon_yielding')
          right_hand_side => tendon_yielding
       case ('inerter')
          right_hand_side => with_inerter
       case ('vertical')
          right_hand_side => with_vertical
+      case ('one_mode')
+         right_hand_side => with_one_mode
+      case ('storeys_2')
+         right_hand_side => with_two_storeys
+      case ('storeys')
+         right_hand_side => with_storeys
+      case ('storeys_on_branches')
+         right_hand_side => with_storeys_on_branches
       case default
          right_hand_side => null()
       end select
@@ -203,8 +293,8 @@ contains
    subroutine frame(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
 
       y_dot(1) = y(2)
       y_dot(2) = -p%two_xi_omega*y(2) - p%omega_squared*y(1) - (p%a_k + p%slope*(t - p%t_k))
@@ -214,8 +304,8 @@ contains
    subroutine block_alone(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: angle
 
       angle = p%alpha - p%side*y(1)
@@ -228,8 +318,8 @@ contains
    subroutine block_linear(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi
 
       phi = p%side*y(1)
@@ -242,8 +332,8 @@ contains
    subroutine block_truss(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi
 
       phi = p%side*y(1)
@@ -269,8 +359,8 @@ contains
    subroutine published(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: s, c, lever
 
       y_dot(1) = y(2)
@@ -298,8 +388,8 @@ contains
    subroutine symmetric(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -317,8 +407,8 @@ contains
    subroutine symmetric_pulse(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -336,8 +426,8 @@ contains
    subroutine symmetric_truss(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -355,8 +445,8 @@ contains
    subroutine exact(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, s, c, j, u
 
       if (p%side > 0) then
@@ -379,8 +469,8 @@ contains
    subroutine linked(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c, v, v_1, root, tilt_1, u, j, k
 
       phi = p%side*y(1)
@@ -406,8 +496,8 @@ contains
    subroutine pinned(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: s, c
 
       s = p%cos_alpha*sin(y(1))
@@ -422,8 +512,8 @@ contains
    subroutine damped(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -442,8 +532,8 @@ contains
    subroutine fused(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -462,8 +552,8 @@ contains
    subroutine fused_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -483,8 +573,8 @@ contains
    subroutine symmetric_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -503,8 +593,8 @@ contains
    subroutine tendon_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -523,8 +613,8 @@ contains
    subroutine with_inerter(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c
 
       phi = p%side*y(1)
@@ -545,8 +635,8 @@ contains
    subroutine with_vertical(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
       real(wp) :: phi, phi_dot, s, c, a
 
       phi = p%side*y(1)
@@ -561,16 +651,276 @@ contains
          + p%one_plus_two_gamma_over_R*c*a)/(p%inertia + p%four_gamma*c**2)
    end subroutine with_vertical
 
+   !> Eq. (8) with a frame after Bouc and Wen, n = 1.
+   subroutine smooth_1(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%signed_lost*y(3))
+   end subroutine smooth_1
+
+   !> The same, n = 2.
+   subroutine smooth_2(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%lost*y(3)**2)
+   end subroutine smooth_2
+
+   !> The same, n = 3.
+   subroutine smooth_3(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%signed_lost*y(3)**3)
+   end subroutine smooth_3
+
+   !> The same, any n.
+   subroutine smooth_n(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%soft*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%hold*y(3) &
+         + p%one_plus_two_gamma_over_R*(p%a_k + p%slope*(t - p%t_k)))) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = p%over_u_y*c*y(2)*(1 - p%lost*abs(y(3))**p%exponent)
+   end subroutine smooth_n
+
+   !> Oscillator after Bouc and Wen, n = 1.
+   subroutine frame_smooth_1(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%signed_lost*y(3))
+   end subroutine frame_smooth_1
+
+   !> The same, n = 2.
+   subroutine frame_smooth_2(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%lost*y(3)**2)
+   end subroutine frame_smooth_2
+
+   !> The same, n = 3.
+   subroutine frame_smooth_3(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%signed_lost*y(3)**3)
+   end subroutine frame_smooth_3
+
+   !> The same, any n.
+   subroutine frame_smooth_n(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+
+      y_dot(1) = y(2)
+      y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%hold*y(3) &
+         - (p%a_k + p%slope*(t - p%t_k))
+      y_dot(3) = p%over_u_y*y(2)*(1 - p%lost*abs(y(3))**p%exponent)
+   end subroutine frame_smooth_n
+
    !> Linear oscillator beyond its yield displacement.
    subroutine frame_yielding(p, t, y, y_dot)
       type(hand_t), intent(in) :: p
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(2)
-      real(wp), intent(out) :: y_dot(2)
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
 
       y_dot(1) = y(2)
       y_dot(2) = -p%two_xi_omega*y(2) - p%soft*y(1) - p%yield_drop &
          - (p%a_k + p%slope*(t - p%t_k))
    end subroutine frame_yielding
+
+   !> Eq. (8) with a frame of which one mode moves: the ground pushes more of it than moves.
+   subroutine with_one_mode(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, phi_dot, s, c
+
+      phi = p%side*y(1)
+      phi_dot = p%side*y(2)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
+         + p%omega_squared*(p%sin_alpha - s)) + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + p%push_over_R*c &
+         *(p%a_k + p%slope*(t - p%t_k)))/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_one_mode
+
+   !> Two storeys, the upper one linked to the wall: y = (theta, theta', u, v) with its u, v.
+   subroutine with_two_storeys(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, s, c, a, v_roof, shear
+
+      phi = p%side*y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      v_roof = p%two_R*c*y(2)
+      shear = p%k(2)*(p%side*p%two_R*(p%sin_alpha - s) - y(3))
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*s*y(2)**2 + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%two_over_R*(shear &
+         + p%drag(1, 2)*y(4) + p%drag(2, 2)*v_roof) + p%one_plus_two_gamma_over_R*a)) &
+         /(p%inertia + p%four_gamma*c**2)
+      y_dot(3) = y(4)
+      y_dot(4) = (shear - p%k(1)*y(3))*p%over_m(1) - p%drag(1, 1)*y(4) - p%drag(2, 1)*v_roof - a
+   end subroutine with_two_storeys
+
+   !> Any number of storeys, the uppermost linked to the wall.
+   subroutine with_storeys(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, s, c, a, u_roof, v_roof, shear, above, drag
+      integer :: i, j, n
+
+      n = p%floors
+      phi = p%side*y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      u_roof = p%side*p%two_R*(p%sin_alpha - s)
+      v_roof = p%two_R*c*y(2)
+      shear = p%k(1)*y(3)
+      do i = 1, n - 1
+         drag = p%drag(n, i)*v_roof
+         do j = 1, n - 1
+            drag = drag + p%drag(j, i)*y(n + 1 + j)
+         end do
+         if (i < n - 1) then
+            above = p%k(i + 1)*(y(3 + i) - y(2 + i))
+         else
+            above = p%k(n)*(u_roof - y(n + 1))
+         end if
+         y_dot(2 + i) = y(n + 1 + i)
+         y_dot(n + 1 + i) = (above - shear)*p%over_m(i) - drag - a
+         shear = above
+      end do
+      shear = shear + p%drag(n, n)*v_roof
+      do j = 1, n - 1
+         shear = shear + p%drag(j, n)*y(n + 1 + j)
+      end do
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*s*y(2)**2 + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%two_over_R*shear &
+         + p%one_plus_two_gamma_over_R*a))/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_storeys
+
+   !> The same with storeys on branches, straight lines that do not pass through zero.
+   subroutine with_storeys_on_branches(p, t, y, y_dot)
+      type(hand_t), intent(in) :: p
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(p%n)
+      real(wp), intent(out) :: y_dot(p%n)
+      real(wp) :: phi, s, c, a, u_roof, v_roof, shear, above, drag
+      integer :: i, j, n
+
+      n = p%floors
+      phi = p%side*y(1)
+      s = sin(p%alpha - phi)
+      c = cos(p%alpha - phi)
+      a = p%a_k + p%slope*(t - p%t_k)
+      u_roof = p%side*p%two_R*(p%sin_alpha - s)
+      v_roof = p%two_R*c*y(2)
+      shear = p%offset(1) + p%k(1)*y(3)
+      do i = 1, n - 1
+         drag = p%drag(n, i)*v_roof
+         do j = 1, n - 1
+            drag = drag + p%drag(j, i)*y(n + 1 + j)
+         end do
+         if (i < n - 1) then
+            above = p%offset(i + 1) + p%k(i + 1)*(y(3 + i) - y(2 + i))
+         else
+            above = p%offset(n) + p%k(n)*(u_roof - y(n + 1))
+         end if
+         y_dot(2 + i) = y(n + 1 + i)
+         y_dot(n + 1 + i) = (above - shear)*p%over_m(i) - drag - a
+         shear = above
+      end do
+      shear = shear + p%drag(n, n)*v_roof
+      do j = 1, n - 1
+         shear = shear + p%drag(j, n)*y(n + 1 + j)
+      end do
+      y_dot(1) = y(2)
+      y_dot(2) = -(p%side*(p%four_gamma*c*s*y(2)**2 + p%g_over_R*(s &
+         + (p%eta_0 + p%eta_rate*phi)*p%sin_alpha)) + c*(p%two_over_R*shear &
+         + p%one_plus_two_gamma_over_R*a))/(p%inertia + p%four_gamma*c**2)
+   end subroutine with_storeys_on_branches
 
 end module effects_by_hand

@@ -34,10 +34,7 @@ CABLE = {"eta_0": 1.0, "eta_alpha": 5.0}
 RECORD = {"file": "record.csv", "unit": "g"}
 SAMPLES = "0.0, 0.0\n0.2, 0.4\n0.5, -0.5\n0.8, 0.2\n1.0, 0.0\n"  # t (s), a (g)
 STOREYS = {"m_over_m_w": [2.5, 2.5], "k_over_m_w": [800.0, 800.0], "height": [2.0, 2.0]}
-NO_PERIOD: Groups = {
-    "frame": {"T_s": None, "gamma": None},
-    "output": {"energy": True, "reactions": None},  # not known of storeys
-}
+NO_PERIOD: Groups = {"frame": {"T_s": None, "gamma": None}}
 BALANCE = 1e-6  # of the energy ledger, relative
 
 
@@ -74,6 +71,22 @@ EFFECTS = [
         )
         for coupling in ("reduced", "every_floor", "full")
     ),
+    *(
+        Effect(
+            f"`&storeys`, {coupling}, {what}",
+            NO_PERIOD
+            | {
+                "storeys": STOREYS | {"coupling": coupling},
+                "yielding": {"storey_u_y": [0.006, 0.004], "law": law},
+            },
+            "yielding" if law == "bouc_wen" else "storeys",
+        )
+        for coupling, what, law in (
+            ("every_floor", "each yields", "elastic_plastic"),
+            ("full", "each yields", "elastic_plastic"),
+            ("full", "Bouc-Wen", "bouc_wen"),
+        )
+    ),
     Effect("`&inerter`", {"inerter": {"inertance_over_m_w": 1.0}}, "inerter"),
     Effect("impact, constant", {"impact": {"rule": "constant", "e": 0.8}}, "impact"),
     Effect("impact, `housner`", {"impact": {"rule": "housner"}}, "impact"),
@@ -84,13 +97,11 @@ EFFECTS = [
         "impact",
     ),
     Effect("vertical, ratio", {"vertical": {"ratio": 0.5}}, "vertical"),
+    Effect("vertical, record", {"vertical": RECORD}, "vertical"),
     Effect(
-        "vertical, record",
-        {
-            "vertical": RECORD,
-            "motion": {"kind": "record", "a_max_g": None, "omega_p": None} | RECORD,
-        },
-        "vertical",
+        "horizontal record",
+        {"motion": {"kind": "record", "a_max_g": None, "omega_p": None} | RECORD},
+        "motion",
     ),
     Effect("no motion", {"motion": None}, "motion"),
     Effect("`&initial`", {"initial": {"theta_over_alpha": 0.2}}, "initial"),

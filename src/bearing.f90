@@ -22,6 +22,8 @@ contains
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
       real(wp) :: at_rest(size(y))
+      real(wp) :: rates(size(y))
+      !! of further states, not asked for here
       real(wp) :: moment
       integer :: side_in_force
       integer :: side
@@ -41,7 +43,7 @@ contains
             do i = 1, size(equation%extras)
                if (equation%extras(i)%is_motion) cycle
                call equation%extras(i)%add(equation, 0.0_wp, at_rest, kin, &
-                  equation%added_inertia, moment)
+                  equation%added_inertia, moment, rates)
             end do
          end if
          equation%bearing(side) = -moment*equation%p%R/(equation%p%gamma*equation%push*kin%lever &

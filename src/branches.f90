@@ -14,13 +14,14 @@ contains
 
    !> Part of the yielding frame in the equation of motion, beyond the elastic one that is in the
    !> equation already.
-   subroutine add_yielding(equation, t, y, kin, inertia, moment)
+   subroutine add_yielding(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       associate (p => equation%p)
          moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
@@ -29,13 +30,14 @@ contains
    end subroutine add_yielding
 
    !> Part of the fuses in the equation of motion: of the one whose corner lifts.
-   subroutine add_fuses(equation, t, y, kin, inertia, moment)
+   subroutine add_fuses(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
       integer :: n
 
       ! the fuses come last, left and right
@@ -48,16 +50,17 @@ contains
    end subroutine add_fuses
 
    !> Both.
-   subroutine add_springs(equation, t, y, kin, inertia, moment)
+   subroutine add_springs(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
-      call add_yielding(equation, t, y, kin, inertia, moment)
-      call add_fuses(equation, t, y, kin, inertia, moment)
+      call add_yielding(equation, t, y, kin, inertia, moment, y_dot)
+      call add_fuses(equation, t, y, kin, inertia, moment, y_dot)
    end subroutine add_springs
 
    !> Straight lines of the branches that are in force; to be called when one has changed.
@@ -66,13 +69,17 @@ contains
       integer :: i
 
       if (.not. equation%has_memory) return
+      if (any(equation%springs%place == place_frame)) then
+         equation%frame_offset = 0
+         equation%frame_slope = 0
+      end if
       do i = 1, size(equation%springs)
          associate (sprung => equation%springs(i))
             sprung%offset = spring_force(sprung%spring, 0.0_wp)
             sprung%slope = spring_tangent(sprung%spring)
             if (sprung%place == place_frame) then
-               equation%frame_offset = sprung%offset
-               equation%frame_slope = sprung%slope
+               equation%frame_offset = equation%frame_offset + sprung%offset
+               equation%frame_slope = equation%frame_slope + sprung%slope
             end if
          end associate
       end do

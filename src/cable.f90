@@ -7,6 +7,7 @@ module rwmf_cable
 
    public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable, truss_cable
    public :: cable_law_i, yielding_cable, cable_elongation
+   public :: cable_moment_i, signed_linear_moment, truss_moment, yielding_moment
 
    !> Parameters of the cable.
    type :: cable_law_t
@@ -59,7 +60,35 @@ module rwmf_cable
          !! +1 or -1
          type(cable_state_t), intent(out) :: cable
       end subroutine cable_law_i
+
+      !> Its moment alone over m_w g R, for right-hand sides, which know the sine of half the angle.
+      pure real(wp) function cable_moment_i(law, sin_alpha, phi, half_sine, side)
+         import :: cable_law_t, wp
+         implicit none
+         type(cable_law_t), intent(in) :: law
+         real(wp), value :: sin_alpha
+         !! of the slenderness [-]
+         real(wp), value :: phi
+         !! [rad]
+         real(wp), value :: half_sine
+         !! sin(phi/2)
+         integer, intent(in) :: side
+         !! +1 or -1
+      end function cable_moment_i
    end interface
+
+   !> Straight cable at one rotation.
+   type :: straight_t
+      real(wp) :: elongation
+      !! [m]
+      real(wp) :: arm
+      !! its derivative by phi [m]
+      real(wp) :: length
+      !! [m]
+      real(wp) :: sine
+      !! of phi
+      real(wp) :: cosine
+   end type straight_t
 
 contains
 
@@ -129,22 +158,70 @@ contains
       real(wp), intent(out) :: elongation
       real(wp), intent(out) :: arm
       real(wp), intent(out) :: arm_1
+      type(straight_t) :: straight
       real(wp) :: half_sine
-      real(wp) :: sine
-      real(wp) :: cosine
-      real(wp) :: length
+
+      half_sine = sin(phi/2)
+      straight = stretched(law, half_sine)
+      elongation = straight%elongation
+      arm = straight%arm
+      arm_1 = (law%b*(law%b*straight%cosine - 2*law%h*straight%sine) - arm**2)/straight%length
+   end subroutine straight_length
+
+   !> Straight cable from the sine of half the angle.
+   pure type(straight_t) function stretched(law, half_sine) result(straight)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: half_sine
       real(wp) :: rise
       !! l**2 - (2h)**2 [m2]
 
-      half_sine = sin(phi/2)
-      sine = 2*half_sine*sqrt(1 - half_sine**2)
-      cosine = 1 - 2*half_sine**2
-      rise = 4*law%b*(law%b*half_sine**2 + law%h*sine)
-      length = sqrt(4*law%h**2 + rise)
-      elongation = rise/(length + 2*law%h)
-      arm = law%b*(law%b*sine + 2*law%h*cosine)/length
-      arm_1 = (law%b*(law%b*cosine - 2*law%h*sine) - arm**2)/length
-   end subroutine straight_length
+      straight%sine = 2*half_sine*sqrt(1 - half_sine**2)
+      straight%cosine = 1 - 2*half_sine**2
+      rise = 4*law%b*(law%b*half_sine**2 + law%h*straight%sine)
+      straight%length = sqrt(4*law%h**2 + rise)
+      straight%elongation = rise/(straight%length + 2*law%h)
+      straight%arm = law%b*(law%b*straight%sine + 2*law%h*straight%cosine)/straight%length
+   end function stretched
+
+   !> Moment of `signed_linear_cable`.
+   pure real(wp) function signed_linear_moment(law, sin_alpha, phi, half_sine, side) &
+      result(moment)
+      type(cable_law_t), intent(in) :: law
+      real(wp), value :: sin_alpha
+      real(wp), value :: phi
+      real(wp), value :: half_sine
+      integer, intent(in) :: side
+
+      moment = (law%eta_0 + side*law%rate*phi)*sin_alpha
+   end function signed_linear_moment
+
+   !> Moment of `truss_cable`.
+   pure real(wp) function truss_moment(law, sin_alpha, phi, half_sine, side) &
+      result(moment)
+      type(cable_law_t), intent(in) :: law
+      real(wp), value :: sin_alpha
+      real(wp), value :: phi
+      real(wp), value :: half_sine
+      integer, intent(in) :: side
+      type(straight_t) :: straight
+
+      straight = stretched(law, half_sine)
+      moment = (law%eta_0 + law%rate*straight%elongation)*straight%arm/law%R
+   end function truss_moment
+
+   !> Moment of `yielding_cable` that is straight; the other one is on a line of its own.
+   pure real(wp) function yielding_moment(law, sin_alpha, phi, half_sine, side) &
+      result(moment)
+      type(cable_law_t), intent(in) :: law
+      real(wp), value :: sin_alpha
+      real(wp), value :: phi
+      real(wp), value :: half_sine
+      integer, intent(in) :: side
+      type(straight_t) :: straight
+
+      straight = stretched(law, half_sine)
+      moment = spring_force(law%tendon, straight%elongation)*straight%arm/law%R
+   end function yielding_moment
 
    !> Elongation of a tendon and its arm, the derivative by phi [m]. For the linear law the arm of
    !> Eq. (1) is R sin(alpha) = b.

@@ -69,9 +69,12 @@ module rwmf_case
    !> Inelastic frame, `&yielding`.
    type :: yielding_t
       real(wp), allocatable :: u_y
-      !! displacement at first yield [m]; exactly one of this and the next
+      !! displacement at first yield [m]; exactly one of this and the next two
       real(wp), allocatable :: f_y_over_m_s_g
       !! yield force over the weight of the frame's mass [-]
+      real(wp), allocatable :: storey_u_y(:)
+      !! or, of `&storeys`, displacement of a floor from the one below at which the storey between
+      !! yields first: one for all or one for each [m]
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law

@@ -103,6 +103,7 @@ contains
          allocate (case%yielding)
          call get_real(groups, 'yielding', 'u_y', case%yielding%u_y)
          call get_real(groups, 'yielding', 'f_y_over_m_s_g', case%yielding%f_y_over_m_s_g)
+         call get_list(groups, 'yielding', 'storey_u_y', case%yielding%storey_u_y)
          case%yielding%hardening = real_of(groups, 'yielding', 'hardening')
          case%yielding%law = text_of(groups, 'yielding', 'law')
          case%yielding%exponent = real_of(groups, 'yielding', 'exponent')

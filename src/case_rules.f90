@@ -63,16 +63,16 @@ contains
          call check_needs(groups, 'link', 'wall', 'a link joins wall and frame', error)
       end if
       if (.not. allocated(error)) then
-         call check_needs(groups, 'damper', 'wall', 'dampers work at corners that lift', error)
+         call check_needs(groups, 'damper', 'wall', 'dampers work under its corners', error)
       end if
       if (.not. allocated(error)) then
-         call check_needs(groups, 'fuse', 'wall', 'fuses work at corners that lift', error)
+         call check_needs(groups, 'fuse', 'wall', 'fuses work under its corners', error)
       end if
       if (.not. allocated(error)) then
          call check_needs(groups, 'yielding', 'frame', 'the frame is what yields', error)
       end if
       if (.not. allocated(error)) then
-         call check_needs(groups, 'inerter', 'wall', 'inerters work at corners that lift', error)
+         call check_needs(groups, 'inerter', 'wall', 'inerters work under its corners', error)
       end if
       if (.not. allocated(error)) then
          call check_needs(groups, 'vertical', 'wall', 'a frame moves horizontally only', error)
@@ -97,15 +97,10 @@ contains
    subroutine check_base(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
-      character(7), parameter :: excluded(*) = [character(7) :: 'impact', 'cable', 'link', &
-         'damper', 'inerter', 'fuse']
+      character(6), parameter :: excluded(*) = [character(6) :: 'impact', 'cable']
       character(60), parameter :: reasons(size(excluded)) = [character(60) :: &
          'a hinged wall has no impacts', &
-         'a straight cable through the hinge is not stretched', &
-         'the link of a hinged wall is infinitely long', &
-         'the dampers work at corners that lift', &
-         'the inerters work at corners that lift', &
-         'the fuses work at corners that lift']
+         'a straight cable through the hinge is not stretched']
       integer :: i
 
       if (.not. has_group(groups, 'wall')) return
@@ -320,13 +315,14 @@ contains
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
       character(*), parameter :: problem = 'the key t_end is missing (end of the simulation): ' &
-         //'must be a number >= 0 [s]; only a record gives it by default'
+         //'must be a number >= 0 [s]; only records without a pulse give it by default'
+      character(:), allocatable :: kind
 
       if (has_key(groups, 'solver', 't_end')) return
-      if (has_group(groups, 'motion')) then
-         if (text_of(groups, 'motion', 'kind') == 'record') return
-      end if
-      if (has_group(groups, 'vertical')) then
+      kind = 'none'
+      if (has_group(groups, 'motion')) kind = text_of(groups, 'motion', 'kind')
+      if (kind == 'record') return
+      if (has_group(groups, 'vertical') .and. kind == 'none') then
          if (has_key(groups, 'vertical', 'file')) return
       end if
       if (has_group(groups, 'solver')) then

@@ -1,11 +1,11 @@
 !> Rules of the springs with memory: a tendon that yields or breaks, a yielding frame.
 module rwmf_case_springs
-   use rwmf_rule_tools, only: check_one_of, fail_key, too_stiff
+   use rwmf_rule_tools, only: check_one_of, fail_group, fail_key, too_stiff
    use rwmf_errors, only: error_t
    use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_kinds, only: pi, wp
    use rwmf_namelist, only: group_t
-   use rwmf_text, only: real_to_text
+   use rwmf_text, only: integer_to_text, real_to_text
    implicit none
    private
 
@@ -21,15 +21,74 @@ contains
       real(wp) :: limit
 
       if (.not. has_group(groups, 'yielding')) return
-      call check_one_of(groups, 'yielding', 'u_y', 'f_y_over_m_s_g', 'as the strength', error)
+      if (yields_by_storey(groups)) then
+         call check_storey_strengths(groups, error)
+      else
+         call check_one_of(groups, 'yielding', 'u_y', 'f_y_over_m_s_g', 'as the strength', error)
+      end if
       if (allocated(error) .or. .not. has_group(groups, 'link')) return
-      if (text_of(groups, 'model', 'formulation') /= 'exact') return
+      if (text_of(groups, 'model', 'formulation') /= 'exact' &
+          .and. text_of(groups, 'wall', 'base') /= 'pinned') return
+      if (has_group(groups, 'storeys')) then
+         ! storeys of a frame with all its modes do not follow the rotation
+         if (text_of(groups, 'storeys', 'coupling') == 'full') return
+      end if
       limit = turning_rotation(real_of(groups, 'wall', 'h'), real_of(groups, 'link', 'L'))
       if (real_of(groups, 'model', 'overturning_angle') <= limit) return
       call fail_key(groups, 'link', 'L', 'needs &model overturning_angle <= '//real_to_text(limit) &
          //' rad with &yielding: at larger rotations the frame turns back while the wall goes on', &
          error)
    end subroutine check_yielding
+
+   !> Is the strength that of single storeys, as given or because no other can be meant?
+   pure logical function yields_by_storey(groups)
+      type(group_t), intent(in) :: groups(:)
+
+      yields_by_storey = has_key(groups, 'yielding', 'storey_u_y')
+      if (has_group(groups, 'storeys')) yields_by_storey = yields_by_storey &
+         .or. text_of(groups, 'storeys', 'coupling') == 'full'
+   end function yields_by_storey
+
+   !> Storeys that yield one by one: which frames have them, and how many there are.
+   subroutine check_storey_strengths(groups, error)
+      type(group_t), intent(in) :: groups(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(14), parameter :: keys(2) = [character(14) :: 'u_y', 'f_y_over_m_s_g']
+      character(:), allocatable :: coupling
+      real(wp), allocatable :: m(:)
+      real(wp), allocatable :: u_y(:)
+      integer :: i
+
+      coupling = ''
+      if (has_group(groups, 'storeys')) coupling = text_of(groups, 'storeys', 'coupling')
+      if (coupling /= 'full' .and. coupling /= 'every_floor') then
+         call fail_key(groups, 'yielding', 'storey_u_y', "must not be given without &storeys " &
+            //"coupling = 'full' or 'every_floor': other frames yield as one spring, u_y", error)
+         return
+      end if
+      do i = 1, size(keys)
+         if (.not. has_key(groups, 'yielding', trim(keys(i)))) cycle
+         call fail_key(groups, 'yielding', trim(keys(i)), "must not be given where the storeys " &
+            //"yield one by one (&storeys coupling = 'full', or storey_u_y): storey_u_y says " &
+            //'when', error)
+         return
+      end do
+      if (.not. has_key(groups, 'yielding', 'storey_u_y')) then
+         call fail_group(groups, 'yielding', "the key storey_u_y is missing (u_i - u_(i-1) at " &
+            //"first yield): must be given with &storeys coupling = 'full', numbers > 0 [m]", error)
+         return
+      end if
+      call get_list(groups, 'storeys', 'm_over_m_w', m)
+      call get_list(groups, 'yielding', 'storey_u_y', u_y)
+      if (size(u_y) /= 1 .and. size(u_y) /= size(m)) then
+         call fail_key(groups, 'yielding', 'storey_u_y', 'has '//integer_to_text(size(u_y)) &
+            //' values, must have one for all storeys or one for each of the ' &
+            //integer_to_text(size(m))//' of m_over_m_w', error)
+      else if (text_of(groups, 'yielding', 'law') == 'bouc_wen' .and. coupling /= 'full') then
+         call fail_key(groups, 'yielding', 'law', "must be 'elastic_plastic' with storey_u_y and " &
+            //"&storeys coupling = 'every_floor'; coupling = 'full' allows both", error)
+      end if
+   end subroutine check_storey_strengths
 
    !> The stiffness of a fuse must leave the wall a period that can be followed.
    subroutine check_fuse(groups, error)

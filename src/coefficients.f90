@@ -17,11 +17,13 @@ module rwmf_coefficients
 contains
 
    !> Eq. (15).
-   real(wp) function published(equation, t, y) result(theta_ddot)
+   subroutine published(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(equation%n)
+      !! (states)
+      real(wp), intent(out) :: y_dot(equation%n)
       !! (states)
       real(wp) :: C(4)
       !! A_i or B_i
@@ -31,8 +33,9 @@ contains
       else
          C = coefficients_a(equation%p, y(1))
       end if
-      theta_ddot = (C(1)*y(2) + C(2))*y(2) + C(3)*ground(equation, t) + C(4)
-   end function published
+      y_dot(1) = y(2)
+      y_dot(2) = (C(1)*y(2) + C(2))*y(2) + C(3)*ground(equation, t) + C(4)
+   end subroutine published
 
    !> A_1 to A_4 of Eq. (15a), theta < 0.
    pure function coefficients_a(p, theta) result(A)

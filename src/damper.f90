@@ -15,13 +15,14 @@ module rwmf_damper
 contains
 
    !> Part of the damper in the equation of motion.
-   subroutine add_damper(equation, t, y, kin, inertia, moment)
+   subroutine add_damper(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       moment = moment - damping(equation, kin%half_cosine)*equation%side*y(2)
    end subroutine add_damper

@@ -63,10 +63,7 @@ contains
       end if
    end subroutine check_table
 
-   !> A ratio to the horizontal motion, or a record beside a record.
-   !>
-   !> Beside a pulse, whose acceleration is curved, the drive of the resting wall would turn where
-   !> neither motion does.
+   !> A ratio to the horizontal motion, or a record.
    subroutine check_vertical(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
@@ -79,11 +76,8 @@ contains
       if (allocated(error)) return
       kind = 'none'
       if (has_group(groups, 'motion')) kind = text_of(groups, 'motion', 'kind')
-      if (has_key(groups, 'vertical', 'file')) then
-         if (kind == 'none' .or. kind == 'record') return
-         call fail_key(groups, 'vertical', 'file', "must not be given beside &motion kind = '" &
-            //kind//"': a pulse takes a ratio; sample it as a record to add a record", error)
-      else if (kind == 'none') then
+      if (has_key(groups, 'vertical', 'file')) return
+      if (kind == 'none') then
          call fail_key(groups, 'vertical', 'ratio', 'must not be given without a horizontal ' &
             //'&motion, which it multiplies', error)
       else

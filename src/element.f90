@@ -7,6 +7,9 @@
 !>
 !>    sigma f = m_w/lever [inertia R phi'' + c sigma u_g'' + g (s + q r)]
 !>
+!> Dampers and inerters at the corners of the base add R (I phi'' + I' phi'**2/2 + D phi') to the
+!> bracket, with I and D in the proportion of cos(phi/2)**2; vertical motion adds v_g'' s.
+!>
 !> An element is a value: it holds no state, needs no destruction, and may be used by any number of
 !> threads. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and
 !> its rates, and asks `rwmf_element_events` when they change their course.
@@ -34,6 +37,8 @@ module rwmf_element
       type(equation_t) :: equation
       real(wp) :: m_w = 0
       !! mass of the wall [kg]; 0: never created
+      real(wp) :: vertical_ratio = 0
+      !! of the vertical to the horizontal ground acceleration [-]
       real(wp) :: e = 1
       !! velocity factor at impact [-]
       real(wp) :: largest_angle = 0
@@ -62,7 +67,8 @@ module rwmf_element
 
 contains
 
-   !> Make an element from a case with `&wall`; `&cable`, `&link`, `&impact`, `&model` as wanted.
+   !> Make an element from a case with `&wall`; `&cable`, `&link`, `&damper`, `&inerter`, `&impact`,
+   !> `&vertical ratio`, `&model` as wanted.
    !>
    !> `&frame` serves only the rule 'coupled', which wants the mass ratio. Fails with `err_input`.
    subroutine create_element(element, case, error)
@@ -72,34 +78,36 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: wall_alone
       type(motion_t), target :: none
+      character(*), parameter :: no_memory = 'what yields has to be remembered, and an element ' &
+         //'holds no state; a wall that steps with the host (create_stepping) does'
 
       if (.not. allocated(case%wall)) then
          call fail(error, err_input, 'an element needs the group &wall')
       else if (allocated(case%storeys)) then
          call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
-      else if (allocated(case%damper)) then
-         call fail(error, err_input, 'an element has no &damper: the host can add one of its own')
       else if (allocated(case%fuse)) then
-         call fail(error, err_input, 'an element has no &fuse: the host can add one of its own')
+         call fail(error, err_input, 'an element has no &fuse: '//no_memory)
       else if (allocated(case%yielding)) then
          call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
-      else if (allocated(case%inerter)) then
-         call fail(error, err_input, 'an element has no &inerter: it has no inertia at its corners')
-      else if (allocated(case%vertical)) then
-         call fail(error, err_input, 'an element has no &vertical: the host hands over the ' &
-            //'horizontal motion only')
+      else if (allocated(case%vertical_record)) then
+         call fail(error, err_input, 'an element has no &vertical file: the host hands over the ' &
+            //'motion, and &vertical ratio follows it')
       else if (has_table(case)) then
          call fail(error, err_input, 'an element has no &impact ' &
             //"rule = 'table': the host applies the velocity factor, and can look it up")
       else if (allocated(case%cable)) then
          if (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain)) then
-            call fail(error, err_input, 'the cable of an element is elastic: &cable eta_y and ' &
-               //'rupture_strain are not simulated')
+            call fail(error, err_input, 'an element has no &cable eta_y or rupture_strain: ' &
+               //no_memory)
          end if
       end if
       if (allocated(error)) return
       wall_alone = case
       if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
+      if (allocated(wall_alone%vertical)) then
+         if (allocated(case%vertical%ratio)) element%vertical_ratio = case%vertical%ratio
+         deallocate (wall_alone%vertical)
+      end if
       none = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       call build_equation(wall_alone, none, element%equation)
       element%equation%motion => null()
@@ -154,6 +162,7 @@ contains
          rates(2) = (side*u_ddot/R - kin%k*rates(1)**2)/kin%j
       end associate
       call fill_force(element, kin, cable, rates, side*u_g_ddot, response)
+      call add_effects(element, kin, rates, element%vertical_ratio*u_g_ddot, response)
       response%force = side*response%force
       response%theta = side*phi
       response%theta_dot = side*rates(1)
@@ -196,7 +205,7 @@ contains
          inertia = element%equation%inertia*p%R
          unit = element%m_w/kin%lever
          response%force = unit*(inertia*phi_ddot + kin%c*ground + p%g*(kin%s + cable%moment))
-         by_phi = ((2*kin%k**2/kin%j - kin%k_1)*phi_dot**2 - kin%k*phi_ddot)/kin%j
+         by_phi = slope_of_phi_ddot(kin, rates)
          response%stiffness = (unit*(inertia*by_phi + kin%s*ground + p%g*(cable%moment_1 - kin%c)) &
             - kin%lever_1/kin%lever*response%force)/(p%R*kin%j)
          response%damping = -unit*inertia*2*kin%k*phi_dot/(p%R*kin%j**2)
@@ -204,6 +213,54 @@ contains
          response%cable = element%m_w*p%g*cable%force
       end associate
    end subroutine fill_force
+
+   !> Derivative of phi'' by phi at fixed w', w'' [1/s2].
+   pure real(wp) function slope_of_phi_ddot(kin, rates) result(slope)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(in) :: rates(2)
+      !! phi' [rad/s], phi'' [rad/s2]
+
+      slope = ((2*kin%k**2/kin%j - kin%k_1)*rates(1)**2 - kin%k*rates(2))/kin%j
+   end function slope_of_phi_ddot
+
+   !> Add vertical motion, dampers and inerters: B and c times the square of the stroke's rate
+   !> d(4b sin(phi/2))/dphi, which is (2b)**2 cos(phi/2)**2, and its derivatives.
+   pure subroutine add_effects(element, kin, rates, vertical, response)
+      type(wall_element_t), intent(in) :: element
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(in) :: rates(2)
+      !! phi' [rad/s], phi'' [rad/s2]
+      real(wp), intent(in) :: vertical
+      !! v_g'' [m/s2]
+      type(element_response_t), intent(inout) :: response
+      real(wp) :: gain(0:2)
+      !! that square over R**2, and its derivatives by phi [-]
+      real(wp) :: unit
+      !! [kg m]
+      real(wp) :: moment
+      !! [1/s2]
+      real(wp) :: moment_1
+      !! its derivative by phi at fixed w', w''
+
+      associate (p => element%equation%p, phi_dot => rates(1), phi_ddot => rates(2), &
+                 beta => element%equation%inertance, c => element%equation%damper_c)
+         if (.not. max(beta, c, abs(vertical)) > 0) return
+         unit = element%m_w*p%R/kin%lever
+         gain = 4*element%equation%sin_alpha**2*[kin%half_cosine**2, &
+            -kin%half_sine*kin%half_cosine, kin%half_sine**2 - 0.5_wp]
+         moment = beta*(gain(0)*phi_ddot + gain(1)*phi_dot**2/2) + c*gain(0)*phi_dot &
+            + vertical*kin%s/p%R
+         moment_1 = beta*(gain(0)*slope_of_phi_ddot(kin, rates) + gain(1)*phi_ddot &
+            + (gain(2)/2 - gain(1)*kin%k/kin%j)*phi_dot**2) &
+            + c*(gain(1) - gain(0)*kin%k/kin%j)*phi_dot - vertical*kin%c/p%R
+         response%force = response%force + unit*moment
+         response%stiffness = response%stiffness + unit*(moment_1 - kin%lever_1/kin%lever*moment) &
+            /(p%R*kin%j)
+         response%damping = response%damping + unit*(beta*(gain(1) - 2*gain(0)*kin%k/kin%j) &
+            *phi_dot + c*gain(0))/(p%R*kin%j)
+         response%mass = response%mass + unit*beta*gain(0)/(p%R*kin%j)
+      end associate
+   end subroutine add_effects
 
    !> Rotation that belongs to a displacement: Newton's method inside a bracket.
    subroutine find_rotation(element, side, w, phi, kin, error)
@@ -286,6 +343,7 @@ contains
          side, cable)
       drive = side*push - element%m_w/kin%lever*(kin%c*side*u_g_ddot &
          + element%equation%p%g*(kin%s + cable%moment))
+      drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s
    end function lift_off_drive_of
 
    !> Inertia that the wall adds to the link when it lifts off [kg].
@@ -294,7 +352,8 @@ contains
       type(kinematics_t) :: kin
 
       kin = kinematics_of(element, 1, 0.0_wp)
-      resting_inertia = element%m_w*element%equation%inertia/(kin%lever*kin%j)
+      resting_inertia = element%m_w*(element%equation%inertia &
+         + element%equation%inertance*(2*element%equation%sin_alpha)**2)/(kin%lever*kin%j)
    end function resting_inertia
 
 end module rwmf_element

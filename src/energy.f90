@@ -133,9 +133,13 @@ contains
    pure logical function dissipates_hysteretically(equation) result(does)
       type(equation_t), intent(in) :: equation
 
+      integer :: i
+
       does = equation%cable%is_tendon
-      if (does) return
-      if (allocated(equation%extras)) does = any(equation%extras%is_hysteretic)
+      if (.not. allocated(equation%extras)) return
+      do i = 1, size(equation%extras)
+         does = does .or. associated(equation%extras(i)%plastic_power)
+      end do
    end function dissipates_hysteretically
 
    !> Kinetic energy that an impact takes [J/kg].

@@ -7,27 +7,29 @@
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_equation
-   use rwmf_accelerations, only: bare_frame, corner, corner_with_lines, frame_with_extras, &
-      frame_with_lines, hinged, wall_alone, wall_and_frame, with_extras
+   use rwmf_accelerations, only: bare_frame, corner, corner_with_floors, &
+      corner_with_hysteresis, corner_with_lines, &
+      frame_with_extras, frame_with_hysteresis, frame_with_lines, hinged, &
+      wall_alone, wall_and_frame, with_extras
    use rwmf_branches, only: follow_branches
    use rwmf_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, signed_linear_cable, &
-      truss_cable, yielding_cable
+      signed_linear_moment, truss_cable, truss_moment, yielding_cable, yielding_moment
    use rwmf_case, only: cable_t, case_t
    use rwmf_coefficients, only: published
-   use rwmf_extras, only: are_lines, choose_extras, rates_of_all
+   use rwmf_extras, only: are_lines, choose_extras, is_smooth_hysteresis
    use rwmf_kinds, only: i8, pi, wp
    use rwmf_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
-      linked_top_corner, pinned_base, published_negative, top_corner
+      linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_motion, only: motion_t
    use rwmf_paper, only: paper_t
    use rwmf_scene, only: cable_at, enter_interval, equation_t, frame_displacement, ground, &
-      interval_of, kinematics_at, lift_off_drive
+      interval_of, kinematics_at, lift_off_drive, right_hand_side_i
    use rwmf_spring, only: new_spring
    implicit none
    private
 
    public :: equation_t, build_equation, enter_interval, interval_of
-   public :: rhs, second_derivative, kinematics_at, cable_at, lift_off_drive
+   public :: rhs, rates_at, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -57,42 +59,63 @@ contains
          call choose_acceleration(case%model%formulation, equation)
          if (.not. equation%has_impacts) call hinge_base(equation)
          call choose_extras(case, equation)
+         equation%pushed = 2*equation%p%gamma*equation%push + 1
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma*equation%push)
          equation%bearing = equation%threshold
          equation%bears_extras = equation%has_impacts &
             .and. (allocated(equation%extras) .or. equation%has_memory)
          if (allocated(equation%extras)) then
-            equation%acceleration_positive => with_extras
-            equation%acceleration_negative => with_extras
-            if (equation%has_frame .and. equation%has_impacts &
-                .and. are_lines(equation)) call write_out(equation)
+            equation%rates_positive => with_extras
+            equation%rates_negative => with_extras
+            if (equation%has_frame .and. equation%has_impacts) call write_out(equation)
          end if
       else
          call choose_extras(case, equation)
-         equation%acceleration_positive => bare_frame
+         equation%rates_positive => bare_frame
          if (allocated(equation%extras)) then
-            equation%acceleration_positive => frame_with_extras
-            if (are_lines(equation)) equation%acceleration_positive => frame_with_lines
+            equation%rates_positive => frame_with_extras
+            if (are_lines(equation) .and. .not. allocated(case%storeys)) then
+               equation%rates_positive => frame_with_lines
+            end if
+            if (is_smooth_hysteresis(equation)) equation%rates_positive => frame_with_hysteresis
          end if
-         equation%acceleration_negative => equation%acceleration_positive
+         equation%rates_negative => equation%rates_positive
       end if
    end subroutine build_equation
 
-   !> Effects that are straight lines, with the link at the top corner, have their terms written
-   !> out.
+   !> Effects that are straight lines, the smooth hysteresis, or storeys, with the link at the top
+   !> corner, have their terms written out.
    subroutine write_out(equation)
       type(equation_t), intent(inout) :: equation
+      procedure(right_hand_side_i), pointer :: written_out
 
-      equation%frame_slope = equation%p%omega_squared
-      call follow_branches(equation)
+      if (are_lines(equation)) then
+         equation%frame_slope = equation%p%omega_squared
+         call follow_branches(equation)
+         written_out => corner_with_lines
+      else if (has_rows(equation)) then
+         written_out => corner_with_floors
+      else if (is_smooth_hysteresis(equation)) then
+         written_out => corner_with_hysteresis
+      else
+         return
+      end if
       if (associated(equation%kinematics_positive, top_corner)) then
-         equation%acceleration_positive => corner_with_lines
+         equation%rates_positive => written_out
       end if
       if (associated(equation%kinematics_negative, top_corner)) then
-         equation%acceleration_negative => corner_with_lines
+         equation%rates_negative => written_out
       end if
    end subroutine write_out
+
+   !> Is it a frame with all its modes, whose storeys are straight lines, and nothing further?
+   pure logical function has_rows(equation)
+      type(equation_t), intent(in) :: equation
+
+      has_rows = equation%floors%below > 0 .and. size(equation%extras) == 1 &
+         .and. .not. allocated(equation%floors%laws)
+   end function has_rows
 
    !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
    pure type(paper_t) function paper_parameters(case) result(p)
@@ -102,8 +125,6 @@ contains
       if (allocated(case%wall)) then
          p%alpha = atan2(case%wall%b, case%wall%h)
          p%R = hypot(case%wall%h, case%wall%b)
-         p%sin_alpha = sin(p%alpha)
-         p%cos_alpha = cos(p%alpha)
          p%sin_alpha = sin(p%alpha)
          p%cos_alpha = cos(p%alpha)
       end if
@@ -129,8 +150,13 @@ contains
       equation%inertia = (4*equation%cos_alpha**2 + equation%sin_alpha**2)/3
       equation%kinematics_positive => pinned_base
       equation%kinematics_negative => pinned_base
-      equation%acceleration_positive => hinged
-      equation%acceleration_negative => hinged
+      equation%rates_positive => hinged
+      if (equation%geometry%link > 0) then
+         equation%kinematics_positive => linked_pinned_base
+         equation%kinematics_negative => linked_pinned_base
+         equation%rates_positive => wall_and_frame
+      end if
+      equation%rates_negative => equation%rates_positive
    end subroutine hinge_base
 
    subroutine choose_kinematics(formulation, equation)
@@ -169,6 +195,7 @@ contains
       equation%cable%b = case%wall%b
       if (case%cable%law == 'truss') then
          equation%cable_law => truss_cable
+         equation%cable_moment => truss_moment
          equation%cable%is_straight = .true.
          unit_law = equation%cable
          unit_law%eta_0 = 0
@@ -178,7 +205,10 @@ contains
       else
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
-         if (case%model%formulation == 'published') equation%cable_law => signed_linear_cable
+         if (case%model%formulation == 'published') then
+            equation%cable_law => signed_linear_cable
+            equation%cable_moment => signed_linear_moment
+         end if
          equation%has_plain_cable = case%model%formulation /= 'published'
          equation%cable%line_0 = equation%cable%eta_0
          equation%cable%line_rate = equation%cable%rate
@@ -215,23 +245,24 @@ contains
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
       equation%cable_law => yielding_cable
+      equation%cable_moment => yielding_moment
    end subroutine choose_tendon
 
    subroutine choose_acceleration(formulation, equation)
       character(*), intent(in) :: formulation
       type(equation_t), intent(inout) :: equation
 
-      equation%acceleration_negative => wall_and_frame
-      equation%acceleration_positive => wall_and_frame
+      equation%rates_negative => wall_and_frame
+      equation%rates_positive => wall_and_frame
       if (.not. equation%has_frame) then
-         equation%acceleration_positive => wall_alone
-         equation%acceleration_negative => wall_alone
+         equation%rates_positive => wall_alone
+         equation%rates_negative => wall_alone
       else if (equation%geometry%link <= 0) then
-         equation%acceleration_positive => corner
-         if (formulation == 'symmetric') equation%acceleration_negative => corner
+         equation%rates_positive => corner
+         if (formulation == 'symmetric') equation%rates_negative => corner
          if (formulation == 'published') then
-            equation%acceleration_positive => published
-            equation%acceleration_negative => published
+            equation%rates_positive => published
+            equation%rates_negative => published
          end if
       end if
    end subroutine choose_acceleration
@@ -247,27 +278,37 @@ contains
       !! (states)
 
       equation%rhs_evaluations = equation%rhs_evaluations + 1_i8
-      if (equation%n > 2) then
-         call rates_of_all(equation, t, y, y_dot)
-         return
-      end if
-      y_dot(1) = y(2)
-      y_dot(2) = second_derivative(equation, t, y)
+      call rates_at(equation, t, y, y_dot)
    end subroutine rhs
 
-   !> theta'' without counting an evaluation: for events and outputs [rad/s2].
+   !> The same without counting an evaluation: for events, outputs and the Jacobian.
+   subroutine rates_at(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(equation%n)
+      !! (states)
+      real(wp), intent(out) :: y_dot(equation%n)
+      !! (states)
+
+      if (equation%side > 0) then
+         call equation%rates_positive(equation, t, y, y_dot)
+      else
+         call equation%rates_negative(equation, t, y, y_dot)
+      end if
+   end subroutine rates_at
+
+   !> theta'' alone [rad/s2].
    real(wp) function second_derivative(equation, t, y)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(equation%n)
       !! (states)
+      real(wp) :: y_dot(equation%n)
 
-      if (equation%side > 0) then
-         second_derivative = equation%acceleration_positive(equation, t, y)
-      else
-         second_derivative = equation%acceleration_negative(equation, t, y)
-      end if
+      call rates_at(equation, t, y, y_dot)
+      second_derivative = y_dot(2)
    end function second_derivative
 
 end module rwmf_equation

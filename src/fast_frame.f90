@@ -107,6 +107,8 @@ contains
       type(frames_t) :: frames
       real(wp) :: h
       integer :: i, n, number
+      logical :: rests
+      !! nothing has moved yet
 
       n = width*((size(T_s) + width - 1)/width)
       do i = 1, n
@@ -119,6 +121,7 @@ contains
       frames%w(:n, :) = 0
       frames%u_max(:n) = 0
       h = 0
+      rests = .true.
       do number = 1, size(grid%step)
          if (mod(number, check_every) == 0) then
             if (is_cancelled(control)) return
@@ -130,6 +133,11 @@ contains
             end if
             call advance_frames(instructions, n, h, step%f, frames%weight, frames%u, frames%w, &
                frames%u_max, frames%event)
+            ! The sign of the velocity says nothing in the step that begins without one.
+            if (rests .and. any(abs(step%f) > 0)) then
+               frames%event(:n) = 1
+               rests = .false.
+            end if
             if (any(frames%event(:n) > 0)) call note_peaks(size(T_s), h, step%f, frames)
          end associate
       end do
@@ -150,7 +158,8 @@ contains
       end do
    end subroutine weigh
 
-   !> Peaks within a step.
+   !> Peaks within a step. A motion that begins with nothing is asked for the rate over x or x**2,
+   !> which does not vanish there.
    pure subroutine note_peaks(n, h, f, frames)
       integer, intent(in) :: n
       real(wp), intent(in) :: h
@@ -159,7 +168,7 @@ contains
       real(wp) :: p(0:terms)
       real(wp) :: rate(0:terms - 1)
       real(wp) :: x, u, w
-      integer :: i, j
+      integer :: i, j, first
 
       do i = 1, n
          if (.not. frames%event(i) > 0) cycle
@@ -168,7 +177,10 @@ contains
          do j = 0, terms - 1
             rate(j) = (j + 1)*p(j + 1)
          end do
-         call find_root(rate, 0.0_wp, 1.0_wp, x)
+         first = findloc(abs(rate(:2)) > 0, .true., dim=1) - 1
+         if (first < 0) cycle
+         if (rate(first)*sum(rate(first:)) >= 0) cycle
+         call find_root(rate(first:), 0.0_wp, 1.0_wp, x)
          call state_at(p, x, u, w)
          frames%u_max(i) = max(frames%u_max(i), abs(u))
       end do

@@ -86,18 +86,23 @@ contains
    end function derivative
 
    !> Largest v before the position y, where v falls.
+   !>
+   !> A flight that starts with nothing is asked for v'/y, and one that starts at the threshold,
+   !> without acceleration, for v'/y**2: v' itself vanishes at both.
    pure subroutine find_peak(p, y, peak)
       real(wp), contiguous, intent(in) :: p(0:)
       real(wp), intent(in) :: y
       real(wp), intent(out) :: peak
+      real(wp) :: rate(0:size(p) - 2)
       real(wp) :: x
       real(wp) :: slope
+      integer :: first
 
-      if (p(1) > 0) then
-         call find_root(derivative(p), 0.0_wp, y, x)
-      else
-         call find_root(derivative(p(1:)), 0.0_wp, y, x)
-      end if
+      rate = derivative(p)
+      first = 0
+      if (p(1) <= 0) first = 1
+      if (p(1) <= 0 .and. p(2) <= 0) first = 2
+      call find_root(rate(first:), 0.0_wp, y, x)
       call state_at(p, x, peak, slope)
    end subroutine find_peak
 

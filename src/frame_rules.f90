@@ -1,7 +1,7 @@
 !> Rules between the groups that describe the frame: period, mass ratio, storeys.
 module rwmf_frame_rules
    use rwmf_errors, only: error_t
-   use rwmf_given, only: get_list, has_group, has_key, logical_of, real_of, text_of
+   use rwmf_given, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_kinds, only: wp
    use rwmf_namelist, only: group_t
    use rwmf_rule_tools, only: fail_group, fail_key, too_stiff
@@ -31,7 +31,8 @@ contains
       end if
    end subroutine check_frame
 
-   !> Keys of the smooth law only with it; its state at a start away from zero is not known.
+   !> Keys of the smooth law only with it. Smooth storeys one by one do not know which way they go
+   !> from a start away from zero.
    subroutine check_hysteresis(groups, error)
       type(group_t), intent(in) :: groups(:)
       type(error_t), allocatable, intent(out) :: error
@@ -40,10 +41,11 @@ contains
 
       if (.not. has_group(groups, 'yielding')) return
       if (text_of(groups, 'yielding', 'law') == 'bouc_wen') then
-         if (abs(real_of(groups, 'initial', 'theta_over_alpha')) > 0) then
-            call fail_key(groups, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
-               //"'bouc_wen', whose hysteresis begins at zero", error)
-         end if
+         if (.not. has_group(groups, 'storeys')) return
+         if (text_of(groups, 'storeys', 'coupling') /= 'full') return
+         if (abs(real_of(groups, 'initial', 'theta_over_alpha')) <= 0) return
+         call fail_key(groups, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
+            //"'bouc_wen' and &storeys coupling = 'full', whose hysteresis begins at zero", error)
          return
       end if
       do i = 1, size(keys)
@@ -76,19 +78,6 @@ contains
           .and. .not. has_group(groups, 'wall')) then
          call fail_key(groups, 'storeys', 'coupling', "must not be 'every_floor' without &wall, " &
             //'which the floors are linked to', error)
-         return
-      end if
-      if (has_group(groups, 'yielding') &
-          .and. text_of(groups, 'storeys', 'coupling') == 'full') then
-         call fail_group(groups, 'yielding', "must not be given with &storeys coupling = 'full', " &
-            //"whose storeys are elastic; the other couplings allow it", error)
-         return
-      end if
-      if (logical_of(groups, 'output', 'reactions') &
-          .and. text_of(groups, 'storeys', 'coupling') == 'every_floor') then
-         call fail_key(groups, 'output', 'reactions', "must be .false. with &storeys coupling = " &
-            //"'every_floor': of the links at the floors their moment about the base is known, " &
-            //'not their sum; the other couplings allow it', error)
          return
       end if
       if (has_key(groups, 'spectrum', 'gamma')) then

@@ -6,24 +6,29 @@
 !> theta = 0 is no event.
 module rwmf_hybrid
    use rwmf_bearing, only: find_bearing
+   use rwmf_bouc_wen, only: follow_course, load_bouc_wen
+   use rwmf_cable, only: cable_state_t
    use rwmf_control, only: control_t, is_cancelled
-   use rwmf_equation, only: enter_interval, equation_t, interval_of, second_derivative
+   use rwmf_equation, only: cable_at, enter_interval, equation_t, interval_of, second_derivative
    use rwmf_errors, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_impact, only: factor_at, largest_factor
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: load_to, pass_window, renew_window, reset_memory, turn_back
-   use rwmf_memory_query, only: tendon_is_broken
+   use rwmf_memory_query, only: fuse_push, tendon_is_broken
    use rwmf_motion, only: interval_at, interval_end
    use rwmf_moving_rest, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_observer, only: observe_branch, observe_event, observe_impact, observe_piece, &
       observe_rest, observe_state, observer_t
-   use rwmf_regime, only: hybrid_t, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, &
-      pass_knot
+   use rwmf_regime, only: count_steps, hybrid_t, mode_no_impacts, mode_overturned, mode_rest, &
+      mode_rocking, pass_knot
    use rwmf_rest, only: find_lift_off, jumps, may_rest, pull_duration
    use rwmf_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
-      event_peak, event_rest, event_rupture
+      event_passage, event_peak, event_rest, event_rupture
    use rwmf_search, only: search_step
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_change, only: change_storey
+   use rwmf_storey_search, only: stop_at_storey, storey_end_t
+   use rwmf_storey_springs, only: begin_storeys, settle_storeys
    use rwmf_text, only: real_to_text
    implicit none
    private
@@ -49,23 +54,39 @@ contains
       hybrid%t = t
       hybrid%y = y
       hybrid%must_restart = .true.
-      hybrid%steps_at_knot = 0_i8
       call enter_interval(equation, interval_at(equation%motion, t))
+      call count_steps(hybrid, equation)
       equation%side = 1
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%course = 1
+      if (equation%has_impacts) then
+         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
+      end if
+      if (equation%has_memory) call begin_memory(equation, y(1))
+      if (equation%has_course .and. abs(y(1)) > 0) call begin_course(hybrid, equation)
       if (.not. equation%has_impacts) then
-         if (equation%has_memory) call begin_memory(equation, y(1))
+         if (equation%floors%yields) call begin_storeys(equation, y)
          hybrid%mode = mode_no_impacts
          return
       end if
-      if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
-      if (equation%has_memory) call begin_memory(equation, y(1))
+      if (equation%floors%yields) call begin_storeys(equation, y)
       call find_bearing(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine begin_hybrid
+
+   !> Smooth hysteresis that has not moved before, at the initial rotation; from rest the
+   !> acceleration says where it goes.
+   subroutine begin_course(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      call load_bouc_wen(equation, hybrid%y)
+      equation%course = 1
+      if (abs(hybrid%y(2)) <= 0) equation%course = int(sign(1.0_wp, second_derivative(equation, &
+         hybrid%t, hybrid%y)))
+   end subroutine begin_course
 
    !> Springs that have not moved before, at the initial rotation.
    subroutine begin_memory(equation, theta)
@@ -174,6 +195,55 @@ contains
       !$omp end critical (rwmf_text)
    end subroutine check_ground
 
+   !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
+   !> holds up at one corner rocks on the other; together stronger than weight and cable, they lift
+   !> it off both, and it stands on its fuses. Fails at the first such time of the step.
+   subroutine check_fuses(hybrid, equation, stepper, error)
+      type(hybrid_t), intent(in) :: hybrid
+      !! at the end of the step, or at the event that cuts it
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: middle
+      real(wp) :: y(equation%n)
+
+      ! forces grow with the stroke: what they are on the base mostly says that all is well
+      if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
+      if (.not. stands_on_fuses(equation, hybrid%y(1))) return
+      low = stepper%t0
+      high = hybrid%t
+      do
+         middle = low + (high - low)/2
+         if (middle <= low .or. middle >= high) exit
+         call stepper%state_at(middle, y, error)
+         if (allocated(error)) return
+         if (stands_on_fuses(equation, y(1))) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+      !$omp critical (rwmf_text)
+      call fail(error, err_numerical, 'the wall stands on its fuses at t = '//real_to_text(high) &
+         //' s: drawn out before, both together push it up with more than weight and cable, and ' &
+         //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
+         //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
+      !$omp end critical (rwmf_text)
+   end subroutine check_fuses
+
+   !> Do the fuses push the wall up with more than weight and cable, beyond round-off?
+   logical function stands_on_fuses(equation, theta)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      type(cable_state_t) :: cable
+
+      cable = cable_at(equation, theta)
+      stands_on_fuses = fuse_push(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
+   end function stands_on_fuses
+
    !> One step of the integrator, cut at the first event that ends the flight.
    subroutine fly(hybrid, equation, stepper, observer, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
@@ -182,6 +252,7 @@ contains
       type(observer_t), intent(inout) :: observer
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
       real(wp) :: t_limit
       integer :: event
 
@@ -195,13 +266,18 @@ contains
       if (hybrid%must_restart) then
          if (equation%has_memory) call renew_window(equation)
          if (equation%has_course) call set_course(hybrid, equation)
+         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
          call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
       hybrid%must_restart = .false.
       call stepper%step(t_limit, error)
       if (allocated(error)) return
+      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
+      if (allocated(error)) return
       call search_step(hybrid, equation, stepper, observer, event, error)
+      if (allocated(error)) return
+      if (equation%has_fuses) call check_fuses(hybrid, equation, stepper, error)
       if (allocated(error)) return
       call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return
@@ -220,16 +296,20 @@ contains
             hybrid%y(2) = 0
          end if
          hybrid%must_restart = .true.
+      case (event_passage)
+         hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
          call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
       case default
-         ! Nothing happened: the flight goes on with the next step.
+         ! Nothing else happened: the flight goes on with the next step.
+         if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
       end select
       call pass_knot(hybrid, equation, stepper%steps)
    end subroutine fly
 
-   !> The sign that theta' has in the piece of motion that begins; after a peak it is known already.
+   !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
+   !> peak it is known already.
    pure subroutine set_course(hybrid, equation)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -239,6 +319,7 @@ contains
       else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
          equation%course = equation%side
       end if
+      call follow_course(equation, hybrid%y(equation%hysteresis%place))
    end subroutine set_course
 
    !> A spring enters another branch.

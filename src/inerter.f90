@@ -16,13 +16,14 @@ module rwmf_inerter
 contains
 
    !> Part of the inerter in the equation of motion.
-   subroutine add_inerter(equation, t, y, kin, inertia, moment)
+   subroutine add_inerter(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       inertia = inertia + inertia_of(equation, kin%half_cosine)
       moment = moment + 2*equation%inertance*equation%sin_alpha**2*kin%half_sine*kin%half_cosine &

@@ -70,16 +70,21 @@ contains
       !! (states)
       character(24), allocatable :: places(:)
       character(24), allocatable :: velocities(:)
+      logical :: is_smooth
+      logical :: is_full
       integer :: n
       integer :: i
 
       names = [character(24) :: 'u_s_m', 'u_s_dot_m_s']
       if (allocated(case%wall)) names = [character(24) :: 'theta_rad', 'theta_dot_rad_s']
+      is_smooth = .false.
       if (allocated(case%yielding)) then
-         if (.not. is_elastic_plastic(case%yielding)) names = [character(24) :: names, 'z']
+         is_smooth = .not. is_elastic_plastic(case%yielding)
       end if
-      if (.not. allocated(case%storeys)) return
-      if (case%storeys%coupling /= 'full') return
+      is_full = .false.
+      if (allocated(case%storeys)) is_full = case%storeys%coupling == 'full'
+      if (is_smooth .and. .not. is_full) names = [character(24) :: names, 'z']
+      if (.not. is_full) return
       n = size(case%storeys%frame%m) - 1
       allocate (places(n), velocities(n))
       do i = 1, n
@@ -87,6 +92,13 @@ contains
          write (velocities(i), '(a, i0, a)') 'floor_', i, '_dot_m_s'
       end do
       names = [character(24) :: names, places, velocities]
+      if (.not. is_smooth) return
+      deallocate (places)
+      allocate (places(n + 1))
+      do i = 1, n + 1
+         write (places(i), '(a, i0)') 'z_', i
+      end do
+      names = [character(24) :: names, places]
    end function list_states
 
    !> Events that are located.

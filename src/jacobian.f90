@@ -1,8 +1,7 @@
 !> Derivatives of the right-hand side, for implicit methods.
 module rwmf_jacobian
    use rwmf_cable, only: cable_state_t
-   use rwmf_equation, only: cable_at, equation_t, kinematics_at, second_derivative
-   use rwmf_extras, only: rates_of_all
+   use rwmf_equation, only: cable_at, equation_t, kinematics_at, rates_at, second_derivative
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_scene, only: ground
@@ -37,10 +36,13 @@ contains
          h = epsilon(h)**(1.0_wp/3)*max(abs(y(i)), 1.0e-3_wp)
          step = 0
          step(i) = h
-         call rates_of_all(equation, t, y + step, forward)
-         call rates_of_all(equation, t, y - step, backward)
+         call rates_at(equation, t, y + step, forward)
+         call rates_at(equation, t, y - step, backward)
          values(:, i) = (forward - backward)/(2*h)
       end do
+      ! A wall that is held (theta'' = 0 whatever happens) stays at zero to the last bit only if the
+      ! elimination finds nothing below its own two rows.
+      if (all(abs(values(2, :)) <= 0)) values(3:, :2) = 0
    end subroutine full_jacobian
 
    !> Derivatives of theta'' by theta [1/s2] and by theta' [1/s].

@@ -10,7 +10,7 @@ module rwmf_kinematics
 
    public :: geometry_t, kinematics_t, kinematics_i
    public :: top_corner, left_corner, published_negative, pinned_base
-   public :: linked_top_corner, linked_left_corner
+   public :: linked_top_corner, linked_left_corner, linked_pinned_base
    public :: rise_of_top_corner, rise_of_left_corner
 
    !> Shape of the wall and length of the link.
@@ -129,8 +129,7 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call top_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, 1.0_wp, [rise_of_top_corner(geometry, kin), 2*kin%s, -2*kin%c, &
-         -2*kin%s], kin)
+      call add_tilt(geometry%link, 1.0_wp, rise_of_top_corner(geometry, kin), 2*kin%s, kin)
    end subroutine linked_top_corner
 
    !> Link of finite length at the left top corner, theta < 0 of `exact`: the corner sinks by
@@ -141,9 +140,19 @@ contains
       type(kinematics_t), intent(out) :: kin
 
       call left_corner(geometry, phi, kin)
-      call add_tilt(geometry%link, -1.0_wp, [rise_of_left_corner(geometry, kin), -kin%u, -kin%j, &
-         kin%u], kin)
+      call add_tilt(geometry%link, -1.0_wp, rise_of_left_corner(geometry, kin), -kin%u, kin)
    end subroutine linked_left_corner
+
+   !> Link of finite length at the middle of a hinged wall's top, the frame to the left of it: that
+   !> point sinks by 2 cos(alpha) (1 - cos(theta)) on both sides.
+   pure subroutine linked_pinned_base(geometry, phi, kin)
+      type(geometry_t), intent(in) :: geometry
+      real(wp), value :: phi
+      type(kinematics_t), intent(out) :: kin
+
+      call pinned_base(geometry, phi, kin)
+      call add_tilt(geometry%link, 1.0_wp, rise_of_left_corner(geometry, kin), -kin%u, kin)
+   end subroutine linked_pinned_base
 
    !> How far the top corner above the lifting base corner has risen, over R [-].
    pure real(wp) function rise_of_top_corner(geometry, kin) result(rise)
@@ -155,7 +164,7 @@ contains
          - geometry%cos_alpha*kin%half_sine)
    end function rise_of_top_corner
 
-   !> The same for the top corner above the pivot, which sinks [-].
+   !> The same for a point of the top above the pivot, which sinks [-].
    pure real(wp) function rise_of_left_corner(geometry, kin) result(rise)
       type(geometry_t), intent(in) :: geometry
       type(kinematics_t), intent(in) :: kin
@@ -164,24 +173,27 @@ contains
       rise = -4*geometry%cos_alpha*kin%half_sine**2
    end function rise_of_left_corner
 
-   !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement.
-   pure subroutine add_tilt(l, sign_of_tilt, v, kin)
+   !> Add sign*(l - sqrt(l**2 - v**2)) and its derivatives to the displacement. The corner moves on
+   !> a circle: the second derivative of v is -j of the infinitely long link, the third is -v_1.
+   pure subroutine add_tilt(l, sign_of_tilt, v, v_1, kin)
       real(wp), intent(in) :: l
       !! length of the link over R [-]
       real(wp), intent(in) :: sign_of_tilt
       !! +1: the tilt pushes the frame on, -1: it holds it back
-      real(wp), intent(in) :: v(0:3)
-      !! rise of the corner over R and its derivatives by phi [-]
+      real(wp), intent(in) :: v
+      !! rise of the corner over R [-]
+      real(wp), intent(in) :: v_1
+      !! and its derivative by phi
       type(kinematics_t), intent(inout) :: kin
       real(wp) :: root
       real(wp) :: tilt_1, tilt_2, tilt_3
 
-      root = sqrt(l**2 - v(0)**2)
+      root = sqrt(l**2 - v**2)
       ! tilt = l - root has root*tilt' = v v', which is differentiated twice
-      tilt_1 = v(0)*v(1)/root
-      tilt_2 = (v(1)**2 + v(0)*v(2) + tilt_1**2)/root
-      tilt_3 = (3*(v(1)*v(2) + tilt_1*tilt_2) + v(0)*v(3))/root
-      kin%u = kin%u + sign_of_tilt*v(0)**2/(l + root)
+      tilt_1 = v*v_1/root
+      tilt_2 = (v_1**2 - v*kin%j + tilt_1**2)/root
+      tilt_3 = (3*(tilt_1*tilt_2 - v_1*kin%j) - v*v_1)/root
+      kin%u = kin%u + sign_of_tilt*v**2/(l + root)
       kin%j = kin%j + sign_of_tilt*tilt_1
       kin%k = kin%k + sign_of_tilt*tilt_2
       kin%k_1 = kin%k_1 + sign_of_tilt*tilt_3

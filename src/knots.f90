@@ -4,7 +4,7 @@ module rwmf_knots
    implicit none
    private
 
-   public :: lines_t, lines_through, merged_times, on_knots, last_until
+   public :: line_t, lines_t, lines_through, merged_times, on_knots, last_until
    public :: next_extremum, next_eighth
 
    !> Straight lines between knots: zero before the first and after the last one.
@@ -16,6 +16,18 @@ module rwmf_knots
       real(wp), allocatable :: slope(:)
       !! (n) its rate in the interval after the knot [1/s]
    end type lines_t
+
+   !> Straight line a_0 + slope*(t - t_0) that the ground acceleration follows in an interval.
+   type :: line_t
+      logical :: is_straight = .true.
+      !! otherwise the rest says nothing: ask `acceleration` of the motion
+      real(wp) :: t_0 = 0
+      !! [s]
+      real(wp) :: a_0 = 0
+      !! [m/s2]
+      real(wp) :: slope = 0
+      !! [m/s3]
+   end type line_t
 
 contains
 

@@ -25,9 +25,9 @@ contains
       type(equation_t), intent(inout) :: equation
       class(stepper_t), intent(inout) :: stepper
       integer, intent(in) :: component
-      !! 1: theta, 2: theta'
+      !! 1: theta, 2: theta', or a further state
       real(wp), intent(in) :: level
-      !! [rad] or [rad/s]
+      !! [rad], [rad/s] or of the further state
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: y_a(:)
@@ -83,6 +83,12 @@ contains
       end do
       t = high
       call stepper%state_at(t, y, error)
+      if (allocated(error)) return
+      ! A few spacings of the time are not nothing to a flight of a hundred: without this its impact
+      ! would be faster than its start, and hardly damped chatter would never end.
+      call rhs(equation, t, y, y_dot)
+      correction = newton_correction(y(component) - level, y_dot(component))
+      if (abs(correction) <= 2*spacing(t)) y = y + correction*y_dot
    end subroutine locate
 
    !> Newton's correction; a vanishing rate gives one that leaves every bracket.

@@ -9,15 +9,16 @@ module rwmf_machine
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned
    use rwmf_kinds, only: i8, wp
    use rwmf_memory, only: renew_window
-   use rwmf_moving_rest, only: hold_wall
    use rwmf_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
+   use rwmf_moving_rest, only: hold_wall
    use rwmf_observer, only: create_observer, observer_t
    use rwmf_one_step, only: one_step_t
    use rwmf_run, only: guess_size, impact_law, initial_state, tolerances
-   use rwmf_scene, only: sprung_t
+   use rwmf_scene, only: hysteresis_t, sprung_t
    use rwmf_spring, only: spring_t
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_springs, only: follow_storeys
    implicit none
    private
 
@@ -64,9 +65,15 @@ module rwmf_machine
       type(spring_t) :: tendon
       type(sprung_t), allocatable :: springs(:)
       !! memory of what yields
+      type(spring_t), allocatable :: storeys(:)
+      !! and of storeys that do
+      type(hysteresis_t), allocatable :: laws(:)
+      !! signs of their motion where they are smooth
       integer :: interval = 0
       integer :: side = 1
       integer :: course = 1
+      type(hysteresis_t) :: hysteresis
+      !! with the signs in force
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -114,11 +121,17 @@ contains
       real(wp) :: size_guess(2)
       !! [rad], [rad/s]
       real(wp) :: a
+      real(wp) :: ratio
+      !! of the vertical motion to whatever the host hands over [-]
 
       a = peak_acceleration(machine%own_motion)
       if (.not. a > 0) a = machine%case%model%g/10
       if (present(peak)) a = peak
-      machine%given_motion = piecewise_linear_motion([0.0_wp], [a])
+      ratio = 0
+      if (allocated(machine%case%vertical)) then
+         if (allocated(machine%case%vertical%ratio)) ratio = machine%case%vertical%ratio
+      end if
+      machine%given_motion = piecewise_linear_motion([0.0_wp], [a], ratio)
       machine%equation%motion => machine%given_motion
       size_guess = guess_size(machine%case, machine%equation)
       machine%equation%motion => machine%own_motion
@@ -189,8 +202,13 @@ contains
       snapshot%interval = interval_of(machine%equation)
       snapshot%side = machine%equation%side
       snapshot%course = machine%equation%course
+      snapshot%hysteresis = machine%equation%hysteresis
       snapshot%tendon = machine%equation%cable%tendon
       if (machine%equation%has_memory) snapshot%springs = machine%equation%springs
+      if (allocated(machine%equation%floors%springs)) then
+         snapshot%storeys = machine%equation%floors%springs
+      end if
+      if (allocated(machine%equation%floors%laws)) snapshot%laws = machine%equation%floors%laws
       associate (hybrid => machine%hybrid, observer => machine%observer)
          snapshot%mode = hybrid%mode
          snapshot%t_hybrid = hybrid%t
@@ -222,11 +240,17 @@ contains
       call enter_interval(machine%equation, snapshot%interval)
       machine%equation%side = snapshot%side
       machine%equation%course = snapshot%course
+      machine%equation%hysteresis = snapshot%hysteresis
       if (machine%equation%moves_at_rest) call hold_wall(machine%equation, .false.)
       machine%equation%cable%tendon = snapshot%tendon
       if (machine%equation%has_memory) then
          machine%equation%springs = snapshot%springs
          call renew_window(machine%equation)
+      end if
+      if (allocated(machine%equation%floors%laws)) machine%equation%floors%laws = snapshot%laws
+      if (allocated(machine%equation%floors%springs)) then
+         machine%equation%floors%springs = snapshot%storeys
+         call follow_storeys(machine%equation)
       end if
       machine%equation%rhs_evaluations = snapshot%counts(4)
       machine%steps = snapshot%counts(3)
@@ -264,6 +288,8 @@ contains
       identity(5:) = 0
       if (equation%cable%is_tendon) identity(5) = 1
       if (equation%has_memory) identity(6) = 1 + size(equation%springs)
+      if (allocated(equation%floors%springs)) identity(6) = identity(6) + 0.5_wp
+      if (allocated(equation%floors%laws)) identity(6) = identity(6) + 0.25_wp
    end function identity_of
 
 end module rwmf_machine

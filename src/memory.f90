@@ -19,34 +19,90 @@ module rwmf_memory
    public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
    public :: reset_memory, load_to, renew_window, pass_window, turn_back
-   public :: yield_displacement, elongation_of, moves
+   public :: yield_displacement, storey_strengths, elongation_of, moves
 
 contains
 
    !> The springs that a case calls for.
-   subroutine choose_springs(case, equation)
+   subroutine choose_springs(case, frame_yields, equation)
       type(case_t), intent(in) :: case
+      logical, intent(in) :: frame_yields
+      !! as a bilinear spring
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
-      logical :: is_bilinear
+      real(wp) :: stroke_y
+      !! [m]
 
       allocate (equation%springs(0))
-      is_bilinear = .false.
-      if (allocated(case%yielding)) is_bilinear = is_elastic_plastic(case%yielding)
-      if (is_bilinear) then
-         equation%springs = [sprung_t(new_spring(equation%p%omega_s**2, &
-            equation%p%omega_s**2*yield_displacement(case), case%yielding%hardening), place_frame)]
+      if (frame_yields) then
+         equation%parts = frame_parts(case)
+         equation%springs = frame_springs(case, equation%p%omega_s**2, equation%parts)
       end if
       if (allocated(case%fuse)) then
-         fuse = new_spring(case%fuse%eta_y*equation%p%g/case%fuse%stroke_y, &
-            case%fuse%eta_y*equation%p%g, case%fuse%hardening)
+         ! Both fuses of a hinged wall at half the arm are one, that of the left corner, with twice
+         ! the stroke: the stroke that counts here is that of a rocking wall.
+         stroke_y = case%fuse%stroke_y
+         if (.not. equation%has_impacts) stroke_y = 2*stroke_y
+         fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
+            case%fuse%hardening)
          equation%springs = [equation%springs, sprung_t(fuse, place_left), &
             sprung_t(fuse, place_right)]
+         equation%has_fuses = equation%has_impacts
       end if
       equation%has_memory = .true.
       equation%farthest = case%model%overturning_angle
       call follow_branches(equation)
    end subroutine choose_springs
+
+   !> Parts that the springs of the frame have in its stiffness: one has all, storeys have theirs.
+   pure function frame_parts(case) result(parts)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      real(wp), allocatable :: parts(:)
+
+      parts = [1.0_wp]
+      if (.not. allocated(case%yielding%storey_u_y)) return
+      parts = case%storeys%frame%k*case%storeys%frame%height**2
+      parts = parts/sum(parts)
+   end function frame_parts
+
+   !> Spring of the frame, or one for each of its storeys where a straight line links them to the
+   !> rotation: all of them follow the roof.
+   function frame_springs(case, stiffness, parts) result(springs)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      real(wp), intent(in) :: stiffness
+      !! of the frame over m_s [1/s2]
+      real(wp), intent(in) :: parts(:)
+      !! (springs)
+      type(sprung_t) :: springs(size(parts))
+      real(wp) :: u_y(size(parts))
+      !! displacement of the roof at first yield [m]
+      integer :: i
+
+      if (allocated(case%yielding%storey_u_y)) then
+         u_y = storey_strengths(case)*sum(case%storeys%frame%height)/case%storeys%frame%height
+      else
+         u_y = yield_displacement(case)
+      end if
+      do i = 1, size(parts)
+         springs(i) = sprung_t(new_spring(stiffness*parts(i), stiffness*parts(i)*u_y(i), &
+            case%yielding%hardening), place_frame)
+      end do
+   end function frame_springs
+
+   !> Displacement at which each storey of a case yields first [m].
+   pure function storey_strengths(case) result(u_y)
+      type(case_t), intent(in) :: case
+      !! with `&yielding storey_u_y`
+      real(wp) :: u_y(size(case%storeys%frame%m))
+
+      if (size(case%yielding%storey_u_y) == 1) then
+         u_y = case%yielding%storey_u_y(1)
+      else
+         u_y = case%yielding%storey_u_y
+      end if
+   end function storey_strengths
 
    !> Displacement at which the frame of a case yields first [m].
    pure real(wp) function yield_displacement(case) result(u_y)
@@ -87,7 +143,8 @@ contains
       end select
    end function elongation
 
-   !> Does a spring move on the side in force? A fuse does when its corner lifts.
+   !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
+   !> hinged wall always, and stands for both.
    pure logical function moves(equation, place)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: place
@@ -134,7 +191,7 @@ contains
             if (place == place_frame) then
                x = elongation(equation, place, equation%side*y(1))
                energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
-                  - (equation%p%omega_s*x)**2/2)
+                  - equation%parts(i)*(equation%p%omega_s*x)**2/2)
             else
                x = 0
                if (moves(equation, place)) x = elongation(equation, place, equation%side*y(1))

@@ -4,20 +4,22 @@
 !> interval follows the last one; in both the ground acceleration is zero. An integrator that stops
 !> at every knot and asks for the acceleration *of an interval* never sees a kink or a jump.
 module rwmf_motion
-   use rwmf_case, only: case_t, motion_spec_t
+   use rwmf_case, only: case_t
+   use rwmf_curve, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
+      knots_with_bends, steep_time
    use rwmf_ground, only: ground_t
-   use rwmf_kinds, only: pi, wp
-   use rwmf_knots, only: last_until, lines_t, lines_through, merged_times, next_eighth, &
-      next_extremum, on_knots
-   use rwmf_pulse, only: amplitude_of, angular_frequency, build_pulse, cut_times, pulse_shape, &
-      pulse_t, type_c_phase
+   use rwmf_kinds, only: wp
+   use rwmf_knots, only: last_until, line_t, lines_t, lines_through, merged_times, next_eighth, &
+      on_knots
+   use rwmf_pulse, only: pulse_shape
    implicit none
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
-   public :: interval_at, interval_end, interval_last, turning_point, fastest_rate, motion_end
+   public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
+   public :: motion_end
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -27,6 +29,8 @@ module rwmf_motion
    !! what a host computes in interval 1, then constant
    integer, parameter :: shape_pulse = 4
    !! amplitude*pulse_shape(pulse, t) in all intervals between the knots
+   integer, parameter :: shape_joined = 5
+   !! `curve` between two of the knots of a vertical record
 
    !> Ground acceleration.
    type :: motion_t
@@ -39,14 +43,10 @@ module rwmf_motion
       !! (knots) acceleration just after the knot [m/s2]
       real(wp), allocatable :: slope(:)
       !! (knots) its rate in the interval after the knot [m/s3]
-      real(wp) :: amplitude = 0
-      !! largest magnitude; of a pulse with its sign [m/s2]
-      real(wp) :: omega = 0
-      !! [rad/s]
-      real(wp) :: phase = 0
-      !! [rad]
-      type(pulse_t) :: pulse
-      !! of `shape_pulse`
+      type(curve_t) :: curve
+      !! a pulse; of lines its amplitude alone, their largest magnitude
+      integer :: last_turning = 1
+      !! interval after which nothing turns inside an interval
       class(ground_t), pointer :: ground => null()
       !! of a host, for the time of one advance
       real(wp) :: vertical_ratio = 0
@@ -57,40 +57,53 @@ module rwmf_motion
       !! a host hands it over piece by piece: nothing is known beyond the present interval
    end type motion_t
 
-   !> Straight line a_0 + slope*(t - t_0) that the ground acceleration follows in an interval.
-   type :: line_t
-      logical :: is_straight = .true.
-      !! otherwise the rest says nothing: ask `acceleration`
-      real(wp) :: t_0 = 0
-      !! [s]
-      real(wp) :: a_0 = 0
-      !! [m/s2]
-      real(wp) :: slope = 0
-      !! [m/s3]
-   end type line_t
-
 contains
 
    !> The ground motion that a case describes, its vertical part included.
    pure function motion_from_case(case) result(motion)
       type(case_t), intent(in) :: case
       type(motion_t) :: motion
-      type(lines_t) :: lines
 
       motion = horizontal_motion(case)
       if (allocated(case%vertical)) then
          if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
       end if
       if (.not. allocated(case%vertical_record)) return
-      ! A record of its own stands beside straight lines only: one sequence of knots for both.
       motion%vertical = lines_through(case%vertical_record%t, case%vertical_record%a)
+      if (motion%shape == shape_linear) then
+         call join_lines(motion)
+      else
+         call join_curve(motion)
+      end if
+   end function motion_from_case
+
+   !> One sequence of knots for straight lines of both motions.
+   pure subroutine join_lines(motion)
+      type(motion_t), intent(inout) :: motion
+      type(lines_t) :: lines
+
       lines = lines_t(motion%knot, motion%a, motion%slope)
       lines = on_knots(lines, merged_times(lines%knot, motion%vertical%knot))
       motion%vertical = on_knots(motion%vertical, lines%knot)
       motion%knot = lines%knot
       motion%a = lines%a
       motion%slope = lines%slope
-   end function motion_from_case
+   end subroutine join_lines
+
+   !> The same for a pulse beside straight lines of the vertical motion.
+   pure subroutine join_curve(motion)
+      type(motion_t), intent(inout) :: motion
+      real(wp), allocatable :: own(:)
+      !! knots of the pulse [s]
+
+      own = knots_with_bends(motion%curve)
+      motion%shape = shape_joined
+      motion%knot = merged_times(own, motion%vertical%knot)
+      motion%vertical = on_knots(motion%vertical, motion%knot)
+      motion%curve%first = last_until(motion%knot, own(1))
+      motion%curve%last = last_until(motion%knot, own(size(own)))
+      motion%last_turning = motion%curve%last - 1
+   end subroutine join_curve
 
    !> The horizontal ground motion that a case describes; none when it has no `&motion`.
    pure function horizontal_motion(case) result(motion)
@@ -102,32 +115,34 @@ contains
          return
       end if
       select case (case%motion%kind)
-      case ('one_sine', 'one_cosine', 'sine', 'type_c')
-         motion = harmonic_pulse(case%motion, case%model%g)
-      case ('ricker', 'ricker_antisymmetric', 'mavroeidis_papageorgiou')
-         motion = smooth_pulse(case%motion, case%model%g)
       case ('record')
          motion = piecewise_linear_motion(case%record%t, case%record%a)
+      case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
+            'mavroeidis_papageorgiou')
+         motion = pulse_motion(build_curve(case%motion, case%model%g))
       case default
          motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       end select
    end function horizontal_motion
 
    !> Motion that is linear between samples and zero before the first and after the last one.
-   pure function piecewise_linear_motion(t, a) result(motion)
+   pure function piecewise_linear_motion(t, a, vertical_ratio) result(motion)
       real(wp), intent(in) :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), intent(in) :: a(:)
       !! (n) accelerations [m/s2]
+      real(wp), intent(in), optional :: vertical_ratio
+      !! of the vertical to this acceleration, 0 when absent [-]
       type(motion_t) :: motion
       type(lines_t) :: lines
 
       lines = lines_through(t, a)
+      if (present(vertical_ratio)) motion%vertical_ratio = vertical_ratio
       motion%shape = shape_linear
       motion%knot = lines%knot
       motion%a = lines%a
       motion%slope = lines%slope
-      if (size(t) > 0) motion%amplitude = maxval(abs(a))
+      if (size(t) > 0) motion%curve%amplitude = maxval(abs(a))
    end function piecewise_linear_motion
 
    !> What a host knows of the motion: straight lines through samples, and then (until it says more)
@@ -150,7 +165,7 @@ contains
       motion%a(n + 1) = a(n)
       motion%slope(:n - 1) = (a(2:) - a(:n - 1))/(t(2:) - t(:n - 1))
       motion%slope(n:) = 0
-      motion%amplitude = maxval(abs(a))
+      motion%curve%amplitude = maxval(abs(a))
    end subroutine follow_samples
 
    !> What a host computes between two times, and then its last value.
@@ -170,7 +185,7 @@ contains
       motion%a(:) = ground%acceleration_at(t_end)
       motion%a(1) = ground%acceleration_at(t_begin)
       motion%slope(:) = 0
-      motion%amplitude = maxval(abs(motion%a))
+      motion%curve%amplitude = maxval(abs(motion%a))
       motion%ground => ground
    end subroutine follow_ground
 
@@ -206,7 +221,7 @@ contains
       type(motion_t) :: scaled
 
       scaled = motion
-      scaled%amplitude = factor*motion%amplitude
+      scaled%curve%amplitude = factor*motion%curve%amplitude
       scaled%a = factor*motion%a
       scaled%slope = factor*motion%slope
       if (.not. allocated(motion%vertical)) return
@@ -214,52 +229,16 @@ contains
       scaled%vertical%slope = factor*motion%vertical%slope
    end function scaled_motion
 
-   !> One-sine pulse (16), one-cosine pulse (17), several cycles of a sine, or the pulse C_n: a
-   !> cosine of the phase phi that lasts until the ground is back where it began.
-   !>
-   !> Eq. (16) has the amplitude omega_p v_p/2, the cosines omega_p v_p.
-   pure function harmonic_pulse(spec, g) result(motion)
-      type(motion_spec_t), intent(in) :: spec
-      real(wp), intent(in) :: g
-      !! unit of `a_max_g` [m/s2]
-      type(motion_t) :: motion
-      real(wp) :: cycles
-      real(wp) :: velocity_factor
-
-      motion%shape = shape_harmonic
-      motion%omega = angular_frequency(spec)
-      cycles = spec%cycles
-      velocity_factor = motion%omega
-      select case (spec%kind)
-      case ('one_cosine')
-         motion%phase = pi/2
-      case ('type_c')
-         motion%phase = pi/2 + type_c_phase(spec%n_pulses)
-         cycles = spec%n_pulses + 0.5_wp - type_c_phase(spec%n_pulses)/pi
-      case default
-         motion%phase = 0
-         velocity_factor = motion%omega/2
-      end select
-      motion%amplitude = amplitude_of(spec, g, velocity_factor)
-      allocate (motion%knot(2), motion%a(0), motion%slope(0))
-      motion%knot(:) = [spec%t_0, spec%t_0 + cycles*(2*pi/motion%omega)]
-   end function harmonic_pulse
-
-   !> Ricker pulses, and that of Mavroeidis and Papageorgiou, whose v_p is A, the amplitude of the
-   !> velocity's envelope.
-   pure function smooth_pulse(spec, g) result(motion)
-      type(motion_spec_t), intent(in) :: spec
-      real(wp), intent(in) :: g
-      !! unit of `a_max_g` [m/s2]
-      type(motion_t) :: motion
+   !> A pulse as a motion.
+   pure type(motion_t) function pulse_motion(curve) result(motion)
+      type(curve_t), intent(in) :: curve
 
       motion%shape = shape_pulse
-      motion%omega = angular_frequency(spec)
-      motion%pulse = build_pulse(spec, motion%omega)
-      motion%amplitude = amplitude_of(spec, g, motion%omega*motion%pulse%peak/2)
+      if (curve%is_harmonic) motion%shape = shape_harmonic
+      motion%curve = curve
+      motion%knot = curve%knot
       allocate (motion%a(0), motion%slope(0))
-      motion%knot = cut_times(motion%pulse)
-   end function smooth_pulse
+   end function pulse_motion
 
    !> Ground acceleration in an interval [m/s2].
    pure real(wp) function acceleration(motion, interval, t)
@@ -274,15 +253,28 @@ contains
       else if (motion%shape == shape_linear) then
          acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
       else if (motion%shape == shape_harmonic) then
-         acceleration = motion%amplitude*harmonic(motion, t)
+         acceleration = motion%curve%amplitude*sin(motion%curve%omega*(t - motion%knot(1)) &
+            + motion%curve%phase)
       else if (motion%shape == shape_pulse) then
-         acceleration = motion%amplitude*pulse_shape(motion%pulse, t)
+         acceleration = motion%curve%amplitude*pulse_shape(motion%curve%pulse, t)
+      else if (motion%shape == shape_joined) then
+         acceleration = 0
+         if (is_curved(motion, interval)) acceleration = curve_value(motion%curve, t)
       else if (interval == 1) then
          acceleration = motion%ground%acceleration_at(t)
       else
          acceleration = motion%a(interval)
       end if
    end function acceleration
+
+   !> Does the pulse beside a vertical record act in an interval?
+   pure logical function is_curved(motion, interval)
+      type(motion_t), intent(in) :: motion
+      !! of `shape_joined`
+      integer, intent(in) :: interval
+
+      is_curved = interval >= motion%curve%first .and. interval < motion%curve%last
+   end function is_curved
 
    !> The line of an interval, if it is one: what `acceleration` looks up, once for all times.
    pure type(line_t) function line_of(motion, interval) result(line)
@@ -302,7 +294,6 @@ contains
       integer, intent(in) :: interval
       real(wp), intent(in) :: t
       !! [s], in the closed interval
-
       type(line_t) :: line
 
       vertical = motion%vertical_ratio*acceleration(motion, interval, t)
@@ -324,15 +315,6 @@ contains
       line = line_t(.true., motion%knot(interval), motion%vertical%a(interval), &
          motion%vertical%slope(interval))
    end function vertical_line_of
-
-   !> Unit harmonic of the pulse [-].
-   pure real(wp) function harmonic(motion, t)
-      type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: t
-      !! [s]
-
-      harmonic = sin(motion%omega*(t - motion%knot(1)) + motion%phase)
-   end function harmonic
 
    !> Interval that begins at or before t and ends after it.
    pure integer function interval_at(motion, t)
@@ -389,8 +371,8 @@ contains
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
 
-      if (motion%shape == shape_harmonic .or. motion%shape == shape_pulse) then
-         peak_near = abs(motion%amplitude)
+      if (motion%shape == shape_harmonic .or. motion%shape >= shape_pulse) then
+         peak_near = abs(motion%curve%amplitude)
       else
          peak_near = maxval(abs(motion%a(max(1, interval - 1):interval)))
       end if
@@ -408,20 +390,38 @@ contains
       !! [s], inside the interval
 
       turning_point = interval_end(motion, interval)
-      if (interval /= 1) return
+      if (interval > motion%last_turning .or. interval < 1) return
       if (motion%shape == shape_given) then
          turning_point = next_eighth(motion%knot(1), motion%knot(2), t)
       else if (motion%shape == shape_harmonic) then
-         turning_point = min(next_extremum(motion%omega, motion%phase, motion%knot(1), t), &
+         turning_point = min(curve_turn(motion%curve, t), turning_point)
+      else if (motion%shape == shape_joined) then
+         if (is_curved(motion, interval)) turning_point = min(curve_turn(motion%curve, t), &
             turning_point)
       end if
    end function turning_point
+
+   !> First time after t at which a pulse beside a vertical record is as steep as a share of that
+   !> record, inside the interval, else its end [s].
+   pure real(wp) function steep_point(motion, interval, t, share)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s], inside the interval
+      real(wp), intent(in) :: share
+      !! [-]
+
+      steep_point = interval_end(motion, interval)
+      if (motion%shape /= shape_joined) return
+      if (is_curved(motion, interval)) steep_point = steep_time(motion%curve, &
+         abs(share*motion%vertical%slope(interval)), t, steep_point)
+   end function steep_point
 
    !> Largest magnitude of the ground acceleration (for pulses: the amplitude) [m/s2].
    pure real(wp) function peak_acceleration(motion)
       type(motion_t), intent(in) :: motion
 
-      peak_acceleration = abs(motion%amplitude)
+      peak_acceleration = abs(motion%curve%amplitude)
    end function peak_acceleration
 
    !> How fast the acceleration of a pulse varies inside its intervals: the fourth root of its
@@ -429,14 +429,10 @@ contains
    pure real(wp) function fastest_rate(motion)
       type(motion_t), intent(in) :: motion
 
-      select case (motion%shape)
-      case (shape_harmonic)
-         fastest_rate = motion%omega
-      case (shape_pulse)
-         fastest_rate = motion%pulse%fastest
-      case default
-         fastest_rate = 0
-      end select
+      fastest_rate = 0
+      if (any(motion%shape == [shape_harmonic, shape_pulse, shape_joined])) then
+         fastest_rate = curve_rate(motion%curve)
+      end if
    end function fastest_rate
 
    !> The last knot, after which the ground is still; 0 without any [s].

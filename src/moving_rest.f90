@@ -15,6 +15,9 @@ module rwmf_moving_rest
    use rwmf_regime, only: hybrid_t, pass_knot
    use rwmf_rest, only: inverse_inertia, lifts, pressing_acceleration
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_change, only: change_storey
+   use rwmf_storey_search, only: stop_at_storey, storey_end_t
+   use rwmf_storey_springs, only: settle_storeys
    implicit none
    private
 
@@ -25,25 +28,29 @@ contains
    !> Hold the resting wall while further states move, or let it go.
    subroutine hold_wall(equation, is_held)
       type(equation_t), intent(inout) :: equation
-      !! with further effects, which have one acceleration for both sides
       logical, intent(in) :: is_held
 
-      if (.not. associated(equation%acceleration_in_flight)) then
-         equation%acceleration_in_flight => equation%acceleration_positive
+      if (.not. associated(equation%kept_positive)) then
+         equation%kept_positive => equation%rates_positive
+         equation%kept_negative => equation%rates_negative
       end if
-      equation%acceleration_positive => equation%acceleration_in_flight
-      if (is_held) equation%acceleration_positive => at_rest
-      equation%acceleration_negative => equation%acceleration_positive
+      equation%rates_positive => equation%kept_positive
+      equation%rates_negative => equation%kept_negative
+      if (.not. is_held) return
+      equation%rates_positive => at_rest
+      equation%rates_negative => at_rest
    end subroutine hold_wall
 
-   !> theta'' of a wall that is held [rad/s2].
-   real(wp) function at_rest(equation, t, y)
+   !> Right-hand side while the wall is held: the other states move.
+   subroutine at_rest(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
 
-      at_rest = 0
-   end function at_rest
+      call equation%kept_positive(equation, t, y, y_dot)
+      y_dot(2) = 0
+   end subroutine at_rest
 
    !> One step of the other states, cut where the wall lifts off.
    subroutine move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
@@ -56,6 +63,7 @@ contains
       integer, intent(out) :: side
       !! of the motion that begins, +1 or -1; 0 for none
       type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
       real(wp) :: t_limit
 
       side = lifting_side(drives(equation, hybrid%t, hybrid%y), equation%threshold)
@@ -68,17 +76,24 @@ contains
       end if
       call hold_wall(equation, .true.)
       if (hybrid%must_restart) then
+         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
          call stepper%start(hybrid%t, hybrid%y, huge(t_limit), error)
          if (allocated(error)) return
       end if
       hybrid%must_restart = .false.
       call stepper%step(t_limit, error)
       if (allocated(error)) return
+      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
+      if (allocated(error)) return
       call search_lift_off(hybrid, equation, stepper, side, error)
       if (allocated(error)) return
+      ! an implicit method solves for all states together, which leaves round-off in those held
+      hybrid%y(:2) = 0
       call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return
-      if (side == 0) call pass_knot(hybrid, equation, stepper%steps)
+      if (side /= 0) return
+      if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
+      call pass_knot(hybrid, equation, stepper%steps)
    end subroutine move_at_rest
 
    !> How far the scene exceeds what the resting wall bears, to the right and to the left [m/s2].

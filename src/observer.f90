@@ -18,8 +18,10 @@ module rwmf_observer
    use rwmf_motion, only: acceleration, vertical_acceleration
    use rwmf_observer_energy, only: energy_names, energy_values, integrate_powers
    use rwmf_observer_forces, only: force_columns, force_values
+   use rwmf_observer_storeys, only: observe_drifts, observe_turns
    use rwmf_result, only: append_event, energy_t, event_t, history_t, shorten_events
    use rwmf_stepper, only: stepper_t
+   use rwmf_storey_springs, only: shear_columns, shear_values
    use rwmf_storeys, only: floor_columns, floor_values
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
@@ -45,6 +47,8 @@ module rwmf_observer
       integer(i8) :: lift_offs
       logical :: keeps_energy
       type(energy_t) :: energy
+      real(wp), allocatable :: drifts(:)
+      !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without
       type(force_observer_t), allocatable :: forces
       !! only when reactions were asked for
       logical :: keeps_history
@@ -86,6 +90,7 @@ contains
       observer%keeps_events = .false.
       observer%n_events = 0
       allocate (observer%events(0))
+      if (equation%floors%yields) allocate (observer%drifts(equation%floors%n), source=0.0_wp)
       call observe_state(observer, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
       observer%keeps_energy = case%output%energy
@@ -148,7 +153,7 @@ contains
       end if
       if (equation%has_course) names = [character(32) :: names, frame_force_column]
       if (equation%has_memory) names = [character(32) :: names, spring_columns(equation)]
-      names = [character(32) :: names, floor_columns(equation)]
+      names = [character(32) :: names, floor_columns(equation), shear_columns(equation)]
       if (allocated(observer%forces)) then
          names = [character(32) :: names, force_columns(equation, observer%m_w_g)]
       end if
@@ -175,6 +180,7 @@ contains
          observer%cable_max = max(observer%cable_max, cable%force)
       end if
       if (.not. equation%has_frame) return
+      if (allocated(observer%drifts)) call observe_drifts(observer%drifts, equation, y)
       u = abs(frame_displacement(equation, y(1)))
       if (u > observer%u_max) then
          observer%u_max = u
@@ -196,6 +202,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
+      if (allocated(error)) return
+      if (allocated(observer%drifts)) call observe_turns(observer%drifts, equation, stepper, t_b, &
+         y_b, error)
       if (allocated(error)) return
       if (observer%keeps_history) call sample_piece(observer, equation, stepper, t_a, t_b, error)
       if (allocated(error)) return
@@ -330,6 +339,7 @@ contains
       if (equation%has_course) call put([bouc_wen_force(equation, y)/equation%p%g])
       if (equation%has_memory) call put(spring_forces(equation, y(1)))
       if (allocated(equation%floors%m)) call put(floor_values(equation, y))
+      if (equation%floors%yields) call put(shear_values(equation, y))
       if (allocated(observer%forces)) call put(force_values(equation, observer%m_w_g, t, y, &
          y_ddot, frame_displacement(equation, y(1))))
       if (observer%keeps_energy) call put(energy_values(energy, equation, y))

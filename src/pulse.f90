@@ -10,7 +10,7 @@ module rwmf_pulse
    private
 
    public :: amplitude_of, angular_frequency
-   public :: pulse_t, build_pulse, cut_times, pulse_shape, type_c_phase
+   public :: pulse_t, build_pulse, cut_times, pulse_shape, pulse_slope, type_c_phase
 
    integer, parameter :: shape_ricker = 1
    integer, parameter :: shape_ricker_antisymmetric = 2
@@ -139,9 +139,42 @@ contains
       end select
    end function unit_acceleration
 
-   !> Begin, extrema, zeros and end of a pulse, strictly increasing [s].
-   pure function cut_times(pulse) result(t)
+   !> Its rate [1/s].
+   elemental real(wp) function pulse_slope(pulse, t)
       type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: t
+      !! [s]
+
+      pulse_slope = unit_slope(pulse, pulse%rate*(t - pulse%centre))*pulse%rate/pulse%peak
+   end function pulse_slope
+
+   !> Derivative of the unit acceleration by the position.
+   elemental real(wp) function unit_slope(pulse, x) result(slope)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: x
+      !! [-]
+      real(wp) :: p
+      real(wp) :: q
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         slope = (x**2 - 3)*x*exp(-x**2/2)
+      case (shape_ricker_antisymmetric)
+         slope = -((x**2 - 6)*x**2 + 3)*exp(-x**2/2)
+      case default
+         p = 1 + 1/pulse%gamma**2
+         q = 2/pulse%gamma
+         associate (u => x/pulse%gamma)
+            slope = q*sin(u)*sin(x + pulse%nu) - (1 + p*cos(u))*cos(x + pulse%nu)
+         end associate
+      end select
+   end function unit_slope
+
+   !> Begin, extrema, zeros and end of a pulse, strictly increasing [s].
+   pure function cut_times(pulse, has_bends) result(t)
+      type(pulse_t), intent(in) :: pulse
+      logical, intent(in) :: has_bends
+      !! extrema of the slope as well
       real(wp), allocatable :: t(:)
       !! (cuts)
       real(wp), allocatable :: x(:)
@@ -152,6 +185,7 @@ contains
       integer :: n
 
       x = all_cuts(pulse)
+      if (has_bends) x = [x(1), sorted([x(2:size(x) - 1), bends(pulse)]), x(size(x))]
       least = max(sqrt(epsilon(1.0_wp)), 16*pulse%rate*spacing(abs(pulse%centre) &
          + pulse%half/pulse%rate))
       n = 1
@@ -187,6 +221,61 @@ contains
       end select
       x = [-pulse%half, x, pulse%half]
    end function all_cuts
+
+   !> Positions at which the slope is extremal.
+   pure function bends(pulse) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), allocatable :: x(:)
+      real(wp) :: inner
+      real(wp) :: outer
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         ! zeros of the Hermite polynomial of order 4
+         inner = sqrt(3 - sqrt(6.0_wp))
+         outer = sqrt(3 + sqrt(6.0_wp))
+         x = [-outer, -inner, inner, outer]
+      case (shape_ricker_antisymmetric)
+         ! and of order 5; its zero at x = 0 is a cut already
+         inner = sqrt(5 - sqrt(10.0_wp))
+         outer = sqrt(5 + sqrt(10.0_wp))
+         x = [-outer, -inner, inner, outer]
+      case default
+         x = bends_of_cycles(pulse)
+      end select
+   end function bends
+
+   !> The same for a pulse of Mavroeidis and Papageorgiou. Its second derivative is the imaginary
+   !> part of what `cycles_cuts` explains, with p = 1 + 3/gamma**2, q = (3 + 1/gamma**2)/gamma.
+   pure function bends_of_cycles(pulse) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), allocatable :: x(:)
+      real(wp) :: part
+      integer :: first
+      integer :: last
+      integer :: k
+
+      part = 1/pulse%gamma
+      ! phase at the ends: nu -+ (half + pi); one that is reached there is the end itself
+      first = ceiling((pulse%nu - pulse%half)/pi) - 1
+      last = floor((pulse%nu + pulse%half)/pi) + 1
+      allocate (x(last - first + 1))
+      do k = first, last
+         x(k - first + 1) = phase_place(pulse, 1 + 3*part**2, (3 + part**2)*part, k*pi)
+      end do
+   end function bends_of_cycles
+
+   !> Numbers in ascending order.
+   pure function sorted(x) result(y)
+      real(wp), intent(in) :: x(:)
+      real(wp) :: y(size(x))
+      integer :: i, place
+
+      do i = 1, size(x)
+         place = 1 + count(x < x(i)) + count(x(:i - 1) <= x(i) .and. x(:i - 1) >= x(i))
+         y(place) = x(i)
+      end do
+   end function sorted
 
    !> Extrema and zeros of a pulse of Mavroeidis and Papageorgiou.
    !>

@@ -6,7 +6,7 @@ module rwmf_reactions
    use rwmf_kinds, only: wp
    use rwmf_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
       rise_of_top_corner
-   use rwmf_memory_query, only: frame_residual
+   use rwmf_memory_query, only: foot_residual, frame_residual
    use rwmf_scene, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    use rwmf_storeys, only: floor_inertia, resistance
    implicit none
@@ -95,6 +95,7 @@ contains
       !! [m/s2]
       real(wp), allocatable :: resisting(:)
       !! forces of the storeys [m/s2]
+      real(wp) :: u_ddot
       real(wp) :: rise
       !! of the link's corner over R [-]
       real(wp) :: side_of_frame
@@ -103,8 +104,8 @@ contains
       force = 0
       if (.not. equation%has_frame) return
       associate (p => equation%p)
-         force(1) = -p%gamma*(roof_acceleration(equation, kin, y, y_ddot) &
-            + equation%push*ground(equation, t))
+         u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+         force(1) = -p%gamma*(u_ddot + equation%push*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
             force(1) = force(1) - resisting(size(resisting))
@@ -116,10 +117,12 @@ contains
             *frame_residual(equation, y(1))
          if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
             *bouc_wen_residual(equation, y)
+         if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
       if (equation%geometry%link <= 0) return
       side_of_frame = 1
-      if (equation%side < 0 .and. associated(equation%kinematics_negative, linked_left_corner)) then
+      if (.not. equation%has_impacts .or. (equation%side < 0 &
+          .and. associated(equation%kinematics_negative, linked_left_corner))) then
          rise = rise_of_left_corner(equation%geometry, kin)
       else
          ! `symmetric` is a wall whose frame changes its place with the side
@@ -128,6 +131,33 @@ contains
       end if
       force(2) = side_of_frame*force(1)*rise/sqrt(equation%geometry%link**2 - rise**2)
    end function link_force
+
+   !> What the links of all floors do to the wall, from what a single one at the roof would do.
+   !>
+   !> On the straight line the shears of the storeys are in the proportion of k_i h_i at every
+   !> instant, those of dampers and of yielding included unless storeys yield one by one; the lowest
+   !> one goes to the ground, and the links carry the rest of the floors' momentum.
+   real(wp) function sum_of_links(equation, t, y, u_ddot, roof_alone) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_ddot
+      !! of the roof relative to the ground [m/s2]
+      real(wp), intent(in) :: roof_alone
+      !! force at the roof with the same moment about the base [m/s2]
+      real(wp) :: resisting
+      !! of spring and damper at the roof [m/s2]
+
+      associate (gamma => equation%p%gamma, a => ground(equation, t))
+         resisting = -roof_alone - gamma*(u_ddot + equation%push*a)
+         if (equation%has_memory) resisting = resisting + gamma*equation%p%omega_squared &
+            *(frame_residual(equation, y(1)) - foot_residual(equation, y(1)))
+         force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
+            - equation%foot*resisting
+      end associate
+   end function sum_of_links
 
    !> Force of the cable on the wall: along the straight cable of the law 'truss', else along the
    !> wall's axis, the only line fixed to the wall whose arm about both corners is R sin(alpha).

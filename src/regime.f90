@@ -7,7 +7,7 @@ module rwmf_regime
    implicit none
    private
 
-   public :: hybrid_t, pass_knot
+   public :: hybrid_t, count_steps, pass_knot
    public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
 
    integer, parameter :: mode_rest = 0
@@ -15,6 +15,9 @@ module rwmf_regime
    integer, parameter :: mode_overturned = 2
    integer, parameter :: mode_no_impacts = 3
    !! bare frame or hinged wall: one smooth regime
+
+   integer(i8), parameter :: cost_of_restart = 30_i8
+   !! steps that a multistep method takes to be up to speed
 
    !> State of the hybrid system and the numbers that its transitions need.
    type :: hybrid_t
@@ -40,22 +43,37 @@ module rwmf_regime
 
 contains
 
+   !> Begin to count the steps of the interval in force: at the first knot of the motion there are
+   !> enough of them for a restart.
+   subroutine count_steps(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(in) :: equation
+
+      hybrid%steps_at_knot = 0_i8
+      if (interval_of(equation) == 0) hybrid%steps_at_knot = -cost_of_restart - 1_i8
+   end subroutine count_steps
+
    !> Enter the next interval of the motion when the present one is over.
    !>
    !> A multistep method that carries its past over a kink loses two digits there, and a restart
    !> costs it some 30 small steps. So it begins anew at jumps, and where an interval has taken more
    !> steps than that; not at the samples of a record, where a step is about as long as an interval.
+   !>
+   !> Before the first knot nothing may have moved, and steps have grown without bound: the first
+   !> one into a pulse would reach to its end, where the acceleration is zero again, and miss it. So
+   !> the count of steps begins with those of a restart there (`count_steps`). At later knots, which
+   !> a vertical record may put before a pulse, it is a state of nothing but zeros that says so.
    subroutine pass_knot(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       integer(i8), intent(in) :: steps
       !! that the integrator has taken
-      integer(i8), parameter :: cost_of_restart = 30_i8
 
       if (hybrid%t < interval_end(equation%motion, interval_of(equation))) return
       call enter_interval(equation, interval_of(equation) + 1)
       if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
+      if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
 

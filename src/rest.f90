@@ -1,11 +1,13 @@
 !> When the wall rests, and when it lifts off again: questions about the ground motion alone.
 !>
 !> Straight lines of horizontal and vertical motion on the same knots, or one that is a multiple of
-!> the other, make a drive that is monotone where the horizontal motion is.
+!> the other, make a drive that is monotone where the horizontal motion is. A pulse beside a
+!> vertical record makes one that turns where their slopes meet (`drive_turns`).
 module rwmf_rest
    use rwmf_equation, only: equation_t, interval_of, lift_off_drive
    use rwmf_kinds, only: wp
-   use rwmf_motion, only: interval_end, interval_last, is_known_until, turning_point
+   use rwmf_motion, only: interval_end, interval_last, is_known_until, steep_point, &
+      turning_point
    implicit none
    private
 
@@ -44,7 +46,7 @@ contains
       do
          side = lifting_side(equation, interval, t)
          if (side /= 0 .or. t >= t_limit) return
-         t_end = min(turning_point(equation%motion, interval, t), t_limit)
+         t_end = min(drive_turns(equation, interval, t), t_limit)
          side = lifting_side(equation, interval, t_end)
          if (side /= 0) then
             if (jumps(equation, interval, t_end)) side = first_side(equation, interval, t, t_end)
@@ -55,6 +57,19 @@ contains
          if (t >= interval_end(equation%motion, interval)) interval = interval + 1
       end do
    end subroutine find_lift_off
+
+   !> First time after t at which the drive of a side turns inside the interval, else its end [s].
+   pure real(wp) function drive_turns(equation, interval, t)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      drive_turns = turning_point(equation%motion, interval, t)
+      if (equation%has_vertical) drive_turns = min(drive_turns, steep_point(equation%motion, &
+         interval, t, equation%weight_share))
+   end function drive_turns
 
    !> Side on which the wall lifts off at an instant, 0 if it stays. Compressed fuses may push up
    !> both corners; then it is the one that is pushed more.
@@ -142,7 +157,7 @@ contains
          low = high
          if (low >= interval_end(equation%motion, interval_of(equation))) return
          if (low >= huge(low)) return
-         high = turning_point(equation%motion, interval_of(equation), low)
+         high = drive_turns(equation, interval_of(equation), low)
          if (lift_off_drive(equation, equation%side, interval_of(equation), high) <= 0) exit
       end do
       do while (high - low > 1.0e-3_wp*(low - t_begin) .and. high - low > 4*spacing(high))
@@ -171,7 +186,7 @@ contains
       t = t_begin
       press = pressing_at(equation, interval, t)
       do while (t < t_end .and. press > 0)
-         t = min(turning_point(equation%motion, interval, t), t_end)
+         t = min(drive_turns(equation, interval, t), t_end)
          press = min(press, pressing_at(equation, interval, t))
          if (t >= interval_end(equation%motion, interval)) then
             interval = interval + 1

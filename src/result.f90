@@ -7,7 +7,7 @@ module rwmf_result
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
-   public :: event_branch, event_rupture
+   public :: event_branch, event_rupture, event_passage
 
    integer, parameter :: event_impact = 1
    integer, parameter :: event_peak = 2
@@ -18,6 +18,8 @@ module rwmf_result
    !! a spring begins to yield, goes slack or is taut again
    integer, parameter :: event_rupture = 7
    !! the tendon breaks
+   integer, parameter :: event_passage = 8
+   !! the hysteretic force of the frame passes zero: ends a piece of motion, is not reported
 
    !> An instant at which the regime of motion changes, or a peak of the rotation.
    type :: event_t
@@ -109,9 +111,17 @@ module rwmf_result
       logical, allocatable :: has_ruptured
       !! the tendon has broken; absent unless it can
       real(wp), allocatable :: ductility
-      !! u_s_max over u_y [-]; absent unless the frame yields
+      !! u_s_max over u_y, of storeys that yield one by one the largest [-]; absent unless the frame
+      !! yields
       real(wp), allocatable :: residual_displacement
       !! of the frame without force in the end [m]; absent unless the frame yields
+      real(wp), allocatable :: storey_ductility(:)
+      !! (storeys) largest |u_i - u_(i-1)| over that at first yield [-]; absent unless they yield
+      !! one by one
+      real(wp), allocatable :: storey_residual_drift(:)
+      !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
+      real(wp), allocatable :: theta_end_over_alpha
+      !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max

@@ -10,8 +10,8 @@ module rwmf_run
    use rwmf_hybrid, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, mode_rest
    use rwmf_impact, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_kinds, only: i8, pi, wp
-   use rwmf_memory, only: yield_displacement
-   use rwmf_memory_query, only: frame_residual, prestress_loss, tendon_is_broken
+   use rwmf_memory, only: storey_strengths, yield_displacement
+   use rwmf_memory_query, only: frame_residual, frame_residuals, prestress_loss, tendon_is_broken
    use rwmf_methods, only: new_stepper, run_method
    use rwmf_motion, only: motion_t, peak_acceleration
    use rwmf_observer, only: create_observer, finish_observer, observer_t
@@ -20,8 +20,9 @@ module rwmf_run
    use rwmf_result, only: add_warning, result_t
    use rwmf_scene, only: frame_travel
    use rwmf_stepper, only: stepper_t, tolerance_t
+   use rwmf_storey_springs, only: storey_residuals
    use rwmf_text, only: real_to_text
-   use rwmf_vertical, only: lowest_vertical
+   use rwmf_warnings, only: warn_of_fuses, warn_of_reactions, warn_of_weight
    implicit none
    private
 
@@ -258,6 +259,10 @@ contains
       if (equation%has_memory .or. equation%has_course) then
          call fill_memory(case, equation, hybrid, result)
       end if
+      if (allocated(case%yielding) .and. allocated(case%storeys)) then
+         if (allocated(case%yielding%storey_u_y)) call fill_storeys(case, equation, hybrid, &
+            observer, result)
+      end if
       if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
       if (observer%keeps_energy) result%energy = observer%energy
       if (allocated(observer%forces)) then
@@ -281,8 +286,10 @@ contains
          result%prestress_loss = prestress_loss(equation, hybrid%y(1))
          result%has_ruptured = tendon_is_broken(equation)
       end if
+      if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
       if (allocated(case%yielding)) then
-         result%ductility = result%u_s_max/yield_displacement(case)
+         if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
+            /yield_displacement(case)
          if (equation%has_course) then
             result%residual_displacement = bouc_wen_residual(equation, hybrid%y)
          else
@@ -290,6 +297,33 @@ contains
          end if
       end if
    end subroutine fill_memory
+
+   !> What yielding of the single storeys leaves behind. Where a straight line links them all to the
+   !> roof, they have their shares of its displacement.
+   subroutine fill_storeys(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      !! with `&yielding storey_u_y`
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(in) :: observer
+      type(result_t), intent(inout) :: result
+      real(wp) :: share(size(case%storeys%frame%m))
+      !! of each storey in the height [-]
+
+      associate (height => case%storeys%frame%height)
+         if (equation%floors%yields) then
+            result%storey_ductility = observer%drifts/storey_strengths(case)
+            result%storey_residual_drift = storey_residuals(equation, hybrid%y)
+            result%residual_displacement = sum(result%storey_residual_drift)
+            result%storey_residual_drift = result%storey_residual_drift/height
+         else
+            share = height/sum(height)
+            result%storey_ductility = result%u_s_max*share/storey_strengths(case)
+            result%storey_residual_drift = frame_residuals(equation, hybrid%y(1))/sum(height)
+         end if
+      end associate
+      result%ductility = maxval(result%storey_ductility)
+   end subroutine fill_storeys
 
    !> What the user should know about the scene itself.
    subroutine collect_warnings(case, equation, result)
@@ -306,6 +340,7 @@ contains
       if (.not. allocated(case%wall)) return
       if (case%wall%base == 'pinned') return
       if (equation%has_vertical) call warn_of_weight(equation, result)
+      if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
       e = restitution(case, equation%p%alpha)
       e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
       if (allocated(case%impact)) then
@@ -328,44 +363,6 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
       end if
    end subroutine collect_warnings
-
-   !> A pivot that lifts or slides is not in the equation of motion.
-   subroutine warn_of_reactions(result)
-      type(result_t), intent(inout) :: result
-
-      associate (reactions => result%reactions)
-         if (.not. allocated(reactions%pivot_lifts)) return
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
-         if (reactions%pivot_lifts) then
-            call add_warning(result, 'the pivot reaction falls to N/(m_w g) = ' &
-               //real_to_text(reactions%normal_min)//' at t = ' &
-               //real_to_text(reactions%t_normal_min)//' s: the wall would leave the ground, ' &
-               //'which the model does not follow')
-         end if
-         if (allocated(reactions%t_exceeded)) then
-            call add_warning(result, 'the friction demand |H|/N exceeds the friction_limit from ' &
-               //'t = '//real_to_text(reactions%t_exceeded)//' s: the wall would slide, which ' &
-               //'the model does not follow')
-         end if
-         !$omp end critical (rwmf_text)
-      end associate
-   end subroutine warn_of_reactions
-
-   !> A pivot that lifts is not in the equation of motion.
-   subroutine warn_of_weight(equation, result)
-      type(equation_t), intent(in) :: equation
-      type(result_t), intent(inout) :: result
-      real(wp) :: lowest
-      !! [m/s2]
-
-      lowest = lowest_vertical(equation%motion)
-      if (equation%p%g*(1 + equation%p%eta_0) + lowest > 0) return
-      !$omp critical (rwmf_text)
-      call add_warning(result, 'v_g'''' falls to '//real_to_text(lowest) &
-         //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')
-      !$omp end critical (rwmf_text)
-   end subroutine warn_of_weight
 
    subroutine fill_wall(case, equation, hybrid, observer, result)
       type(case_t), intent(in) :: case

@@ -1,7 +1,7 @@
 !> The scene that an equation of motion is written for: its parameters, the laws that were chosen
 !> for it, and what follows from both at a given rotation.
 module rwmf_scene
-   use rwmf_cable, only: cable_law_i, cable_law_t, cable_state_t
+   use rwmf_cable, only: cable_law_i, cable_law_t, cable_moment_i, cable_state_t
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: geometry_t, kinematics_i, kinematics_t
    use rwmf_motion, only: acceleration, line_of, line_t, motion_t, &
@@ -11,8 +11,9 @@ module rwmf_scene
    implicit none
    private
 
-   public :: equation_t, second_derivative_i, extra_t, floors_t, hysteresis_t, sprung_t
+   public :: equation_t, right_hand_side_i, extra_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
+   public :: form_power, form_line, form_square, form_product
    public :: enter_interval, interval_of
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
@@ -24,19 +25,17 @@ module rwmf_scene
    type :: extra_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
-      !! not associated: dissipates nothing
+      !! that viscous parts dissipate; not associated: nothing
+      procedure(power_i), pointer, nopass :: plastic_power => null()
+      !! that yielding dissipates; not associated: nothing
       procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
       procedure(force_i), pointer, nopass :: force => null()
       !! asked only for reactions; not associated: no force on the wall
-      logical :: is_hysteretic = .false.
-      !! where the energy ledger counts its power: hysteretic, or else viscous
       procedure(power_i), pointer, nopass :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
-      !! number of states of its own
-      procedure(rates_i), pointer, nopass :: rates => null()
-      !! of its states
+      !! number of states of its own, whose rates `add` puts in their places
       procedure(sizes_i), pointer, nopass :: sizes => null()
       !! that its states are expected to have
       integer :: first = 0
@@ -45,19 +44,14 @@ module rwmf_scene
       !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type extra_t
 
-   !> The floors of a frame with all its modes, from the ground to the roof.
-   type :: floors_t
-      real(wp), allocatable :: m(:)
-      !! (n) mass of each over m_w; without wall over that of the roof [-]
-      real(wp), allocatable :: k(:)
-      !! (n) stiffness of the storey below over the same mass [1/s2]
-      real(wp), allocatable :: c(:, :)
-      !! (n, n) damping over the same mass [1/s]
-      real(wp), allocatable :: height(:)
-      !! (n) of each storey [m]
-      integer :: first = 3
-      !! place of their first state among all
-   end type floors_t
+   integer, parameter :: form_power = 0
+   !! any exponent
+   integer, parameter :: form_line = 1
+   !! exponent 1
+   integer, parameter :: form_square = 2
+   !! exponent 2
+   integer, parameter :: form_product = 3
+   !! a small natural number as exponent
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
    type :: hysteresis_t
@@ -71,7 +65,52 @@ module rwmf_scene
       !! [-]
       integer :: place = 3
       !! of z among the states
+      real(wp) :: hold = 0
+      !! force of z = 1 over m_s [m/s2]
+      integer :: form = form_power
+      !! of |z|**n, one of the `form_` numbers
+      integer :: factors = 0
+      !! n of `form_product`
+      integer :: sense = 1
+      !! sign of z in the piece of motion in force
+      integer :: course = 1
+      !! of a storey: sign that u_i' - u_(i-1)' has in it
+      real(wp) :: lost = 1
+      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the
+      !! sign of z where z**n takes the place of |z|**n and n is odd [-]
    end type hysteresis_t
+
+   !> The floors of a frame with all its modes, from the ground to the roof.
+   type :: floors_t
+      integer :: n = 0
+      !! number of floors; 0: the frame has no floors of its own
+      integer :: below = 0
+      !! number of those below the roof
+      real(wp), allocatable :: m(:)
+      !! (n) mass of each over m_w; without wall over that of the roof [-]
+      real(wp), allocatable :: k(:)
+      !! (n) stiffness of the storey below over the same mass [1/s2]
+      real(wp), allocatable :: c(:, :)
+      !! (n, n) damping over the same mass [1/s]
+      real(wp), allocatable :: height(:)
+      !! (n) of each storey [m]
+      integer :: first = 3
+      !! place of their first state among all
+      real(wp), allocatable :: rows(:)
+      !! constants of `move_floors` in the order of their use, see `fill_rows`
+      real(wp), allocatable :: slope(:)
+      !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
+      logical :: yields = .false.
+      !! the storeys do; without, the following are not there
+      real(wp), allocatable :: offset(:)
+      !! (n) shear of that branch at zero drift, over the same mass [m/s2]
+      type(spring_t), allocatable :: springs(:)
+      !! (n) of each storey; forces over the same mass
+      type(hysteresis_t), allocatable :: laws(:)
+      !! (n) of each storey where they are smooth; forces over the same mass
+      real(wp) :: unit = 1
+      !! the mass that m is over, in that of the case [-]
+   end type floors_t
 
    integer, parameter :: place_frame = 0
    !! between ground and frame
@@ -111,9 +150,14 @@ module rwmf_scene
       !! of the wall about its pivot over m_w R**2 [-]
       real(wp) :: push = 1
       !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: pushed = 1
+      !! 1 + 2 gamma push: what the ground motion pushes where the link is at the top corner [-]
       real(wp) :: floor_mass = 0
-      !! mass of the frame's floors beyond that which moves with the roof, over m_w; without wall
-      !! over the latter [-]
+      !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
+      logical :: links_floors = .false.
+      !! every floor is linked to the wall, not the roof alone
+      real(wp) :: foot = 1
+      !! shear of the lowest storey over the force that resists the roof [-]
       real(wp) :: quickest = 0
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors
@@ -140,8 +184,12 @@ module rwmf_scene
       !! the further effects that the case calls for; not allocated without any
       logical :: has_memory = .false.
       !! there are springs that yield or break
+      logical :: has_fuses = .false.
+      !! under the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
-      !! fuses and yielding frame; the tendon's is in `cable`
+      !! yielding frame and fuses; the tendon's is in `cable`
+      real(wp), allocatable :: parts(:)
+      !! of the frame's stiffness that its springs have, the first of them all [-]
       real(wp) :: frame_offset = 0
       !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
       real(wp) :: frame_slope = 0
@@ -175,32 +223,39 @@ module rwmf_scene
       procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
       procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_positive => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_negative => null()
-      procedure(second_derivative_i), pointer, nopass :: acceleration_in_flight => null()
-      !! of both sides, kept while the wall is held at rest
+      procedure(cable_moment_i), pointer, nopass :: cable_moment => null()
+      !! of the law where `has_plain_cable` is false
+      procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
+      procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
+      procedure(right_hand_side_i), pointer, nopass :: kept_positive => null()
+      !! `rates_positive` before the wall was held at rest; not associated before the first time
+      procedure(right_hand_side_i), pointer, nopass :: kept_negative => null()
    end type equation_t
 
    abstract interface
-      !> theta'' [rad/s2] (bare frame: u'' [m/s2]) in the flight and interval that are in force.
-      real(wp) function second_derivative_i(equation, t, y)
+      !> Rates of all states in the flight and interval that are in force.
+      subroutine right_hand_side_i(equation, t, y, y_dot)
          import :: equation_t, wp
          implicit none
          type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
          real(wp), intent(in) :: y(equation%n)
-         !! (states) theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
-      end function second_derivative_i
+         !! (states) theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of further
+         !! effects
+         real(wp), intent(out) :: y_dot(equation%n)
+         !! (states)
+      end subroutine right_hand_side_i
 
-      !> Add to inertia and moment, both per unit m_w R**2.
-      subroutine add_i(equation, t, y, kin, inertia, moment)
+      !> Add to inertia and moment, both per unit m_w R**2, and set the rates of the effect's own
+      !> states: one procedure, because both hang on the same forces.
+      subroutine add_i(equation, t, y, kin, inertia, moment, y_dot)
          import :: equation_t, kinematics_t, wp
          implicit none
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
-         real(wp), intent(in) :: y(:)
+         real(wp), intent(in) :: y(equation%n)
          !! (states)
          type(kinematics_t), intent(in) :: kin
          !! at this rotation
@@ -208,6 +263,8 @@ module rwmf_scene
          !! [-]
          real(wp), intent(inout) :: moment
          !! away from the base [1/s2]
+         real(wp), intent(inout) :: y_dot(equation%n)
+         !! (states)
       end subroutine add_i
 
       !> Energy that an effect stores [J/kg].
@@ -218,19 +275,6 @@ module rwmf_scene
          real(wp), intent(in) :: y(:)
          !! (states)
       end function energy_i
-
-      !> Rates of the states of an effect.
-      subroutine rates_i(equation, t, y, rates)
-         import :: equation_t, wp
-         implicit none
-         class(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states) all
-         real(wp), intent(out) :: rates(:)
-         !! (states of the effect)
-      end subroutine rates_i
 
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
       subroutine sizes_i(equation, size_guess, sizes)

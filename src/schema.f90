@@ -90,6 +90,9 @@ contains
             //'spectrum'), &
          optional_key('yielding', 'f_y_over_m_s_g', 'real', '-', '', positive, &
             'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2'), &
+         optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
+            'or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for ' &
+            //'all or one each'), &
          optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding frame over its elastic one'), &
          optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', &

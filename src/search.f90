@@ -3,6 +3,7 @@
 !> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or
 !> a passage of the overturning angle shows by the values at its ends.
 module rwmf_search
+   use rwmf_bouc_wen, only: will_pass_zero
    use rwmf_equation, only: equation_t, interval_of
    use rwmf_errors, only: error_t
    use rwmf_kinds, only: wp
@@ -10,7 +11,8 @@ module rwmf_search
    use rwmf_motion, only: turning_point
    use rwmf_observer, only: observe_event, observe_state, observer_t
    use rwmf_regime, only: hybrid_t, mode_rocking
-   use rwmf_result, only: event_branch, event_impact, event_overturned, event_peak
+   use rwmf_result, only: event_branch, event_impact, event_overturned, event_passage, &
+      event_peak
    use rwmf_stepper, only: stepper_t
    implicit none
    private
@@ -27,7 +29,7 @@ contains
       type(observer_t), intent(inout) :: observer
       integer, intent(out) :: event
       !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
-      !! unloads there), or 0
+      !! unloads there), `event_passage`, or 0
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_a
       real(wp) :: t_b
@@ -62,14 +64,23 @@ contains
 
    !> Is it plain from the ends of the step that nothing happens in it? Most steps of a multistep
    !> method are so short that the velocity hardly changes, under a motion that is monotone.
+   !>
+   !> A ground acceleration that changes its sign may take the velocity below zero and back to what
+   !> it was: then the way is shorter than such a velocity says, by two thirds when the velocity is
+   !> a parabola that touches zero.
    logical function is_quiet(hybrid, equation, stepper)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       class(stepper_t), intent(in) :: stepper
       real(wp) :: change
+      real(wp) :: least
+      real(wp) :: way
+      !! in the direction of the velocity [rad] or [m]
 
       change = abs(stepper%y1(2) - stepper%y0(2))
-      is_quiet = 2*change < min(abs(stepper%y0(2)), abs(stepper%y1(2)))
+      least = min(abs(stepper%y0(2)), abs(stepper%y1(2)))
+      way = sign(1.0_wp, stepper%y0(2))*(stepper%y1(1) - stepper%y0(1))
+      is_quiet = 2*change < least .and. 2*way > (stepper%t1 - stepper%t0)*least
       if (is_quiet .and. equation%has_wall) then
          is_quiet = abs(stepper%y1(1)) < hybrid%overturning_angle
          if (hybrid%mode == mode_rocking) then
@@ -80,6 +91,7 @@ contains
       if (is_quiet .and. equation%has_memory) then
          is_quiet = stepper%y1(1) < equation%high .and. stepper%y1(1) > equation%low
       end if
+      if (is_quiet .and. equation%has_course) is_quiet = .not. passes_zero(equation, stepper%y1)
       if (is_quiet .and. equation%has_frame) then
          is_quiet = 2*(stepper%t1 - stepper%t0)*max(equation%p%omega_s, equation%quickest) < 1
       end if
@@ -135,15 +147,21 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_peak
       real(wp) :: y_peak(size(y_a))
+      logical :: turns
 
       t_peak = t_a
       y_peak = y_a
-      if (has_peak(hybrid, equation, y_a, y_b)) then
+      turns = has_peak(hybrid, equation, y_a, y_b)
+      if (turns) turns = .not. stands_still(equation, y_a, y_b)
+      if (turns) then
          call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, y_peak, error)
          if (allocated(error)) return
          hybrid%t = t_peak
          hybrid%y(:) = y_peak
          call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+         if (equation%has_course .and. .not. allocated(error)) then
+            call end_at_zero(hybrid, equation, stepper, t_a, y_a, event, error)
+         end if
          if (allocated(error) .or. event /= 0) return
          call observe_state(observer, equation, t_peak, y_peak)
          call observe_event(observer, event_peak, t_peak, y_peak)
@@ -155,6 +173,9 @@ contains
       hybrid%t = t_b
       hybrid%y(:) = y_b
       call end_piece(hybrid, equation, stepper, t_peak, y_peak, event, error)
+      if (equation%has_course .and. .not. allocated(error)) then
+         call end_at_zero(hybrid, equation, stepper, t_peak, y_peak, event, error)
+      end if
    end subroutine search_span
 
    !> Does theta' change its sign between two states? A flight that starts with theta' = 0 moves
@@ -173,6 +194,63 @@ contains
       end if
       has_peak = (v_a > 0 .and. y_b(2) <= 0) .or. (v_a < 0 .and. y_b(2) >= 0)
    end function has_peak
+
+   !> A frame that stands still has a course, the last one, and no peaks.
+   pure logical function stands_still(equation, y_a, y_b)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y_a(:)
+      real(wp), intent(in) :: y_b(:)
+
+      stands_still = equation%has_course .and. max(abs(y_a(2)), abs(y_b(2))) <= 0
+   end function stands_still
+
+   !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the hysteretic force of
+   !> the frame pass zero in it? The piece ends there, before whatever else was found.
+   !>
+   !> As long as nothing has yielded it does so in the instant of an impact: then the impact is what
+   !> happens, after which the signs of the next piece are looked at anyway.
+   subroutine end_at_zero(hybrid, equation, stepper, t_a, y_a, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: y_a(:)
+      integer, intent(inout) :: event
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_b
+      real(wp) :: y_b(size(y_a))
+
+      if (.not. passes_zero(equation, hybrid%y)) return
+      ! z is monotone where theta is: it has passed zero once
+      t_b = hybrid%t
+      y_b = hybrid%y
+      if (passes_zero(equation, y_a)) then
+         hybrid%t = t_a
+         hybrid%y(:) = y_a
+      else
+         call locate(equation, stepper, equation%hysteresis%place, 0.0_wp, t_a, y_a, t_b, y_b, &
+            hybrid%t, hybrid%y, error)
+         if (allocated(error)) return
+         if (t_b - hybrid%t <= 8*spacing(t_b) .or. (event == event_impact &
+             .and. equation%side*hybrid%y(1) <= 0)) then
+            hybrid%t = t_b
+            hybrid%y(:) = y_b
+            return
+         end if
+      end if
+      event = event_passage
+      hybrid%y(equation%hysteresis%place) = 0
+   end subroutine end_at_zero
+
+   !> Has the hysteretic force of the frame changed its sign since the piece of motion began?
+   pure logical function passes_zero(equation, y)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      passes_zero = will_pass_zero(equation) &
+         .and. equation%course*y(equation%hysteresis%place) > 0
+   end function passes_zero
 
    !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it,
    !> or does a spring enter another branch?

@@ -8,7 +8,7 @@ module rwmf_shear_frame
    private
 
    public :: shear_frame_t, find_modes, enforce_straight_line
-   public :: modal_mass, modal_height, roof_factor, damping_matrix
+   public :: modal_mass, modal_height, roof_factor, foot_share, damping_matrix
 
    !> From the ground to the roof.
    type :: shear_frame_t
@@ -110,6 +110,17 @@ contains
 
       roof_factor = excitation(frame, mode)*frame%shape(size(frame%m), mode)
    end function roof_factor
+
+   !> Shear of the lowest storey over the force at the roof that would bend the frame alike and do
+   !> the same work, k_1 phi_1 phi_n/omega**2 [-]. Of a mode it is Gamma phi_n.
+   pure real(wp) function foot_share(frame)
+      type(shear_frame_t), intent(in) :: frame
+      !! with its modes
+
+      associate (shape => frame%shape(:, 1))
+         foot_share = frame%k(1)*shape(1)*shape(size(shape))/frame%omega(1)**2
+      end associate
+   end function foot_share
 
    !> Damping matrix that gives every mode the same damping ratio, Chopra's Eq. (11.4.16)
    !> [1/s times the unit of m].

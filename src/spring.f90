@@ -46,7 +46,7 @@ module rwmf_spring
 contains
 
    !> A spring that has not moved yet.
-   pure type(spring_t) function new_spring(stiffness, yield, hardening, force_0, is_tendon, &
+   elemental type(spring_t) function new_spring(stiffness, yield, hardening, force_0, is_tendon, &
       rupture) &
       result(spring)
       real(wp), intent(in) :: stiffness
@@ -71,7 +71,7 @@ contains
    end function new_spring
 
    !> Forget what has happened.
-   pure subroutine reset_spring(spring)
+   elemental subroutine reset_spring(spring)
       type(spring_t), intent(inout) :: spring
 
       spring%branch = elastic
@@ -79,7 +79,7 @@ contains
    end subroutine reset_spring
 
    !> Force at the elongation x.
-   pure real(wp) function spring_force(spring, x) result(force)
+   elemental real(wp) function spring_force(spring, x) result(force)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x
 
@@ -94,7 +94,7 @@ contains
    end function spring_force
 
    !> Its derivative by x.
-   pure real(wp) function spring_tangent(spring) result(tangent)
+   elemental real(wp) function spring_tangent(spring) result(tangent)
       type(spring_t), intent(in) :: spring
 
       select case (spring%branch)
@@ -108,7 +108,7 @@ contains
    end function spring_tangent
 
    !> Plastic elongation at the elongation x: that part of it that unloading would leave.
-   pure real(wp) function spring_plastic(spring, x) result(plastic)
+   elemental real(wp) function spring_plastic(spring, x) result(plastic)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x
 
@@ -119,7 +119,7 @@ contains
    end function spring_plastic
 
    !> Stored energy beyond that at x = 0 before any yielding: elastic part and hardening.
-   pure real(wp) function spring_energy(spring, x) result(energy)
+   elemental real(wp) function spring_energy(spring, x) result(energy)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x
       real(wp) :: plastic
@@ -136,7 +136,7 @@ contains
    end function spring_energy
 
    !> Power that plastic flow takes when x changes at the rate x_dot.
-   pure real(wp) function spring_power(spring, x_dot) result(power)
+   elemental real(wp) function spring_power(spring, x_dot) result(power)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x_dot
 
@@ -233,7 +233,7 @@ contains
       spring%branch = elastic
    end subroutine turn_spring
 
-   pure logical function is_yielding(spring)
+   elemental logical function is_yielding(spring)
       type(spring_t), intent(in) :: spring
 
       is_yielding = abs(spring%branch) == yields_up

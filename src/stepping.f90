@@ -217,14 +217,16 @@ contains
       end if
    end subroutine check_target
 
-   !> What a host hands over is the horizontal motion.
+   !> What a host hands over is the horizontal motion: a vertical one that is a multiple of it
+   !> follows, a record of its own does not.
    subroutine refuse_vertical(stepping, error)
       type(stepping_t), intent(in) :: stepping
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. allocated(stepping%machine%case%vertical)) return
-      call fail(error, err_input, 'a host hands over the horizontal motion only: a case with ' &
-         //'&vertical advances under its own motion')
+      if (allocated(stepping%machine%case%vertical%ratio)) return
+      call fail(error, err_input, 'a host hands over the horizontal motion: a case with ' &
+         //'&vertical takes a ratio to it, or advances under its own motion')
    end subroutine refuse_vertical
 
    subroutine check_samples(stepping, t, a, error)

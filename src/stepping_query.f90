@@ -8,7 +8,7 @@ module rwmf_stepping_query
    use rwmf_kinds, only: i8, wp
    use rwmf_kinematics, only: kinematics_t
    use rwmf_machine, only: machine_t
-   use rwmf_memory_query, only: frame_residual
+   use rwmf_memory_query, only: foot_residual, frame_residual
    use rwmf_result, only: event_t
    use rwmf_stepping, only: require, stepping_t
    use rwmf_storeys, only: resistance
@@ -143,7 +143,8 @@ contains
          if (machine%equation%has_frame) then
             restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(machine)) &
                + 2*p%xi_s*state%u_s_dot)
-            forces%frame_shear = machine%equation%push*restoring
+            forces%frame_shear = machine%equation%foot*(restoring + frame_mass*p%omega_squared &
+               *uneven_part(machine))
          end if
          if (allocated(machine%equation%floors%m)) then
             floor_forces = machine%mass*resistance(machine%equation, machine%hybrid%y)
@@ -153,6 +154,8 @@ contains
          if (machine%equation%has_frame .and. machine%equation%has_wall) then
             forces%link = frame_mass*(state%u_s_ddot + machine%equation%push*machine%ground) &
                + restoring
+            if (machine%equation%links_floors) forces%link = link_of_floors(machine, state) &
+               + forces%frame_shear
          end if
          if (machine%equation%has_cable) then
             cable = cable_at(machine%equation, machine%hybrid%y(1))
@@ -160,6 +163,18 @@ contains
          end if
       end associate
    end subroutine query_forces
+
+   !> What the floors' momentum takes from links at every floor, beyond the shear of the lowest
+   !> storey [N].
+   real(wp) function link_of_floors(machine, state) result(force)
+      type(machine_t), intent(in) :: machine
+      type(wall_state_t), intent(in) :: state
+
+      associate (equation => machine%equation)
+         force = machine%mass*(equation%p%gamma*(equation%push*state%u_s_ddot + machine%ground) &
+            + equation%floor_mass*machine%ground)
+      end associate
+   end function link_of_floors
 
    !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
    real(wp) function plastic_part(machine)
@@ -172,6 +187,17 @@ contains
          plastic_part = frame_residual(machine%equation, machine%hybrid%y(1))
       end if
    end function plastic_part
+
+   !> How far it differs from that of the lowest storey, where storeys yield one by one [m].
+   real(wp) function uneven_part(machine)
+      type(machine_t), intent(in) :: machine
+
+      uneven_part = 0
+      if (machine%equation%has_course .or. .not. machine%equation%has_memory) return
+      associate (equation => machine%equation, theta => machine%hybrid%y(1))
+         uneven_part = frame_residual(equation, theta) - foot_residual(equation, theta)
+      end associate
+   end function uneven_part
 
    !> Events of the last advance, in the order of time.
    subroutine query_events(stepping, events, error)

@@ -114,7 +114,26 @@ contains
       end if
       call add_real(items, 'ductility', result%ductility)
       call add_real(items, 'residual_displacement_m', result%residual_displacement)
+      call add_real(items, 'theta_end_over_alpha', result%theta_end_over_alpha)
+      if (.not. allocated(result%storey_ductility)) return
+      call add_numbered(items, 'storey_', '_ductility', result%storey_ductility)
+      call add_numbered(items, 'storey_', '_residual_drift', result%storey_residual_drift)
    end subroutine add_maxima
+
+   !> One real for each storey, from the ground up.
+   pure subroutine add_numbered(items, before, after, values)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: before
+      !! the number, in the key
+      character(*), intent(in) :: after
+      real(wp), intent(in) :: values(:)
+      !! (storeys)
+      integer :: i
+
+      do i = 1, size(values)
+         call add_real(items, before//integer_to_text(i)//after, values(i))
+      end do
+   end subroutine add_numbered
 
    !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
    pure subroutine add_storeys(items, case)

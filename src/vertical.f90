@@ -16,13 +16,14 @@ module rwmf_vertical
 contains
 
    !> Part of the vertical motion in the equation of motion.
-   subroutine add_vertical(equation, t, y, kin, inertia, moment)
+   subroutine add_vertical(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(inout) :: inertia
       real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
 
       moment = moment - vertical_ground(equation, t)*kin%s/equation%p%R
    end subroutine add_vertical

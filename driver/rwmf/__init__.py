@@ -10,7 +10,7 @@ Five lines from a case to a picture::
     rwmf.plot.spectrum(spectrum)
 """
 
-from rwmf import plot
+from rwmf import loops, plot
 from rwmf._library import version as _kernel_version
 from rwmf.case import Case
 from rwmf.cost import Cost, cost
@@ -29,6 +29,7 @@ __all__ = [
     "RwmfError",
     "__version__",
     "cost",
+    "loops",
     "plot",
     "simulate",
     "spectrum",

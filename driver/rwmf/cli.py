@@ -103,6 +103,9 @@ def _add_run(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     _add_case(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--plot", metavar="FILE", help="draw the history (png, svg, pdf)")
+    parser.add_argument(
+        "--loops", metavar="FILE", help="draw force over displacement of frame, cable and fuses"
+    )
     parser.add_argument("--out", metavar="DIR", help="write the CSV files of rwmf-batch there")
 
 

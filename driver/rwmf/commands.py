@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rwmf import _library, figures, records, simulation
+from rwmf import _library, figures, loops, records, simulation
 from rwmf.case import Case
 from rwmf.errors import OutputError
 from rwmf.spectrum import count_ordinates
@@ -36,19 +36,26 @@ _INVENTORY = (
 )
 # points of a plotted history when the case asks for none
 _PLOT_POINTS = 4000
+# and of its loops, whose corners a history of the response need not show
+_LOOP_POINTS = 40000
 
 
 def run(options: argparse.Namespace) -> int:
     """Simulate one case (``rwmf run``)."""
     case = Case.from_namelist(options.case)
-    _check_outputs(options.plot, folder=options.out)
+    _check_outputs(options.plot, options.loops, folder=options.out)
     _check_plot(options.plot)
+    _check_plot(options.loops)
+    if options.loops:
+        loops.check_springs(case)
     with simulation.start(case) as result:
         summary = result.summary()
         if options.out:
             result.write(options.case, options.out)
         if options.plot:
             _plot_history(case, result, options.plot)
+        if options.loops:
+            _plot_loops(case, result, options.loops)
     _print_warnings(options.case, summary)
     if options.json:
         _print_json(summary)
@@ -64,6 +71,15 @@ def _plot_history(case: Case, result: _library.Run, path: str) -> None:
         dt = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
         dataset = simulation.simulate(case, dt)
     figures.save_history(dataset, path)
+
+
+def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
+    """Sample the corners of the loops finely, whatever interval the case asks for."""
+    dataset = simulation.to_dataset(result)
+    fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
+    if "time" not in dataset.coords or case.output.dt > fine:
+        dataset = simulation.simulate(case, fine)
+    figures.save_loops(dataset, case, path)
 
 
 def spectrum(options: argparse.Namespace) -> int:

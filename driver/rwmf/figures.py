@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from rwmf import plot
+from rwmf import loops, plot
+from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_format", "new_figure", "save", "save_history", "save_spectrum"]
+__all__ = ["check_format", "new_figure", "save", "save_history", "save_loops", "save_spectrum"]
 
 
 @contextmanager
@@ -124,6 +125,29 @@ def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)
         plot.history(dataset, axes[:, 0], names)
         figure.align_ylabels()
+        save(figure, path)
+
+
+def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) -> None:
+    """Draw force over displacement of the springs into a file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history.
+    case : Case
+        The case that was simulated.
+    path : str or path
+        File to write.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `save`, and when no spring has a force in the history.
+    """
+    n = len(loops.group_by_kind(loops.find_loops(dataset, case)))
+    with new_figure(3.2 * n, 3.0) as figure:
+        loops.draw(dataset, case, figure.subplots(1, n, squeeze=False)[0])
         save(figure, path)
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["PANELS", "history", "spectrum", "style"]
+__all__ = ["PANELS", "history", "make_panels", "spectrum", "style"]
 
 # what `history` shows when it is not told, from top to bottom
 PANELS = (
@@ -101,7 +101,7 @@ def history(
     if "time" not in dataset.coords:
         raise ValueError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
     names = list(variables or [name for name in PANELS if name in dataset])
-    panels = _panels(axes, len(names))
+    panels = make_panels(axes, len(names))
     time = dataset["time"].values
     for ax, name in zip(panels, names, strict=True):
         ax.plot(time, dataset[name].values, **({"color": "C0"} | line))
@@ -133,7 +133,7 @@ def spectrum(
     matplotlib.axes.Axes
         The axes. Overturned ordinates are crosses; failed ones are gaps.
     """
-    axes = _panels(ax, 1)[0]
+    axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     shades = np.linspace(_DARKEST, _LIGHTEST, max(len(curves), 2))
     # a line under one that coincides with it stays visible when it is wider
@@ -209,17 +209,42 @@ def _axis_label(variable: xr.DataArray) -> str:
     return _SYMBOLS.get(name, name.replace("_", " ")) + (f" ({unit})" if unit else "")
 
 
-def _panels(axes: Axes | Sequence[Axes] | None, n: int) -> np.ndarray:
-    """Return the given axes, or those of a new figure, as an array."""
+def make_panels(axes: Axes | Sequence[Axes] | None, n: int, across: bool = False) -> np.ndarray:
+    """Return the given axes, or those of a new figure, as an array.
+
+    Parameters
+    ----------
+    axes : matplotlib axes or sequence of axes, optional
+        As many as there are panels.
+    n : int
+        Number of panels.
+    across : bool
+        Side by side, each with an axis of its own; otherwise above each other over the same one.
+
+    Returns
+    -------
+    numpy.ndarray
+        The axes.
+
+    Raises
+    ------
+    ValueError
+        When there are more or fewer axes.
+    """
     if axes is None:
         import matplotlib.pyplot as plt
 
+        size = (6.4, 3.4) if n == 1 else (6.4, 0.6 + 1.5 * n)
+        rows, columns = (1, n) if across else (n, 1)
+        if across:
+            size = (3.2 * n, 3.0)
         with plt.rc_context(style()):
-            size = (6.4, 3.4) if n == 1 else (6.4, 0.6 + 1.5 * n)
-            _, axes = plt.subplots(n, 1, sharex=True, figsize=size, layout="constrained")
+            _, axes = plt.subplots(
+                rows, columns, sharex=not across, figsize=size, layout="constrained"
+            )
     panels = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if panels.size != n:
-        raise ValueError(f"{panels.size} axes for {n} variables: there must be as many")
+        raise ValueError(f"{panels.size} axes for {n} panels: there must be as many")
     return panels
 
 

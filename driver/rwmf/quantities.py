@@ -89,6 +89,12 @@ _ALWAYS = [
         "m",
         "displacement at which the frame alone would be without force in the end",
     ),
+    Quantity(
+        "theta_end_over_alpha",
+        "theta_end_over_alpha",
+        "1",
+        "rotation in the end over alpha, at which fuses may hold the wall up",
+    ),
     Quantity("impacts", "impacts", "1", "number of impacts"),
     Quantity("lift_offs", "lift_offs", "1", "number of times that the wall lifts off from rest"),
     Quantity("overturned", "overturned", "1", "whether the wall overturned"),

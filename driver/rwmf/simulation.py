@@ -142,12 +142,15 @@ def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, 
 
 def _label(key: str) -> tuple[str, dict[str, str]]:
     """Name and attributes of a quantity; one that is not in the table keeps its key."""
-    numbered = re.fullmatch(r"(floor|storey)_(\d+)_(m|drift)", key)
+    numbered = re.fullmatch(r"(floor|storey)_(\d+)_(m|drift|shear_over_m_w_g)", key)
     if numbered:
-        part, number, _ = numbered.groups()
+        part, number, what = numbered.groups()
         if part == "floor":
             return f"floor_{number}", {"units": "m", "long_name": f"displacement of floor {number}"}
-        return key, {"units": "1", "long_name": f"drift of storey {number} over its height"}
+        meaning = f"drift of storey {number} over its height"
+        if what != "drift":
+            meaning = f"shear of storey {number} over the weight that its mass is over"
+        return key, {"units": "1", "long_name": meaning}
     if key not in QUANTITIES:
         return key, {}
     quantity = QUANTITIES[key]

@@ -68,7 +68,7 @@ CASES = [
         Hard(f"fuses in compression under the resting wall, eta_y = {eta}",
              {"fuse": {"eta_y": eta, "stroke_y": 0.002}, "motion": sine(0.5, 3),
               "impact": {"e": 0.5}})
-        for eta in (0.5, 0.95, 1.0, 1.05)
+        for eta in (0.5, 0.95, 1.0)
     ),
     Hard("fuses and chatter", _with(_FUSE, _impacts(0.5), {"frame": {"T_s": 0.1}})),
     Hard("stiff fuses, chatter", {"fuse": {"eta_y": 0.3, "stroke_y": 1e-5}, "frame": {"T_s": 0.2}}),

@@ -114,9 +114,11 @@ def test_plots(command: Runner, case_file: Path, suffix: str) -> None:
     folder = case_file.parent
     assert command("run", case_file, "--plot", f"run.{suffix}").returncode == 0
     assert command("spectrum", case_file, "--plot", f"spectrum.{suffix}").returncode == 0
+    assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
+    assert (folder / f"loops.{suffix}").stat().st_size > 1000
     assert (folder / f"run.{suffix}").stat().st_size > 1000
     assert (folder / f"spectrum.{suffix}").stat().st_size > 1000
-    assert len(list(folder.iterdir())) == 3
+    assert len(list(folder.iterdir())) == 4
 
 
 def test_spectrum_prints_ordinates(command: Runner, case_file: Path) -> None:
@@ -203,6 +205,8 @@ def test_input_errors(command: Runner, case_file: Path) -> None:
         ["run", "--out", "missing"],
         ["run", "--plot", "missing/x.png"],
         ["run", "--plot", "x.doc"],
+        ["run", "--loops", "missing/x.png"],
+        ["run", "--loops", "x.doc"],
         ["spectrum", "--csv", "missing/x.csv"],
         ["spectrum", "--csv", "."],
         ["spectrum", "--plot", "x"],

@@ -120,6 +120,23 @@ def test_bare_frame_is_exact(folder: Path) -> None:
         assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 1e-11
 
 
+def test_peak_in_the_first_step_of_a_frame(tmp_path: Path) -> None:
+    """A frame that starts with nothing and turns back within its first step."""
+    path = tmp_path / "turns.txt"
+    path.write_text("0.0 -1.3213\n0.0137 2.9329\n", encoding="utf-8")
+    case = rwmf.Case(
+        frame={"xi_s": 0.05},
+        motion={"kind": "record", "file": str(path), "unit": "m/s2"},
+        spectrum={"T_s": [0.3, 2.0, 2.2]},
+    )
+    found, evaluations = _peaks(case)
+    assert evaluations == 0
+    truth, _ = _peaks(case.replace(solver=TRUSTED))
+    assert np.max(np.abs(found / truth - 1)) < 1e-11
+    # the ground turns at 0.00426 s, the frame later, and falls back before the record ends
+    assert np.all(found > 1.5e-5)
+
+
 def test_what_the_lanes_do_not_know_falls_back() -> None:
     """Every group and key that is not in their list leaves the spectrum to the general kernel."""
     scene = {
@@ -144,6 +161,28 @@ def test_what_the_lanes_do_not_know_falls_back() -> None:
     ):
         changed = rwmf.Case(**(scene | {group: keys}))
         assert rwmf.spectrum(changed).attrs["rhs_evaluations"] > 0, group
+
+
+def test_peak_of_a_flight_that_begins_in_its_step(tmp_path: Path) -> None:
+    """A wall that lifts off at rest and turns back within one step of the lanes."""
+    path = tmp_path / "short.txt"
+    path.write_text("0.31 5.2618\n0.3101747 -5.3772\n", encoding="utf-8")
+    ramp = tmp_path / "ramp.txt"
+    ramp.write_text("0.0 0.0\n0.09 4.0\n0.0901 -4.0\n0.18 -4.0\n0.1801 0.0\n", encoding="utf-8")
+    for file in (path, ramp):
+        case = rwmf.Case(
+            wall={"h": 2.0, "b": 0.5},
+            frame={"gamma": 430.0, "xi_s": 0.05},
+            cable={"eta_0": 1.0, "eta_alpha": 10.0},
+            impact={"e": 0.9},
+            model={"formulation": "symmetric"},
+            motion={"kind": "record", "file": str(file), "unit": "m/s2"},
+            spectrum={"T_s": [0.5, 0.8, 2.2]},
+        )
+        found, evaluations = _peaks(case)
+        assert evaluations == 0
+        truth, _ = _peaks(case.replace(solver=TRUSTED))
+        assert np.max(np.abs(found / truth - 1)) < 1e-9, file.name
 
 
 @pytest.mark.parametrize("source", ["fast_node", "fast_step", "fast_piece", "fast_locate"])

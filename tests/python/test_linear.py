@@ -138,3 +138,23 @@ def test_limit_of_a_massless_wall(T_s: float, elcentro: Path) -> None:
     case = coupled(frame={"T_s": T_s, "gamma": 1e8}, motion=record(elcentro), solver={"t_end": 8.0})
     exact = exact_peak(T_s, 0.05, t[part], G * a[part], e=0.9)
     assert _peak(case) == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
+@pytest.mark.parametrize("base", [None, "pinned"])
+def test_pulse_that_begins_later(base: str | None, method: str) -> None:
+    """What stands still until then answers as at once: long steps over nothing are forgotten."""
+    wall = None if base is None else {"h": 2.0, "b": 0.5, "base": base}
+    gamma = None if base is None else 5.0
+    peaks = []
+    for t_0 in (0.0, 0.3, 2.0):
+        case = coupled(
+            wall=wall,
+            cable=None,
+            impact=None,
+            frame={"gamma": gamma},
+            motion={"kind": "one_sine", "a_max_g": 0.1, "omega_p": 5.0, "t_0": t_0},
+            solver={"t_end": 9.0, "method": method},
+        )
+        peaks.append(_peak(case))
+    assert peaks == pytest.approx([peaks[0]] * 3, rel=1e-7)

@@ -10,6 +10,7 @@ import rwmf
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import coupled
+from scipy.optimize import brentq
 
 METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
 _PROFILE = settings(max_examples=30, deadline=None, derandomize=True, database=None)
@@ -23,7 +24,8 @@ _SCENES = st.fixed_dictionaries(
         "eta_0": st.floats(0.0, 1.0),
         "reserve": _OPTIONAL,
         "strain": st.one_of(st.none(), st.floats(5e-4, 5e-3)),
-        "fuse": _OPTIONAL,
+        # two fuses together bear less than the weight: else they may lift the wall off its base
+        "fuse": st.one_of(st.none(), st.floats(0.01, 0.5)),
         "stroke": st.floats(1e-4, 1e-2),
         "u_y": st.one_of(st.none(), st.floats(1e-3, 0.1)),
         "hardening": st.sampled_from([0.0, 0.05, 0.5]),
@@ -140,15 +142,70 @@ def test_rupture_in_the_first_swing() -> None:
     assert float(run["cable_prestress_loss_over_m_w_g"]) == 1
 
 
-def test_fuses_stand_the_wall_up() -> None:
-    """Stretched fuses stronger than half of weight and prestress keep the wall from its base."""
+def test_fuses_hold_the_wall_up_on_one_side() -> None:
+    """Let go at 0.5 alpha, the wall comes down to where fuse, weight and cable are in balance.
+
+    The damper lets it creep there. The fuse, drawn out to s_0 and perfectly plastic, gives
+    F = eta_y - k (s_0 - s) and no less than -eta_y: 2 sin(alpha) cos(theta/2) F + sin(alpha -
+    theta) + eta_0 sin(alpha) = 0.
+    """
+    eta_y, stroke_y, eta_0 = 1.1, 0.01, 1.0
+    alpha, b = math.atan2(0.5, 2.0), 0.5
+
+    def stroke(theta: float) -> float:
+        return 4 * b * math.sin(theta / 2)
+
+    def moment(theta: float) -> float:
+        force = eta_y - eta_y / stroke_y * (stroke(alpha / 2) - stroke(theta))
+        cable = eta_0 * math.sin(alpha)
+        return 2 * math.sin(alpha) * math.cos(theta / 2) * force + cable + math.sin(alpha - theta)
+
+    end = brentq(moment, 1e-6, alpha / 2)
     quiet = {"kind": "none", "a_max_g": None, "omega_p": None}
-    changes = {"motion": quiet, "initial": {"theta_over_alpha": 0.5}, "frame": {"T_s": 20.0},
-               "cable": {"eta_alpha": 1.0}, "solver": {"t_end": 60.0}}  # fmt: skip
-    down = rwmf.simulate(coupled(fuse={"eta_y": 0.9, "stroke_y": 0.001}, **changes), dt=1.0)
-    up = rwmf.simulate(coupled(fuse={"eta_y": 1.1, "stroke_y": 0.001}, **changes), dt=1.0)
-    assert float(down["theta"][-1]) == 0
-    assert abs(float(up["theta"][-1])) > 1e-3
+    case = coupled(
+        motion=quiet,
+        initial={"theta_over_alpha": 0.5},
+        frame=None,
+        cable={"eta_0": eta_0, "eta_alpha": eta_0},
+        damper={"c_over_m_w": 300.0},
+        fuse={"eta_y": eta_y, "stroke_y": stroke_y},
+        solver={"t_end": 60.0, "rtol": 1e-11, "method": "dop853"},
+        output={"energy": True, "reactions": True},
+    )
+    run = rwmf.simulate(case, dt=60.0)
+    assert float(run["theta_end_over_alpha"]) == pytest.approx(end / alpha, rel=1e-8)
+    assert int(run["impacts"]) == 0
+    assert float(run["energy_balance_relative"]) < 1e-8
+    assert "the wall need not come down again" in run.attrs["warnings"][0]
+    # weight and cable in the end, less what the fuse bears at the other corner along its chord
+    force = float(run["fuse_left_force_over_m_w_g"][-1])
+    bears = 1 + eta_0 * math.cos(end) + force * math.cos(end / 2)
+    assert float(run["pivot_normal_over_m_w_g"][-1]) == pytest.approx(bears, rel=1e-6)
+    # the moment of weight and cable there is three quarters of that on the base
+    weak = rwmf.simulate(case.replace(fuse={"eta_y": 0.7}))
+    assert float(weak["theta_end_over_alpha"]) == 0
+    assert weak.attrs["warnings"] == []
+
+
+@pytest.mark.parametrize("eta_y", [1.2, 4.0])
+def test_a_wall_on_both_fuses_is_refused(eta_y: float) -> None:
+    """Drawn out on both sides, fuses with 2 eta_y > 1 + eta_0 leave no corner on the ground."""
+    case = coupled(
+        fuse={"eta_y": eta_y, "stroke_y": 0.004},
+        solver={"rtol": 1e-10},
+        output={"reactions": True},
+    )
+    instants = []
+    for method in METHODS:
+        with pytest.raises(rwmf.RwmfError, match="stands on its fuses at t = ") as failure:
+            rwmf.simulate(case.replace(solver={"method": method}))
+        instants.append(float(str(failure.value).split("t = ")[1].split(" s")[0]))
+    assert instants == pytest.approx([instants[0]] * 5, rel=1e-7)
+    # until then the ground bears the wall, and from then on it would have to pull
+    before = rwmf.simulate(case.replace(solver={"t_end": 0.8 * instants[0]}))
+    assert float(before["pivot_normal_min_over_m_w_g"]) > 0
+    weak = rwmf.simulate(case.replace(fuse={"eta_y": 0.99}, solver={"t_end": 40.0}))
+    assert float(weak["theta_end_over_alpha"]) == 0
 
 
 def test_hinged_wall_with_a_yielding_frame() -> None:

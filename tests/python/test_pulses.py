@@ -259,3 +259,33 @@ def test_boundaries_of_overturning(name: str) -> None:
 def test_studies_of_pulses_refuse_other_motions() -> None:
     with pytest.raises(InputError, match="needs a pulse"):
         studies.overturning_map(block(), [4.0], [1.0, 2.0])
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
+@pytest.mark.parametrize("kind", ["one_sine", "one_cosine", "sine", "ricker"])
+@pytest.mark.parametrize("scene", ["frame", "pinned wall", "storeys"])
+def test_a_late_pulse_is_not_stepped_over(scene: str, kind: str, method: str) -> None:
+    """After a quiet spell no step reaches across a pulse to its end, where it is zero again."""
+    groups = {"frame": {"T_s": 1.0, "xi_s": 0.05}}
+    if scene == "pinned wall":
+        groups["wall"] = {"h": 2.0, "b": 0.5, "base": "pinned"}
+        groups["frame"]["gamma"] = 5.0
+    elif scene == "storeys":
+        groups = {
+            "wall": {"h": 2.0, "b": 0.5},
+            "frame": {"xi_s": 0.05},
+            "storeys": {
+                "m_over_m_w": [1.5, 1.5, 1.6],
+                "k_over_m_w": [120.0, 90.0, 33.0],
+                "height": [1.0, 1.0, 2.0],
+                "coupling": "full",
+            },
+            "impact": {"e": 0.9},
+            "model": {"formulation": "exact"},
+        }
+    motion = {"kind": kind, "a_max_g": 0.86, "T_p": 0.64, "t_0": 0.0}
+    solver = {"t_end": 2.0, "method": method, "rtol": 1e-10}
+    case = rwmf.Case(**groups, motion=motion, solver=solver)
+    now = rwmf.simulate(case)
+    late = case.replace(motion={"t_0": 8.0}, solver={"t_end": 10.0})
+    assert float(rwmf.simulate(late).u_s_max) == pytest.approx(float(now.u_s_max), rel=1e-7)

@@ -14,8 +14,9 @@ import pytest
 import rwmf
 from rwmf import _library
 from scenes import bare_frame, coupled
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.linalg import eigh
+from scipy.optimize import brentq
 
 G = 9.81
 H, B = 6.0, 1.5
@@ -212,6 +213,64 @@ def test_bouc_wen_against_scipy(exponent: float) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("exponent", "start"), [(1.0, 0.3), (1.7, -0.4), (5.0, 0.12), (60.0, 0.08)]
+)
+def test_wall_let_go_with_a_smoothly_yielding_frame(exponent: float, start: float) -> None:
+    """An initial rotation counts as reached from zero: z from the quadrature of 1/(1 - z^n)."""
+    u_y, hardening, beta, gamma, xi, T_s = 0.08, 0.1, 0.6, 3.0, 0.05, 0.8
+    h, b, t_end = 2.0, 0.5, 0.1
+    radius, alpha, omega = math.hypot(h, b), math.atan2(b, h), 2 * math.pi / T_s
+    side = 1 if start > 0 else -1
+
+    def frame(theta: float) -> tuple[float, float, float]:
+        angle = alpha - side * theta
+        up = 2 * radius
+        u = side * up * (math.sin(alpha) - math.sin(angle))
+        return u, up * math.cos(angle), side * up * math.sin(angle)
+
+    def rates(_t: float, y: np.ndarray) -> list[float]:
+        theta, rate, z = y
+        u, slope, bend = frame(theta)
+        force = (
+            omega**2 * (hardening * u + (1 - hardening) * u_y * z) + 2 * xi * omega * slope * rate
+        )
+        moment = -gamma * slope * (force + bend * rate**2)
+        moment -= side * G * radius * math.sin(alpha - side * theta)
+        course = math.copysign(1.0, -side * z)
+        lost = abs(z) ** exponent * (1 - beta + beta * course)
+        inertia = 4 / 3 * radius**2 + gamma * slope**2
+        return [rate, moment / inertia, slope * rate / u_y * (1 - lost)]
+
+    x = abs(frame(start * alpha)[0]) / u_y
+
+    def excess(w: float) -> float:
+        path = quad(lambda s: 1 / (1 - s**exponent), 0, -math.expm1(-w), epsabs=0, epsrel=1e-12)
+        return path[0] - x
+
+    z = -math.expm1(-brentq(excess, 1e-6, 10.0, xtol=1e-13))
+    assert 0.5 < z < 1
+    flow = solve_ivp(rates, (0, t_end), [start * alpha, 0.0, side * z], **TIGHT)
+    case = coupled(
+        wall={"h": h, "b": b},
+        frame={"T_s": T_s, "gamma": gamma, "xi_s": xi},
+        cable=None,
+        motion={"kind": "none", "a_max_g": None, "omega_p": None},
+        initial={"theta_over_alpha": start},
+        solver={"t_end": t_end, "rtol": 1e-12, "method": "dop853"},
+        output={"energy": True},
+        **{"yielding": {"u_y": u_y, "hardening": hardening, "law": "bouc_wen",
+                        "exponent": exponent, "beta": beta}},
+    )  # fmt: skip
+    run = rwmf.simulate(case, dt=t_end)
+    assert int(run["impacts"]) == 0
+    u = frame(start * alpha)[0]
+    force = omega**2 * (hardening * u + (1 - hardening) * u_y * side * z) / G
+    assert float(run["frame_force_over_m_s_g"][0]) == pytest.approx(force, rel=1e-9)
+    assert float(run["theta"][-1]) == pytest.approx(flow.y[0, -1], rel=1e-8)
+    assert abs(float(run["energy_balance_relative"])) < 1e-9
+
+
 def test_keys_of_the_reduction() -> None:
     """Period, modal mass, participation and height of the first mode, by `scipy.linalg.eigh`."""
     m, k, height = [3.0, 2.0, 1.0], [900.0, 700.0, 400.0], [5.0, 4.0, 3.0]
@@ -271,3 +330,52 @@ def test_history_of_the_floors() -> None:
         "floor_1_dot_m_s",
         "floor_2_dot_m_s",
     ]
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853"])
+def test_wall_that_never_lifts_off(method: str) -> None:
+    """An implicit method must not give the resting wall a rotation out of round-off."""
+    case = coupled(
+        wall={"h": H, "b": B},
+        frame={"T_s": None, "gamma": None, "xi_s": 0.02},
+        storeys={
+            "m_over_m_w": [1.0, 1.0],
+            "k_over_m_w": [800.0, 800.0],
+            "height": [H, H],
+            "coupling": "full",
+        },
+        cable=None,
+        impact={"e": 0.9},
+        motion={"kind": "one_sine", "a_max_g": 0.02, "omega_p": 4.0},
+        solver={"t_end": 2.0, "method": method},
+    )
+    run = rwmf.simulate(case, dt=0.1)
+    assert int(run["lift_offs"]) == 0
+    assert float(run["theta_dot_max"]) == 0
+    assert abs(run["floor_1"]).max() > 1e-4
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
+def test_a_wall_that_stays_at_rest_does_not_move(method: str) -> None:
+    """Not by round-off either: a response of 1e-45 rad became the scale of the tolerances."""
+    run = rwmf.simulate(
+        rwmf.Case(
+            wall={"h": 2.0, "b": 0.5},
+            frame={"xi_s": 0.0},
+            storeys={
+                "m_over_m_w": [0.18, 0.11, 0.21],
+                "k_over_m_w": [1450.0, 1020.0, 15000.0],
+                "height": [1.3, 1.7, 1.0],
+                "coupling": "full",
+            },
+            cable={"eta_0": 4.0, "eta_alpha": 7.0},
+            impact={"e": 0.9},
+            model={"formulation": "symmetric"},
+            motion={"kind": "ricker", "a_max_g": 0.57, "T_p": 1.4},
+            solver={"t_end": 4.0, "method": method, "rtol": 1e-10, "max_steps": 20_000},
+        ),
+        dt=0.01,
+    )
+    assert int(run["lift_offs"]) == 0
+    assert np.all(run["theta"].values == 0)
+    assert np.max(np.abs(run["floor_1"].values)) > 1e-4

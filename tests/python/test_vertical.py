@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import rwmf
 from rwmf import _measure
-from scenes import block, coupled
+from scenes import bare_frame, block, coupled
 from scipy.integrate import solve_ivp
 
 G = 9.81
@@ -350,3 +350,156 @@ def test_the_record_travels_with_the_case(tmp_path: Path) -> None:
     assert Path(moved.parent, str(again.vertical.file)).resolve() == (
         tmp_path / "records" / "v.txt"
     )
+
+
+PULSES: dict[str, dict[str, object]] = {
+    "one_sine": {},
+    "one_cosine": {},
+    "sine": {"cycles": 2.5},
+    "type_c": {"n_pulses": 2},
+    "ricker": {},
+    "ricker_antisymmetric": {},
+    "mavroeidis_papageorgiou": {"gamma_p": 2.3, "nu": 0.7},
+}
+
+
+def _pulse(kind: str, a: float = 0.4) -> dict[str, object]:
+    return {"kind": kind, "a_max_g": a, "omega_p": 5.0, "t_0": 0.3} | PULSES[kind]
+
+
+def _shape(kind: str, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return times [s] and acceleration [m/s2] of a pulse of 1 m/s2, as the kernel has it."""
+    motion = _pulse(kind, 1 / G)
+    case = bare_frame(motion=motion, solver={"t_end": 9.0, "method": "dop853"})
+    run = rwmf.simulate(case, dt=0.0005)
+    return run["time"].values, run["u_g_ddot"].values
+
+
+@pytest.mark.parametrize("kind", PULSES)
+@pytest.mark.parametrize("slope", [-6.0, 5.0])
+def test_lift_off_beside_a_pulse(kind: str, slope: float, tmp_path: Path) -> None:
+    """A vertical motion so steep that neither motion is extremal when the wall is pulled most.
+
+    The amplitude at which the block just lifts off: the smallest of tan(alpha) (g + v)/|shape|.
+    """
+    t, shape = _shape(kind, tmp_path)
+    knots = np.array([0.0, 0.9, 2.0, 3.1, 4.2, 5.3, 6.4, 12.0])
+    v = np.array([0.0, 1.0, 1 - slope, 2.0, 2 + slope, -1.0, 1.0, 0.0])
+    vertical = _vertical(tmp_path, knots, v)
+    with np.errstate(divide="ignore"):
+        needed = 0.25 * (G + np.interp(t, knots, v)) / np.abs(shape)
+    at = int(np.argmin(needed))
+    # the parabola through the samples around the least one, unless it is at a jump of the pulse
+    a, lowest, c = needed[at - 1 : at + 2]
+    margin = 2e-3
+    if max(a, c) < 2 * lowest:
+        margin = 1e-8
+        lowest -= (c - a) ** 2 / (8 * (a - 2 * lowest + c))
+    lifts = []
+    for factor in (1 - margin, 1 + margin):
+        case = block(
+            motion=_pulse(kind, lowest * factor / G), vertical=vertical, solver={"t_end": 9.0}
+        )
+        lifts.append(int(rwmf.simulate(case)["lift_offs"]))
+    assert lifts[0] == 0
+    assert lifts[1] >= 1
+    if margin < 1e-3:  # at an extremum of the pulse the wall would bear more than the margin
+        assert 0.25 * (G + np.interp(t, knots, v)[at]) < lowest * np.abs(shape).max() * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("kind", PULSES)
+def test_still_record_beside_a_pulse(kind: str, tmp_path: Path) -> None:
+    """Knots alone change nothing; a constant record is another gravity."""
+    common = {"motion": _pulse(kind), "solver": TIGHT}
+    t = np.array([-1.0, 0.5, 0.77, 1.9, 100.0])
+    still = _vertical(tmp_path, t, np.zeros(t.size), "still")
+    constant = _vertical(tmp_path, t, np.full(t.size, 2.0), "constant")
+    heavier = G + 2.0
+    cable = {"eta_0": 1.0 * G / heavier, "eta_alpha": 5.0 * G / heavier}
+    motion = _pulse(kind, 0.4 * G / heavier)
+    for vertical, other in (
+        (still, coupled(**common)),
+        (
+            constant,
+            coupled(cable=cable, model={"g": heavier}, **(common | {"motion": motion})),
+        ),
+    ):
+        run = rwmf.simulate(coupled(vertical=vertical, **common))
+        expected = rwmf.simulate(other)
+        assert int(run["impacts"]) > 3
+        for key in ("u_s_max", "theta_max_over_alpha"):
+            assert float(run[key]) == pytest.approx(float(expected[key]), rel=SAME_PHYSICS), key
+
+
+def _record_beside_pulse_by_scipy(t_v: np.ndarray, v: np.ndarray, t_end: float) -> float:
+    """Rotation of a block let go at 0.5 alpha, e = 0.9, by another program [rad]."""
+    R = math.hypot(2.0, 0.5)
+    omega = 2 * math.pi
+    t, y, side = 0.0, [0.5 * ALPHA, 0.0], 1
+    stops = sorted({*t_v[(t_v > 0) & (t_v < t_end)].tolist(), 1.0, t_end})
+    while t < t_end:
+        stop = next(x for x in stops if x > t)
+        middle = (t + stop) / 2
+        pull = 0.4 * G if middle < 1 else 0.0
+
+        def rates(t: float, y: np.ndarray, side: int = side, pull: float = pull) -> list[float]:
+            arm = ALPHA - side * y[0]
+            weight = G + np.interp(t, t_v, v, left=0, right=0)
+            push = pull * math.sin(omega * t)
+            return [
+                y[1],
+                -0.75 / R * (side * weight * math.sin(arm) + push * math.cos(arm)),
+            ]
+
+        def base(_t: float, y: np.ndarray, side: int = side) -> float:
+            return float(y[0] * side)
+
+        base.terminal, base.direction = True, -1
+        found = solve_ivp(rates, (t, stop), y, events=base, method="DOP853", rtol=1e-12, atol=1e-14)
+        t, y = float(found.t[-1]), list(found.y[:, -1])
+        if found.status == 1:
+            y, side = [0.0, 0.9 * y[1]], -side
+    return y[0]
+
+
+def test_record_beside_a_pulse_by_another_program(tmp_path: Path) -> None:
+    t_v = np.array([0.1, 0.35, 0.62, 0.9, 1.31, 1.7, 1.9])
+    v = np.array([0.0, 4.0, -3.0, 5.0, -4.0, 2.0, 0.0])
+    case = block(
+        motion={"kind": "one_sine", "a_max_g": 0.4, "omega_p": 2 * math.pi},
+        vertical=_vertical(tmp_path, t_v, v),
+        initial={"theta_over_alpha": 0.5},
+        solver={"t_end": 2.0, "rtol": 1e-11},
+    )
+    run = rwmf.simulate(case, dt=2.0)
+    assert int(run["impacts"]) > 1
+    expected = _record_beside_pulse_by_scipy(t_v, v, 2.0)
+    assert float(run["theta"][-1]) == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["one_sine", "type_c", "mavroeidis_papageorgiou"])
+@pytest.mark.parametrize("method", METHODS)
+def test_record_beside_a_pulse(kind: str, method: str, tmp_path: Path) -> None:
+    """Quadruple precision, the energy ledger, and the mirrored pulse bit for bit."""
+    t = np.arange(0.07, 4, 0.015)
+    case = coupled(
+        motion=_pulse(kind),
+        vertical=_vertical(tmp_path, t, 5 * np.sin(9 * t)),
+        model={"formulation": "symmetric"},
+        solver={"t_end": 6.0, "rtol": 1e-10, "method": method},
+        output={"energy": True},
+    )
+    run = rwmf.simulate(case)
+    assert int(run["impacts"]) > 3
+    assert abs(float(run["energy_balance_relative"])) < 1e-7
+    reference = _measure.solve_reference(case.text, case.kernel_source(), 1e-15, 1e-16)
+    assert float(run["u_s_max"]) == pytest.approx(reference.values["u_s_max_m"], rel=1e-8)
+    mirrored = rwmf.simulate(case.replace(motion={"a_max_g": -0.4}))
+    assert float(mirrored["u_s_max"]) == float(run["u_s_max"])
+
+
+def test_end_beside_a_pulse_must_be_given(tmp_path: Path) -> None:
+    """A record does not say how long a pulse is to be followed."""
+    vertical = _vertical(tmp_path, np.array([0.0, 1.0]), np.zeros(2))
+    with pytest.raises(rwmf.InputError, match="t_end is missing"):
+        coupled(vertical=vertical, solver={"t_end": None})

@@ -84,6 +84,26 @@ def test_smooth_hysteresis_comes_to_the_textbook_example() -> None:
     assert np.max(np.abs(strength)) == pytest.approx(1, abs=1e-9)
 
 
+@pytest.mark.parametrize("method", ["erk54", "dop853", "extrapolation"])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+def test_corner_at_zero_costs_one_step_methods_no_accuracy(exponent: float, method: str) -> None:
+    """Where z passes zero |z|^n changes its factor: stepped over, that costs 1 to 15 tolerances."""
+    rtol = 1e-10
+    for beta in (0.5, 0.75):
+        for a_max_g in (0.3, 0.4, 0.5, 0.6):
+            law = {"u_y": U_Y, "law": "bouc_wen", "exponent": exponent, "beta": beta}
+            case = bare_frame(
+                frame={"T_s": 0.6, "xi_s": 0.05},
+                motion={"kind": "one_sine", "a_max_g": a_max_g, "omega_p": 6.0},
+                solver={"t_end": 10.0, "method": method, "rtol": rtol},
+                yielding=law | {"hardening": 0.02},
+            )
+            run = rwmf.simulate(case)
+            best = rwmf.simulate(case.replace(solver={"method": "dop853", "rtol": 1e-13}))
+            error = float(run["residual_displacement"]) - float(best["residual_displacement"])
+            assert abs(error) < 0.5 * rtol * float(best["u_s_max"])
+
+
 def test_history_of_the_smooth_force() -> None:
     """Its loop and the ledger enclose the same work; the states are named before the run."""
     law = {"u_y": U_Y, "law": "bouc_wen", "exponent": 2.0, "hardening": 0.1}

@@ -5,6 +5,7 @@ program test_bouc_wen
    use rwmf_case, only: case_t
    use rwmf_case_reader, only: read_case_text
    use rwmf_errors, only: err_input, error_t
+   use rwmf_first_loading, only: first_loading
    use rwmf_kinds, only: wp
    use rwmf_result, only: result_t
    use rwmf_simulation, only: simulate
@@ -13,9 +14,15 @@ program test_bouc_wen
 
    type(checks_t) :: checks
 
+   call check_closed_forms()
    call check_first_loading(1.0_wp, 'n = 1')
    call check_first_loading(2.0_wp, 'n = 2')
    call check_unloading()
+   call check_passage(1.0_wp, 'n = 1')
+   call check_passage(2.0_wp, 'n = 2')
+   call check_natural_exponents()
+   call check_passage_at_impact()
+   call check_standstill()
    call check_elastic_limit()
    call check_sharp_limit(.false., 'bare frame')
    call check_sharp_limit(.true., 'wall and frame')
@@ -48,6 +55,23 @@ contains
       case%yielding%beta = beta
       case%yielding%law = 'bouc_wen'
    end function hysteretic
+
+   !> The same in closed form, from displacements far below yielding to far beyond, and symmetric.
+   subroutine check_closed_forms()
+      real(wp), parameter :: x(6) = [1.0e-9_wp, 0.01_wp, 0.5_wp, 2.0_wp, 9.0_wp, 200.0_wp]
+      integer :: i
+
+      do i = 1, size(x)
+         call checks%close_to(first_loading(x(i), 1.0_wp), 1 - exp(-x(i)), 'n = 1', &
+            rtol=1.0e-14_wp, atol=1.0e-16_wp)
+         call checks%close_to(first_loading(-x(i), 2.0_wp), -tanh(x(i)), 'n = 2', &
+            rtol=1.0e-14_wp, atol=1.0e-16_wp)
+         ! no knee left: the elastic-plastic law
+         call checks%close_to(first_loading(x(i), 1000.0_wp), min(x(i), 1.0_wp), 'n = 1000', &
+            rtol=1.0e-6_wp)
+      end do
+      call checks%that(abs(first_loading(0.0_wp, 3.0_wp)) <= 0, 'nothing')
+   end subroutine check_closed_forms
 
    !> While u grows, z is a function of u/u_y alone, whatever the motion: 1 - exp(-x) for n = 1,
    !> tanh(x) for n = 2.
@@ -110,6 +134,118 @@ contains
             'unloading', rtol=1.0e-8_wp)
       end associate
    end subroutine check_unloading
+
+   !> Where z passes zero the law has a corner, at which every method begins a new piece of motion:
+   !> from the first peak beyond the zero z(u) is known, and met within a few tolerances.
+   subroutine check_passage(exponent, name)
+      real(wp), intent(in) :: exponent
+      character(*), intent(in) :: name
+      character(13), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', &
+         'dop853', 'extrapolation']
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: i
+
+      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponent, 0.75_wp)
+      case%motion%a_max_g = -case%motion%a_max_g
+      case%solver%rtol = 1.0e-7_wp
+      case%solver%t_end = 0.8_wp
+      do i = 1, size(methods)
+         case%solver%method = trim(methods(i))
+         call simulate(case, result, error)
+         call checks%no_error(error, 'passage')
+         associate (x => result%final_state(1)/case%yielding%u_y, z => result%final_state(3))
+            call checks%that(result%final_state(2) < 0 .and. z < -0.3_wp, 'beyond the passage')
+            call checks%close_to(z, beyond_zero(exponent, result%u_s_max/case%yielding%u_y, x), &
+               'passage, '//name//', '//trim(methods(i)), atol=4.0e-7_wp)
+         end associate
+      end do
+   end subroutine check_passage
+
+   !> z beyond its first zero after the first peak, for beta = 3/4.
+   pure real(wp) function beyond_zero(exponent, x_peak, x) result(z)
+      real(wp), intent(in) :: exponent
+      real(wp), intent(in) :: x_peak
+      !! u/u_y at the peak [-]
+      real(wp), intent(in) :: x
+      !! u/u_y [-]
+      real(wp) :: c
+      real(wp) :: x_zero
+
+      if (exponent > 1) then
+         c = sqrt(0.5_wp)
+         x_zero = x_peak - atan(c*tanh(x_peak))/c
+         z = tanh(x - x_zero)
+      else
+         c = 0.5_wp
+         x_zero = x_peak - log(1 + c*(1 - exp(-x_peak)))/c
+         z = exp(x - x_zero) - 1
+      end if
+   end function beyond_zero
+
+   !> Small natural exponents have products of their own; their neighbours are powers.
+   subroutine check_natural_exponents()
+      real(wp), parameter :: exponents(5) = [1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 8.0_wp]
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: neighbour
+      type(error_t), allocatable :: error
+      integer :: i
+
+      do i = 1, size(exponents)
+         case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponents(i), 0.75_wp)
+         case%solver%rtol = 1.0e-10_wp
+         call simulate(case, result, error)
+         call checks%no_error(error, 'natural exponent')
+         case%yielding%exponent = exponents(i) + 1.0e-8_wp
+         call simulate(case, neighbour, error)
+         call checks%close_to(neighbour%residual_displacement, result%residual_displacement, &
+            'a natural exponent and its neighbour', atol=1.0e-8_wp*result%u_s_max)
+      end do
+   end subroutine check_natural_exponents
+
+   !> As long as nothing yields z passes zero in the instant of the impact: both are one event, at
+   !> every tolerance.
+   subroutine check_passage_at_impact()
+      character(13), parameter :: methods(4) = [character(13) :: 'adams', 'erk54', 'dop853', &
+         'extrapolation']
+      type(case_t) :: case
+      type(case_t) :: elastic_case
+      type(result_t) :: result
+      type(result_t) :: elastic
+      type(error_t), allocatable :: error
+      integer :: i, k
+
+      elastic_case = rwmf_scene('exact', 5.0_wp, 0.6_wp, 'dop853')
+      case = hysteretic(elastic_case, 1.0e9_wp, 0.1_wp, 2.0_wp, 0.5_wp)
+      do i = 1, size(methods)
+         do k = 15, 26
+            elastic_case%solver%method = trim(methods(i))
+            elastic_case%solver%rtol = 10**(-0.5_wp*k)
+            case%solver = elastic_case%solver
+            call simulate(elastic_case, elastic, error)
+            call simulate(case, result, error)
+            call checks%no_error(error, 'passage at an impact')
+            call checks%close_to(result%u_s_max, elastic%u_s_max, 'passage at an impact, ' &
+               //trim(methods(i)), rtol=300*case%solver%rtol)
+         end do
+      end do
+   end subroutine check_passage_at_impact
+
+   !> A frame that stands still has no peaks: the steps before the ground moves are few.
+   subroutine check_standstill()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = hysteretic(frame_scene(0.7_wp, 'adams'), 0.02_wp, 0.1_wp, 2.0_wp, 0.6_wp)
+      deallocate (case%motion)
+      case%solver%t_end = 10
+      call simulate(case, result, error)
+      call checks%no_error(error, 'standstill')
+      call checks%that(result%steps < 1000, 'a frame that stands still takes few steps')
+   end subroutine check_standstill
 
    !> u_y -> infinity is the scene without the group.
    subroutine check_elastic_limit()
@@ -236,9 +372,6 @@ contains
          //'&frame T_s = 1, gamma = 5, xi_s = 0 /'
 
       call refuse(scene//'&yielding u_y = 0.1, exponent = 3 /', "belongs to law = 'bouc_wen'")
-      call refuse(scene//'&yielding u_y = 0.1, law = ''bouc_wen'' / ' &
-         //'&initial theta_over_alpha = 0.1 /', &
-         "must be 0 with &yielding law = 'bouc_wen'")
       call refuse(scene//'&yielding u_y = 0.1, law = ''bouc_wen'', beta = 0.2 /', &
          'must be a number in [0.5, 1]')
    end subroutine check_refusals

@@ -5,11 +5,15 @@ program test_element
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
       lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
-   use rwmf_case, only: inerter_t
+   use rwmf_case, only: fuse_t, inerter_t
    use scenes, only: rwmf_scene
    implicit none
 
    character(9), parameter :: formulations(3) = [character(9) :: 'published', 'symmetric', 'exact']
+   character(*), parameter :: corners = '&damper c_over_m_w = 3.0 /'//new_line('a') &
+      //'&inerter inertance_over_m_w = 1.5 /'//new_line('a') &
+      //"&motion kind = 'one_sine', a_max_g = 0.5, omega_p = 5.0 /"//new_line('a') &
+      //'&vertical ratio = 0.65 /'
    type(checks_t) :: checks
    integer :: i
 
@@ -17,6 +21,8 @@ program test_element
       call test_tangents(trim(formulations(i)), 'linear', '')
       if (i > 1) call test_tangents(trim(formulations(i)), 'truss', '')
       if (i > 1) call test_tangents(trim(formulations(i)), 'linear', '&link L = 6.0 /')
+      call test_tangents(trim(formulations(i)), 'linear', corners)
+      if (i > 1) call test_tangents(trim(formulations(i)), 'truss', '&link L = 6.0 /'//corners)
    end do
    call test_statics()
    call test_impact()
@@ -191,14 +197,17 @@ contains
       call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
       case%inerter = inerter_t(1.0_wp)
       call create_element(element, case, error)
-      call checks%has_error(error, err_input, '&inerter', 'inerters')
-      deallocate (case%inerter)
+      call checks%no_error(error, 'inerters')
+      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+      call create_element(element, case, error)
+      call checks%has_error(error, err_input, '&fuse', 'fuses')
+      deallocate (case%fuse)
       case%impact%rule = 'table'
       call create_element(element, case, error)
       call checks%has_error(error, err_input, "rule = 'table'", 'losses by a table')
-      allocate (case%vertical)
+      allocate (case%vertical_record)
       call create_element(element, case, error)
-      call checks%has_error(error, err_input, '&vertical', 'vertical motion')
+      call checks%has_error(error, err_input, '&vertical', 'vertical record')
       deallocate (case%wall)
       call create_element(element, case, error)
       call checks%has_error(error, err_input, '&wall', 'no wall')

@@ -36,6 +36,7 @@ program test_stepping
       query_events, query_forces, query_state, respond, restore_stepping, result_t, &
       save_stepping, simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, &
       wall_state_t, wp
+   use rwmf_case, only: damper_t, inerter_t
    use rwmf_kinds, only: pi
    use host_sine, only: sine_t
    use scenes, only: frame_scene, rwmf_scene
@@ -51,13 +52,15 @@ program test_stepping
    integer :: i
 
    do i = 1, size(methods)
-      call test_pieces(trim(methods(i)), i > 3)
+      call test_pieces(trim(methods(i)), i > 3, 0.0_wp)
+      call test_pieces(trim(methods(i)), i > 3, 0.65_wp)
       call test_rejected_step(trim(methods(i)))
    end do
    call test_own_motion()
    call test_ground_function()
    call test_bare_frame()
-   call test_forces()
+   call test_forces(has_corners=.false.)
+   call test_forces(has_corners=.true.)
    call test_bad_calls()
    call test_failure_takes_back()
    call test_interleaved()
@@ -94,10 +97,12 @@ contains
    end function record_scene
 
    !> One run, and the record handed over in pieces of one to six intervals.
-   subroutine test_pieces(method, is_exact)
+   subroutine test_pieces(method, is_exact, ratio)
       character(*), intent(in) :: method
       logical, intent(in) :: is_exact
       !! to the bit
+      real(wp), intent(in) :: ratio
+      !! of a vertical motion that follows the horizontal one
       type(case_t) :: case
       type(result_t) :: whole
       type(wall_state_t) :: state
@@ -105,6 +110,10 @@ contains
       integer(i8) :: impacts
 
       case = record_scene(method)
+      if (ratio > 0) then
+         allocate (case%vertical)
+         case%vertical%ratio = ratio
+      end if
       call simulate(case, whole, error)
       call checks%no_error(error, method//': one run')
       if (allocated(error)) return
@@ -257,7 +266,9 @@ contains
    end subroutine test_bare_frame
 
    !> The link's force is what the wall as an element answers to the same motion.
-   subroutine test_forces()
+   subroutine test_forces(has_corners)
+      logical, intent(in) :: has_corners
+      !! dampers and inerters there, and vertical motion
       type(case_t) :: case
       type(stepping_t) :: wall
       type(wall_element_t) :: element
@@ -269,6 +280,12 @@ contains
 
       case = record_scene('dop853')
       case%wall%m_w = 2.0e4_wp
+      if (has_corners) then
+         case%damper = damper_t(3.0_wp)
+         case%inerter = inerter_t(1.5_wp)
+         allocate (case%vertical)
+         case%vertical%ratio = 0.65_wp
+      end if
       call create_element(element, case, error)
       call create_stepping(wall, case, error)
       call advance_stepping(wall, case%record%t(:100), case%record%a(:100), error)

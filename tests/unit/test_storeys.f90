@@ -8,16 +8,19 @@ program test_storeys
    use rwmf_errors, only: err_input, error_t
    use rwmf_impact, only: restitution_momentum
    use rwmf_kinds, only: pi, wp
-   use rwmf_result, only: event_lift_off, event_rest, result_t
+   use rwmf_result, only: event_branch, event_lift_off, event_rest, result_t
    use rwmf_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, roof_factor, &
       shear_frame_t
    use rwmf_simulation, only: simulate
+   use rwmf_stepping, only: advance_stepping, create_stepping, destroy_stepping, stepping_t
+   use rwmf_stepping_query, only: query_forces, query_state, wall_forces_t, wall_state_t
    use rwmf_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text, only: real_to_text
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 
    character(9), parameter :: formulations(3) = [character(9) :: 'published', 'symmetric', 'exact']
+   character(15), parameter :: laws(2) = [character(15) :: 'elastic_plastic', 'bouc_wen']
    type(checks_t) :: checks
    integer :: i
 
@@ -29,6 +32,7 @@ program test_storeys
       call check_one_storey('every_floor', trim(formulations(i)))
    end do
    call check_every_floor()
+   call check_links_of_every_floor()
    call check_modal_superposition()
    call check_reduced_bare_frame()
    call check_stiff_storeys()
@@ -40,6 +44,20 @@ program test_storeys
    call check_roof_takes_the_impact()
    call check_stepping()
    call check_spectrum()
+   call check_strong_storeys()
+   do i = 1, size(formulations)
+      call check_one_yielding_storey('full', 'elastic_plastic', trim(formulations(i)))
+      call check_one_yielding_storey('full', 'bouc_wen', trim(formulations(i)))
+      call check_one_yielding_storey('every_floor', 'elastic_plastic', trim(formulations(i)))
+   end do
+   call check_storeys_of_a_line()
+   call check_pushed_storeys()
+   do i = 1, size(laws)
+      call check_yielding_mirror(trim(laws(i)))
+      call check_yielding_energy(trim(laws(i)), 'symmetric', 0.0_wp)
+      call check_yielding_energy(trim(laws(i)), 'exact', 0.9_wp)
+      call check_yielding_stepping(trim(laws(i)))
+   end do
    call check_refusals()
    call checks%finish()
 
@@ -166,6 +184,39 @@ contains
       call checks%close_to(modal_height(frame, 1)*roof_factor(frame, 1), 4.0_wp, &
          'the modal height moves as the mode''s oscillator', rtol=1.0e-14_wp)
    end subroutine check_every_floor
+
+   !> A host is told the sum of all links, and the shear of the lowest storey: with dampers that lie
+   !> in the storeys, both from the displacement of the line alone.
+   subroutine check_links_of_every_floor()
+      type(case_t) :: case
+      type(stepping_t) :: stepping
+      type(wall_state_t) :: state
+      type(wall_forces_t) :: forces
+      type(error_t), allocatable :: error
+      real(wp), parameter :: share(3) = [0.5_wp, 0.875_wp, 1.0_wp]
+      real(wp), parameter :: a = 3.0_wp
+      real(wp) :: shear
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
+      case%wall%m_w = 1000
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'every floor')
+      call create_stepping(stepping, case, error)
+      call advance_stepping(stepping, [0.0_wp, 0.2_wp], [a, a], error)
+      call checks%no_error(error, 'advance')
+      call query_state(stepping, state, error)
+      call query_forces(stepping, forces, error)
+      call checks%that(abs(state%theta) > 0 .and. .not. state%at_rest, 'the wall rocks')
+      shear = 600*share(1)*(state%u_s + case%frame%xi_s*case%frame%T_s/pi*state%u_s_dot)
+      call checks%close_to(forces%frame_shear, 1000*shear, 'shear of the lowest storey', &
+         rtol=1.0e-13_wp)
+      call checks%close_to(forces%link, 1000*(sum(case%storeys%frame%m*(share*state%u_s_ddot &
+         + a)) + shear), 'all links', rtol=1.0e-13_wp)
+      call destroy_stepping(stepping)
+   end subroutine check_links_of_every_floor
 
    !> Without wall the roof is the sum over the modes of what an oscillator of the mode's period
    !> does, times the mode's factor.
@@ -370,6 +421,170 @@ contains
          'stiffness follows the period', rtol=1.0e-8_wp)
    end subroutine check_spectrum
 
+   !> Storeys that yield, of all couplings that have them.
+   function yielding_case(n, coupling, formulation, u_y, hardening) result(case)
+      integer, intent(in) :: n
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: formulation
+      real(wp), intent(in) :: u_y(:)
+      real(wp), intent(in) :: hardening
+      type(case_t) :: case
+
+      case = uniform_case(n, 6.0_wp/n, 1.0_wp, coupling, formulation, 'dop853')
+      allocate (case%yielding)
+      case%yielding%storey_u_y = u_y
+      case%yielding%hardening = hardening
+   end function yielding_case
+
+   !> Storeys that are never asked for their strength are elastic ones, to the last bit.
+   subroutine check_strong_storeys()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: elastic
+      type(error_t), allocatable :: error
+
+      case = yielding_case(3, 'full', 'exact', [1.0e9_wp], 0.1_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'strong storeys')
+      deallocate (case%yielding)
+      call simulate(case, elastic, error)
+      call checks%that(all(abs(result%final_state - elastic%final_state) <= 0), 'strong storeys')
+      call checks%that(maxval(abs(result%storey_residual_drift)) <= 0, 'nothing is left of them')
+      call checks%that(.not. allocated(elastic%storey_ductility), 'elastic ones report nothing')
+   end subroutine check_strong_storeys
+
+   !> One storey is the ordinary frame that yields.
+   subroutine check_one_yielding_storey(coupling, law, formulation)
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: law
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: frame
+      type(error_t), allocatable :: error
+
+      case = yielding_case(1, coupling, formulation, [0.03_wp], 0.1_wp)
+      case%yielding%law = law
+      case%solver%rtol = 1.0e-11_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'one storey')
+      deallocate (case%storeys, case%yielding%storey_u_y)
+      case%yielding%u_y = 0.03_wp
+      call simulate(case, frame, error)
+      call checks%no_error(error, 'ordinary frame')
+      call checks%that(frame%ductility > 2, 'it yields, '//formulation)
+      call checks%close_to(result%ductility, frame%ductility, 'one storey, '//coupling &
+         //', '//law//', '//formulation, rtol=1.0e-9_wp)
+      call checks%close_to(result%residual_displacement, frame%residual_displacement, &
+         'its residual displacement, '//law//', '//formulation, rtol=1.0e-8_wp)
+      call checks%close_to(result%u_s_max, frame%u_s_max, 'its displacement', rtol=1.0e-9_wp)
+   end subroutine check_one_yielding_storey
+
+   !> On a straight line storeys of one strength over height are the frame with that of all of them.
+   subroutine check_storeys_of_a_line()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: frame
+      type(error_t), allocatable :: error
+
+      case = yielding_case(3, 'every_floor', 'symmetric', [0.01_wp], 0.05_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'storeys of a line')
+      deallocate (case%yielding%storey_u_y)
+      case%yielding%u_y = 0.03_wp
+      call simulate(case, frame, error)
+      call checks%close_to(result%u_s_max, frame%u_s_max, 'storeys of a line', rtol=1.0e-9_wp)
+      call checks%close_to(result%ductility, frame%ductility, 'their ductility', rtol=1.0e-9_wp)
+      call checks%close_to(result%residual_displacement, frame%residual_displacement, &
+         'what is left of them', rtol=1.0e-8_wp)
+   end subroutine check_storeys_of_a_line
+
+   !> A ground acceleration that changes slowly is a pushover: the shear of a storey is the mass
+   !> above times it. Each storey with hardening a follows V = k d up to V_y and V_y + a k (d - u_y)
+   !> after.
+   subroutine check_pushed_storeys()
+      real(wp), parameter :: m(2) = [2.0_wp, 1.0_wp]
+      real(wp), parameter :: k(2) = [3.0e5_wp, 2.0e5_wp]
+      real(wp), parameter :: u_y(2) = [2.0e-5_wp, 1.2e-5_wp]
+      real(wp), parameter :: a = 0.2_wp
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: shear(2), d(2)
+
+      call read_case_text('&frame xi_s = 0.05 / &storeys m_over_m_w = 2 1, k_over_m_w = 3e5 2e5, ' &
+         //'height = 3 3, coupling = ''full'' / &yielding storey_u_y = 2e-5 1.2e-5, hardening = ' &
+         //'0.2 / &motion kind = ''one_sine'', a_max_g = 0.4, omega_p = 0.2 / &solver t_end = 9, ' &
+         //'rtol = 1e-9 /', '', case, error)
+      call checks%no_error(error, 'pushover')
+      call simulate(case, result, error)
+      call checks%no_error(error, 'pushover')
+      shear = 0.4_wp*case%model%g*[m(1) + m(2), m(2)]
+      d = u_y + (shear/k - u_y)/a
+      call checks%that(all(shear/k > 1.2_wp*u_y), 'both storeys yield')
+      call checks%close_to(result%u_s_max, sum(d), 'pushover', rtol=1.0e-4_wp)
+      call checks%close_to(result%storey_ductility(1), d(1)/u_y(1), 'lower storey', rtol=1.0e-4_wp)
+      call checks%close_to(result%storey_ductility(2), d(2)/u_y(2), 'upper storey', rtol=1.0e-4_wp)
+   end subroutine check_pushed_storeys
+
+   !> The mirrored motion gives the mirrored response, yielding included.
+   subroutine check_yielding_mirror(law)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: mirrored
+      type(error_t), allocatable :: error
+
+      case = yielding_case(3, 'full', 'symmetric', [0.01_wp, 0.02_wp, 0.02_wp], 0.0_wp)
+      case%yielding%law = law
+      call simulate(case, result, error)
+      case%motion%a_max_g = -case%motion%a_max_g
+      call simulate(case, mirrored, error)
+      call checks%no_error(error, 'yielding mirror')
+      call checks%that(result%ductility > 2, 'the storeys yield')
+      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0) &
+         .and. all(abs(result%storey_residual_drift + mirrored%storey_residual_drift) <= 0), &
+         'yielding mirror')
+   end subroutine check_yielding_mirror
+
+   !> Input = stored + viscous + hysteretic + impact, with rests in between.
+   subroutine check_yielding_energy(law, formulation, e)
+      character(*), intent(in) :: law
+      character(*), intent(in) :: formulation
+      real(wp), intent(in) :: e
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = yielding_case(4, 'full', formulation, [0.01_wp, 0.015_wp, 0.02_wp, 0.01_wp], 0.02_wp)
+      case%yielding%law = law
+      case%impact%e = e
+      allocate (case%output)
+      case%output%energy = .true.
+      case%output%dt = 0.1_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'energy of yielding storeys')
+      associate (ledger => result%energy)
+         call checks%close_to(ledger%final + ledger%viscous + ledger%hysteretic + ledger%impact, &
+            ledger%initial + ledger%input, 'energy of yielding storeys', &
+            atol=1.0e-9_wp*ledger%input_max)
+         call checks%that(ledger%hysteretic > 0.05_wp*ledger%input_max, 'they dissipate')
+      end associate
+      if (law == 'bouc_wen') return
+      call checks%that(count(result%events%kind == event_branch) > 10, 'branches are events')
+   end subroutine check_yielding_energy
+
+   !> A host that rejects steps gets the storeys back as they were.
+   subroutine check_yielding_stepping(law)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      case = yielding_case(3, 'full', 'exact', [0.01_wp], 0.05_wp)
+      case%yielding%law = law
+      case%impact%e = 0.3_wp
+      call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'yielding storeys in repeated steps')
+   end subroutine check_yielding_stepping
+
    !> What does not fit together is refused.
    subroutine check_refusals()
       character(*), parameter :: wall = '&wall h = 3, b = 1 / &solver t_end = 1 /'
@@ -386,10 +601,18 @@ contains
       call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 /'//two &
          //', height = 3 3 /', 'gamma = 2 (line 1): must not be given with &storeys')
       call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
-         //', height = 3 3, coupling = ''full'' /', '&yielding (line 1): must not be given')
-      call refuse(wall//'&frame xi_s = 0 / &output reactions = .true. /'//two &
-         //', height = 3 3, coupling = ''every_floor'' /', 'reactions = .true. (line 1): must be ' &
-         //'.false. with &storeys')
+         //', height = 3 3, coupling = ''full'' /', 'u_y = 0.01 (line 1): must not be given where')
+      call refuse(wall//'&frame xi_s = 0 / &yielding /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'the key storey_u_y is missing')
+      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 0.02 0.03 /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'storey_u_y = 0.01, 0.02, 0.03 (line 1): has ' &
+         //'3 values, must have one for all storeys or one for each of the 2')
+      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 /'//two &
+         //', height = 3 3 /', 'storey_u_y = 0.01 (line 1): must not be given without &storeys')
+      call refuse(wall//'&frame xi_s = 0, T_s = 1, gamma = 2 / &yielding storey_u_y = 0.01 /', &
+         'storey_u_y = 0.01 (line 1): must not be given without &storeys')
+      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01, u_y = 0.1 /'//two &
+         //', height = 3 3, coupling = ''every_floor'' /', 'u_y = 0.1 (line 1): must not be given')
       call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
          //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
       call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &

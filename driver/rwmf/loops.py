@@ -1,0 +1,196 @@
+"""Force over displacement of the springs in a case: frame, cable, fuses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf import plot
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind"]
+
+Array = npt.NDArray[np.float64]
+
+_FUSES = {"left": 1.0, "right": -1.0}
+_DISPLACEMENTS = {
+    "frame": "$u_s$ (mm)",
+    "cable": "elongation (mm)",
+    "fuse": "uplift of its corner (mm)",
+}
+_COLOURS = ("C0", "C1")
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Force of one spring over its displacement.
+
+    Attributes
+    ----------
+    spring : str
+        Which one: 'frame', 'cable', 'left fuse' or 'right fuse'.
+    displacement : ndarray
+        Displacement of the frame, elongation of the cable, uplift of the fuse's corner [m].
+    force : ndarray
+        Over the weight of the frame's mass or of the wall [-].
+    label : str
+        What the force is over.
+    """
+
+    spring: str
+    displacement: Array
+    force: Array
+    label: str
+
+    @property
+    def work(self) -> float:
+        """Work that the spring has taken, over the same weight [m]: what it stores is in it."""
+        known = np.isfinite(self.force)
+        return float(np.trapezoid(self.force[known], self.displacement[known]))
+
+
+def find_loops(dataset: xr.Dataset, case: Case) -> list[Loop]:
+    """Find the springs whose force the history holds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history.
+    case : Case
+        The case that was simulated: shape of the wall, law of the cable.
+
+    Returns
+    -------
+    list of Loop
+        Those of a frame that yields, of the cable, of both fuses.
+
+    Raises
+    ------
+    InputError
+        When there is no history, or when no spring has a force in it.
+    """
+    if "time" not in dataset.coords:
+        raise InputError("no history: loops need an interval, simulate(case, dt=0.01)")
+    loops = []
+    if "frame_force_over_m_s_g" in dataset:
+        force = dataset["frame_force_over_m_s_g"].values
+        loops.append(Loop("frame", dataset["u_s"].values, force, r"$F_s/(m_s g)$"))
+    if "cable_force_over_m_w_g" in dataset:
+        force = dataset["cable_force_over_m_w_g"].values
+        loops.append(Loop("cable", _elongation(dataset, case), force, r"$P/(m_w g)$"))
+    for corner, side in _FUSES.items():
+        name = f"fuse_{corner}_force_over_m_w_g"
+        if name in dataset:
+            force = dataset[name].values
+            loops.append(
+                Loop(f"{corner} fuse", _uplift(dataset, case, side), force, r"$F/(m_w g)$")
+            )
+    if not loops:
+        check_springs(case)
+    return loops
+
+
+def check_springs(case: Case) -> None:
+    """Complain about a case without a spring that could draw a loop.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Raises
+    ------
+    InputError
+        When it has none of the groups that have one.
+    """
+    if not {"yielding", "cable", "fuse"} & case.groups.keys():
+        raise InputError(
+            f"{case.source or 'the case'}: loops need a spring: &yielding, &cable or &fuse"
+        )
+
+
+def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
+    """Put both fuses together.
+
+    Parameters
+    ----------
+    loops : iterable of Loop
+        From `find_loops`.
+
+    Returns
+    -------
+    dict
+        Loops by kind: 'frame', 'cable', 'fuse'.
+    """
+    kinds: dict[str, list[Loop]] = {}
+    for loop in loops:
+        kinds.setdefault(loop.spring.split()[-1], []).append(loop)
+    return kinds
+
+
+def _uplift(dataset: xr.Dataset, case: Case, side: float) -> Array:
+    """Stroke 4b sin(theta/2) of the corner that lifts when theta has this sign [m]."""
+    return 4 * float(case.wall.b) * np.sin(np.maximum(0.0, side * dataset["theta"].values) / 2)
+
+
+def _elongation(dataset: xr.Dataset, case: Case) -> Array:
+    """Elongation since theta = 0: b |theta| for Eq. (1), else that of the straight cable [m]."""
+    h, b = float(case.wall.h), float(case.wall.b)
+    theta = dataset["theta"].values
+    phi = theta if case.model.formulation == "published" else np.abs(theta)
+    if case.cable.law != "truss":
+        return b * phi
+    half = np.sin(phi / 2)
+    rise = 4 * b * (b * half**2 + h * np.sin(phi))
+    return rise / (np.sqrt(4 * h**2 + rise) + 2 * h)
+
+
+def draw(
+    dataset: xr.Dataset, case: Case, axes: Axes | Sequence[Axes] | None = None
+) -> npt.NDArray[np.object_]:
+    """Draw the loops, a panel for each kind of spring.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history that is fine enough to show corners.
+    case : Case
+        The case that was simulated.
+    axes : matplotlib axes or sequence of axes, optional
+        One for each kind of spring (frame, cable, fuses); otherwise a new figure.
+
+    Returns
+    -------
+    numpy.ndarray
+        The axes.
+
+    Raises
+    ------
+    InputError
+        As `find_loops`.
+    ValueError
+        When axes and kinds of springs differ in number.
+    """
+    kinds = group_by_kind(find_loops(dataset, case))
+    panels = plot.make_panels(axes, len(kinds), across=True)
+    for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
+        for colour, loop in zip(_COLOURS, found, strict=False):
+            label = loop.spring if len(found) > 1 else None
+            ax.plot(1e3 * loop.displacement, loop.force, color=colour, linewidth=0.9, label=label)
+        ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
+        ax.set_xlabel(_DISPLACEMENTS[kind])
+        ax.set_ylabel(found[0].label)
+        ax.set_title(kind if len(found) == 1 else f"{kind}s")
+        if len(found) > 1:
+            # above the axes: it cannot hide data there
+            ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2, borderpad=0)
+    return panels
