@@ -613,6 +613,10 @@ contains
          'storey_u_y = 0.01 (line 1): must not be given without &storeys')
       call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01, u_y = 0.1 /'//two &
          //', height = 3 3, coupling = ''every_floor'' /', 'u_y = 0.1 (line 1): must not be given')
+      call refuse(wall//'&frame xi_s = 0 / &initial theta_over_alpha = 0.1 / &yielding ' &
+         //'storey_u_y = 0.01, law = ''bouc_wen'' /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'must be 0 with &yielding law = ' &
+         //'''bouc_wen'' and &storeys coupling = ''full''')
       call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
          //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
       call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
