@@ -1,4 +1,4 @@
-!> In which order the ordinates of a fast spectrum are begun, and which bare frames advance together.
+!> In which order the ordinates of a fast spectrum are begun; which bare frames advance together.
 module rwmf_fast_order
    use rwmf_fast_lanes, only: lanes
    use rwmf_kinds, only: wp

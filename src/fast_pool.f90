@@ -1,10 +1,10 @@
 !> A pool of ordinates, each at its own time, on one thread.
 !>
-!> Eight form a team, which steps together. An ordinate in whose step something may happen leaves its
-!> team and waits until there are enough of its kind to fill a row; the others go on without it.
+!> Sixteen form a team, which steps together. An ordinate in whose step something may happen leaves
+!> its team and waits until there are enough of its kind to fill a row; the others go on without it.
 !> Whoever rests goes straight to the step in which it lifts off, and who is at the end gives its
-!> place to the next one. So rows and teams are full whatever the periods, mass ratios and steps. No
-!> operation mixes two ordinates: the company changes no bit of a result.
+!> place to the next one. So rows and teams are full whatever the periods, mass ratios and steps are.
+!> No operation mixes two ordinates: the company changes no bit of a result.
 module rwmf_fast_pool
    use rwmf_control, only: count_done, is_cancelled
    use rwmf_fast_flight, only: depart_row, fall_asleep, follow_row
@@ -165,7 +165,8 @@ contains
       omega_s = 2*pi/task(number)%T_s
       associate (team => pool%team(team_of(slot)), law => scope%law(task(number)%law))
          pool%ordinate(slot) = ordinate_t(number, task(number)%law, task(number)%grid, &
-            scope%offset(task(number)%grid), 2*scope%xi_s*omega_s, omega_s**2, scope%rtol, 1, 0.0_wp, 0.0_wp, 0, .false., 1, &
+            scope%offset(task(number)%grid), 2*scope%xi_s*omega_s, omega_s**2, &
+            scope%rtol, 1, 0.0_wp, 0.0_wp, 0, .false., 1, &
             0.0_wp, 1.0_wp, 0.0_wp)
          team%rate%m2(i) = law%m2
          team%rate%m3(i) = law%m3

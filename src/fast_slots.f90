@@ -16,7 +16,7 @@ module rwmf_fast_slots
 
    !> Work space of a thread. A slot is a lane of a team.
    type :: pool_t
-      type(team_t), pointer :: team(:)
+      type(team_t), pointer :: team(:) => null()
       !! in `store`
       integer, allocatable :: present(:)
       !! (teams) how many step with it
@@ -24,7 +24,7 @@ module rwmf_fast_slots
       !! (teams) the next step of one of them may be another one than the last
       type(ordinate_t), allocatable :: ordinate(:)
       !! (slots)
-      type(flights_t), pointer :: flights
+      type(flights_t), pointer :: flights => null()
       !! in `store`
       type(queue_t) :: events
       !! something may happen in their step

@@ -189,10 +189,10 @@ contains
                + to_first*rate%weight(i, 30)))
             next%doubt(i) = third*(rate%weight(i, 36) + (half*rate%weight(i, 35) &
                + to_first*rate%weight(i, 34)))
-            ! Of degree four is above all what the change of the ground acceleration in the step makes
-            ! of Q v'**2 and v D2 f; the cubic misses its part along x**2 (x - 1/2)(x - 1).
-            fourth = (rate%h(i)*ground%f(i, 1))**2*rate%m2(i)*(rate%coef(i, 0, 1)*rate%m2(i)*0.25_wp &
-               + rate%coef(i, 0, 3)*(1/6.0_wp))
+            ! Of degree four is above all what the change of the ground acceleration in the step
+            ! makes of Q v'**2 and v D2 f; the cubic misses its part along x**2 (x - 1/2)(x - 1).
+            fourth = (rate%h(i)*ground%f(i, 1))**2*rate%m2(i)*(rate%coef(i, 0, 1)*rate%m2(i) &
+               *0.25_wp + rate%coef(i, 0, 3)*(1/6.0_wp))
             next%w(i) = next%w(i) + (next%doubt(i) - rate%h(i)*fourth*(1/120.0_wp))
             next%s(i) = rate%per_h(i)*(slope(i) + (2*(second(i) + third) + half*fourth))
          end do
@@ -274,7 +274,8 @@ contains
                min(from_0, from_1) + room - team%v_max(i)) > 0))
             event(i) = max(event(i), merge(1.0_wp, 0.0_wp, max(now%w(i), -next%w(i), &
                max(from_0, from_1) - room) < 0))
-            ! v' may change its sign twice: its mean is then less than a third of the sum of its ends.
+            ! v' may change its sign twice: its mean is then less than a third of the sum of its
+            ! ends.
             both = now%w(i) + next%w(i)
             room = margin*h(i)*abs(both)
             event(i) = max(event(i), merge(1.0_wp, 0.0_wp, min(now%w(i)*next%w(i), &
