@@ -3,8 +3,8 @@
 !> Sixteen form a team, which steps together. An ordinate in whose step something may happen leaves
 !> its team and waits until there are enough of its kind to fill a row; the others go on without it.
 !> Whoever rests goes straight to the step in which it lifts off, and who is at the end gives its
-!> place to the next one. So rows and teams are full whatever the periods, mass ratios and steps are.
-!> No operation mixes two ordinates: the company changes no bit of a result.
+!> place to the next one. So rows and teams are full whatever periods, mass ratios and steps are. No
+!> operation mixes two ordinates: the company changes no bit of a result.
 module rwmf_fast_pool
    use rwmf_control, only: count_done, is_cancelled
    use rwmf_fast_flight, only: depart_row, fall_asleep, follow_row
