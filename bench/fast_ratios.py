@@ -1,4 +1,4 @@
-"""Method `fast` on a machine that is busy with other work: processor time, and errors of figures.
+"""Method `fast`: processor time, what a second thread gains, and errors of the figures.
 
     .venv/bin/python bench/fast_ratios.py
 
@@ -66,6 +66,28 @@ def _print_costs() -> None:
             )
 
 
+def _seconds(case: rwmf.Case, T_s: Array | None, threads: int) -> float:
+    """Smallest wall-clock time of the kernel for a spectrum [s]."""
+    found = [rwmf.spectrum(case, T_s=T_s, threads=threads) for _ in range(5)]
+    return min(float(one.attrs["seconds"]) for one in found)
+
+
+def _print_scaling() -> None:
+    """Print what a second thread gains; the machine has to be idle."""
+    print("\n| spectrum | 1 thread, s | 2 threads, s | ratio |")
+    print("|---|---|---|---|")
+    problem = case(read_record(RECORD), "fast", 1e-7)
+    jobs: list[tuple[str, rwmf.Case, Array | None]] = [
+        (f"gamma = 5, {n} periods", problem, np.linspace(0.05, 3.0, n)) for n in (200, 1000, 10000)
+    ]
+    for name in FIGURES[2:]:
+        figure = rwmf.Case.from_namelist(INPUTS / f"{name}.nml")
+        jobs.append((name, figure.replace(solver={"method": "fast", "rtol": 1e-7}), None))
+    for name, job, T_s in jobs:
+        one, two = _seconds(job, T_s, 1), _seconds(job, T_s, 2)
+        print(f"| {name} | {one:.4f} | {two:.4f} | {one / two:.2f} |")
+
+
 def _print_errors() -> None:
     """Print the largest errors of the shipped figures."""
     print("\n| figure | formulation | rtol | largest error | above rtol | general kernel |")
@@ -87,4 +109,5 @@ def _print_errors() -> None:
 
 if __name__ == "__main__":
     _print_costs()
+    _print_scaling()
     _print_errors()
