@@ -42,7 +42,7 @@ configure_sundials() {
 install_sundials() {
    sundials_is_ready && return 0
    local work
-   work="$(mktemp -d "$cache/sundials-build.XXXXXX")"
+   work="$(mktemp --directory --tmpdir="$cache")"
    fetch_sundials "$work"
    say "building SUNDIALS $sundials_version (CVODE, ARKODE) once, into .cache"
    configure_sundials "$work"
