@@ -17,6 +17,8 @@ module rwmf_fast_grid
 
    integer, parameter :: most_steps = 1000000
    !! of a grid: 64 MB
+   real(wp), parameter :: round_off = 1.0e-11_wp
+   !! of differences of accelerations over the largest one, with much to spare [-]
 
    !> Steps from 0 to the end of the simulation.
    type :: fast_grid_t
@@ -46,7 +48,7 @@ contains
       if (number > min(most_steps, case%solver%max_steps)) return
       allocate (grid%step(number), grid%t(number))
       call walk(motion, t_end, h_max, grid, number)
-      call find_kinks(grid)
+      call find_kinks(round_off*peak_acceleration(motion), grid)
       call count_alike(grid)
       do number = size(grid%step), 1, -1
          if (any(abs(grid%step(number)%f) > 0)) exit
@@ -122,7 +124,7 @@ contains
             acceleration(motion, interval, t + c_3*h), acceleration(motion, interval, t + h)]
          step%f = [f(0), f(3) - f(0), 0.0_wp, 0.0_wp]
          second = ((f(2) - f(0))/c_3 - (f(1) - f(0))/c_2)/(c_3 - c_2)
-         if (abs(second) > 1.0e-11_wp*peak_acceleration(motion)) then
+         if (abs(second) > round_off*peak_acceleration(motion)) then
             third = ((f(3) - f(0) - (f(1) - f(0))/c_2)/(1 - c_2) - second)/(1 - c_3)
             step%f(1:) = [(f(1) - f(0))/c_2, second, third]
          end if
@@ -130,7 +132,9 @@ contains
    end subroutine store
 
    !> Discontinuities of the acceleration and of its rate between the steps.
-   pure subroutine find_kinks(grid)
+   pure subroutine find_kinks(negligible, grid)
+      real(wp), intent(in) :: negligible
+      !! jumps of the acceleration that are none [m/s2]
       type(fast_grid_t), intent(inout) :: grid
       real(wp) :: f
       real(wp) :: rate
@@ -141,6 +145,7 @@ contains
       do i = 1, size(grid%step)
          associate (step => grid%step(i))
             step%jump = step%f(0) - f
+            if (abs(step%jump) <= negligible) step%jump = 0
             step%kink = (step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3))/step%h - rate
             f = ground_end(step)
             rate = (step%f(1) + (2 - c_2)*step%f(2) &

@@ -5,7 +5,8 @@ module rwmf_fast_lanes
    private
 
    public :: wp, lanes, seats, width, degree, short_degree, curves, terms, c_2, c_3, weights
-   public :: team_t, lane_rate_t, lane_ground_t, step_t, fast_law_t, flights_t
+   public :: team_t, lane_rate_t, lane_ground_t, step_t, fast_law_t, flights_t, &
+      scheme_t
 
 #ifdef RWMF_QUAD
    integer, parameter :: wp = real128
@@ -73,6 +74,18 @@ module rwmf_fast_lanes
       real(wp) :: jump(seats)
       real(wp) :: kink(seats)
    end type lane_ground_t
+
+   !> What the steps of all lanes of a team have in common.
+   type :: scheme_t
+      integer :: stages
+      !! evaluations of N: 1, 2 or 3
+      logical :: is_short
+      !! the polynomials have `short_degree`
+      logical :: is_straight
+      !! the ground acceleration is linear in every step
+      logical :: has_jumps
+      !! the ground acceleration jumps later than at the beginning
+   end type scheme_t
 
    !> Constants of the lanes; those of the side change at impacts.
    type :: lane_rate_t

@@ -121,7 +121,7 @@ contains
       do while (pool%finished%n > 0)
          call pull(pool%finished, slot, n)
          associate (one => pool%ordinate(slot(1)))
-            result(one%task) = result_of(scope%stages, one, lane_of(slot(1)), &
+            result(one%task) = result_of(scope%scheme%stages, one, lane_of(slot(1)), &
                pool%team(team_of(slot(1))))
             call count_done(scope%control)
             one%task = 0
@@ -199,8 +199,8 @@ contains
          if (pool%is_called(k)) call line_up(scope, k, pool)
          if (pool%present(k) == 0) return
          stands = .false.
-         call advance(scope%instructions, scope%ground, scope%stages, scope%is_short, &
-            scope%is_straight, team, has_event, pool%is_called(k))
+         call advance(scope%instructions, scope%ground, scope%scheme, team, has_event, &
+            pool%is_called(k))
          if (.not. has_event) return
          do i = 1, seats
             if (.not. team%event(i) > 0) cycle
@@ -222,7 +222,7 @@ contains
       real(wp) :: middle
       integer :: i
 
-      middle = merge(0.5_wp, c_3, scope%stages == 2)
+      middle = merge(0.5_wp, c_3, scope%scheme%stages == 2)
       associate (team => pool%team(k))
          do i = 1, seats
             if (.not. team%ready(i) > 0 .or. team%at(i) < team%stop(i)) cycle

@@ -2,7 +2,7 @@
 module rwmf_fast_scope
    use rwmf_control, only: control_t
    use rwmf_fast_grid, only: fast_grid_t, loud_steps
-   use rwmf_fast_lanes, only: fast_law_t, step_t
+   use rwmf_fast_lanes, only: fast_law_t, scheme_t, step_t
    use rwmf_kinds, only: wp
    implicit none
    private
@@ -29,14 +29,7 @@ module rwmf_fast_scope
       type(control_t) :: control
       integer :: instructions
       !! from `best_level`
-      integer :: stages
-      !! evaluations of N in a step
-      logical :: is_short
-      !! all polynomials have `short_degree`
-      logical :: is_straight
-      !! the ground acceleration is linear in every step
-      logical :: has_jumps
-      !! the ground acceleration jumps later than at the beginning
+      type(scheme_t) :: scheme
       real(wp) :: xi_s
       !! [-]
       real(wp) :: rtol
@@ -71,14 +64,14 @@ contains
             if (allocated(grid%step)) scope%ground(first:first + size(grid%step) - 1) = grid%step
          end associate
       end do
-      scope%is_straight = .true.
+      scope%scheme%is_straight = .true.
       do i = 1, total
-         if (any(abs(scope%ground(i)%f(2:)) > 0)) scope%is_straight = .false.
+         if (any(abs(scope%ground(i)%f(2:)) > 0)) scope%scheme%is_straight = .false.
       end do
-      scope%has_jumps = .false.
+      scope%scheme%has_jumps = .false.
       do i = 1, size(scope%grid)
          if (.not. allocated(scope%grid(i)%step)) cycle
-         if (any(abs(scope%grid(i)%step(2:)%jump) > 0)) scope%has_jumps = .true.
+         if (any(abs(scope%grid(i)%step(2:)%jump) > 0)) scope%scheme%has_jumps = .true.
       end do
    end subroutine join_grids
 

@@ -105,6 +105,7 @@ contains
       team%rate%coef = 0
       team%rate%weight = 0
       team%ground%f = 0
+      team%ground%jump = 0
       team%at = 1
       team%stop = huge(1)
    end subroutine clear

@@ -233,11 +233,11 @@ contains
 
       scope%control = inquiry%control
       scope%instructions = best_level()
-      scope%stages = trial(1)%stages
+      scope%scheme%stages = trial(1)%stages
       scope%xi_s = inquiry%case%frame%xi_s
       scope%rtol = inquiry%case%solver%rtol
       call build_laws(inquiry, trial, scope%law, law_of)
-      scope%is_short = all(scope%law%is_short)
+      scope%scheme%is_short = all(scope%law%is_short)
       allocate (scope%grid(halvings + 2))
       do i = 0, halvings + 1
          if (.not. any(trial%level == i)) cycle
@@ -255,7 +255,7 @@ contains
          i=1, size(trial))]
       call join_grids(scope)
       ! After a jump of the acceleration the slope of N would swing about its value for long.
-      if (scope%has_jumps) scope%stages = max(2, scope%stages)
+      if (scope%scheme%has_jumps) scope%scheme%stages = max(2, scope%scheme%stages)
       call list_loud_steps(task, scope)
    end subroutine prepare
 

@@ -13,8 +13,8 @@
 #endif
 module FAST_STEP
    use FAST_NODE, only: pass_jump, propagate, remainder
-   use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, lanes, seats, step_t, &
-      team_t, wp
+   use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, lanes, scheme_t, seats, &
+      step_t, team_t, wp
    implicit none
    private
 
@@ -23,35 +23,30 @@ module FAST_STEP
 contains
 
    !> One step of a team. The lanes in which something may happen are left as they were.
-   pure subroutine advance_team(ground, stages, is_short, is_straight, team, &
-      has_event, is_called)
+   pure subroutine advance_team(ground, scheme, team, has_event, is_called)
       type(step_t), contiguous, intent(in) :: ground(:)
       !! (steps)
-      integer, intent(in) :: stages
-      !! evaluations of N: 1, 2 or 3
-      logical, intent(in) :: is_short
-      !! its polynomials have `short_degree`
-      logical, intent(in) :: is_straight
-      !! the ground acceleration is linear in every step
+      type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
       logical, intent(out) :: has_event
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
       real(wp) :: slope(seats)
 
-      call load_ground(ground, is_straight, team%at, team%ground)
+      call load_ground(ground, scheme, team%at, team%ground)
       call begin_step(team%rate, team%ground, team%now%n, team%now%s, team%now%drive, &
          team%difference, slope)
-      if (jumps(team%ground%jump)) then
-         call pass_jump(team%rate, team%ground, team%now%v, team%now%w, team%now%drive, slope)
+      if (scheme%has_jumps) then
+         if (jumps(team%ground%jump)) call pass_jump(team%rate, team%ground, team%now%v, &
+            team%now%w, team%now%drive, slope)
       end if
-      select case (stages)
+      select case (scheme%stages)
       case (1)
-         call take_one(is_short, is_straight, team, slope)
+         call take_one(scheme%is_short, scheme%is_straight, team, slope)
       case (2)
-         call take_two(is_short, is_straight, team, slope)
+         call take_two(scheme%is_short, scheme%is_straight, team, slope)
       case default
-         call take_three(is_short, is_straight, team, slope)
+         call take_three(scheme%is_short, scheme%is_straight, team, slope)
       end select
       call mark_events(team, has_event)
       call accept(team)
@@ -59,23 +54,27 @@ contains
    end subroutine advance_team
 
    !> The ground motion in the step of each lane.
-   pure subroutine load_ground(ground, is_straight, at, loaded)
+   pure subroutine load_ground(ground, scheme, at, loaded)
       type(step_t), contiguous, intent(in) :: ground(:)
-      logical, intent(in) :: is_straight
+      type(scheme_t), intent(in) :: scheme
       integer, intent(in) :: at(seats)
       type(lane_ground_t), intent(inout) :: loaded
-      !! in: without curvature
+      !! in: without curvature and jumps
       integer :: i
 
       do i = 1, seats
          associate (step => ground(at(i)))
             loaded%f(i, 0) = step%f(0)
             loaded%f(i, 1) = step%f(1)
-            loaded%jump(i) = step%jump
             loaded%kink(i) = step%kink
          end associate
       end do
-      if (is_straight) return
+      if (scheme%has_jumps) then
+         do i = 1, seats
+            loaded%jump(i) = ground(at(i))%jump
+         end do
+      end if
+      if (scheme%is_straight) return
       do i = 1, seats
          loaded%f(i, 2) = ground(at(i))%f(2)
          loaded%f(i, 3) = ground(at(i))%f(3)

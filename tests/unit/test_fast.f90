@@ -237,8 +237,8 @@ contains
       case = shaken_scene('exact')
       scope%xi_s = case%frame%xi_s
       scope%rtol = case%solver%rtol
-      scope%stages = 3
-      scope%is_short = .false.
+      scope%scheme%stages = 3
+      scope%scheme%is_short = .false.
       allocate (scope%grid(1), scope%law(1))
       call build_grid(case, motion_from_case(case), case%solver%t_end, 0.005_wp, scope%grid(1))
       call build_law(case, 0.2_wp, 0.0_wp, scope%law(1))
