@@ -14,6 +14,8 @@ module rwmf_fast_rest
    !! the drive exceeds the threshold by more than round-off
    real(wp), parameter :: negligible = 0.01_wp
    !! part of the tolerance below which a velocity may be dropped
+   real(wp), parameter :: room = 3
+   !! span looked at over the time that a steady pressure would need
 
 contains
 
@@ -79,8 +81,6 @@ contains
       !! rate of v after the impact [1/s]
       type(ordinate_t), intent(in) :: ordinate
       real(wp), parameter :: round_off = 64*epsilon(1.0_wp)
-      real(wp), parameter :: room = 3
-      !! span looked at over the time that a steady pressure would need
       real(wp) :: press
       !! deceleration of v [1/s2]
       real(wp) :: chatter
@@ -139,8 +139,11 @@ contains
       !! F of `comes_to_rest` [-]
       real(wp) :: t_end
       real(wp) :: least, f, f_last, variation
+      real(wp) :: enough
+      !! with less, and however steady, the chatter takes longer than the span
       integer :: i
 
+      enough = press/(room*law%m2)
       t_end = grid%t(number) + x*grid%step(number)%h + span
       f_last = ground_at(grid%step(number), x)
       least = law%threshold - abs(f_last)
@@ -156,12 +159,12 @@ contains
             variation = variation + abs(f - f_last)
             f_last = f
             least = min(least, law%threshold - abs(f))
-            if (least <= 0 .or. variation > 4*least .or. grid%t(i) + step%h >= t_end) exit
+            if (least <= enough .or. variation > 4*least .or. grid%t(i) + step%h >= t_end) exit
          end associate
       end do
       press = 0
       growth = 1
-      if (least <= 0 .or. variation > 4*least) return
+      if (least <= enough .or. variation > 4*least) return
       press = law%m2*least
       growth = exp(variation/(2*least))
    end subroutine press_over

@@ -27,8 +27,9 @@ module rwmf_fast_spectrum
    !! that are worked on at a time: each needs a number for every step
    real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
    !! of |u_s|/(2R) [-]
-   real(wp), parameter :: enough_for_one = 150
-   !! mass ratio from which on one evaluation of N in a step does [-]: its share is 1/gamma
+   real(wp), parameter :: enough_for_one = 220
+   !! mass ratio from which on one evaluation of N in a step does at rtol = 1e-7, where the step is
+   !! longest [-]: the share of N is 1/gamma
    real(wp), parameter :: enough_for_two(2) = [5.0_wp, 25.0_wp]
    !! two evaluations; the second where the levers are the published ones, which makes N larger [-]
    integer, parameter :: most_stages = 3
@@ -142,7 +143,7 @@ contains
       !! [-]
       real(wp) :: enough(2)
 
-      enough = [enough_for_one, merge(enough_for_two(2), enough_for_two(1), &
+      enough = [enough_for_one*sqrt(max(1.0_wp, 1.0e-7_wp/case%solver%rtol)), merge(enough_for_two(2), enough_for_two(1), &
          case%model%formulation == 'published')]
       stages_for = most_stages - count(gamma >= enough)
    end function stages_for

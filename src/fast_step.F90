@@ -87,9 +87,9 @@ contains
       integer :: i
 
       total = 0
-      !$omp simd reduction(+: total)
+      !$omp simd reduction(max: total)
       do i = 1, seats
-         total = total + abs(jump(i))
+         total = max(total, abs(jump(i)))
       end do
       jumps = total > 0
    end function jumps
@@ -263,7 +263,7 @@ contains
 
       total = 0
       associate (now => team%now, next => team%next, event => team%event, h => team%rate%h)
-         !$omp simd private(room, from_0, from_1, both) reduction(+: total)
+         !$omp simd private(room, from_0, from_1, both) reduction(max: total)
          do i = 1, seats
             room = margin*h(i)*abs(now%w(i) - next%w(i))
             from_0 = now%v(i) + h(i)*now%w(i)
@@ -282,7 +282,7 @@ contains
                room + max(max(now%v(i), next%v(i)) - team%v_max(i), &
                -min(now%v(i), next%v(i))))) > 0))
             event(i) = event(i)*team%ready(i)
-            total = total + event(i)
+            total = max(total, event(i))
          end do
       end associate
       has_event = total > 0
