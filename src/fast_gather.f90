@@ -1,6 +1,7 @@
 !> Fewer teams when ordinates become few: those that are left move together.
 module rwmf_fast_gather
    use rwmf_fast_lanes, only: seats, team_t
+   use rwmf_fast_scope, only: kinds
    use rwmf_fast_slots, only: lane_of, pool_t, team_of
    implicit none
    private
@@ -9,28 +10,43 @@ module rwmf_fast_gather
 
 contains
 
-   !> Move whoever is ready from the emptiest team to free places of others, if there are enough.
+   !> Move whoever is ready from the emptiest team of a kind to free places of others, if there are
+   !> enough.
    pure subroutine gather_up(pool)
       type(pool_t), intent(inout) :: pool
       integer :: members(size(pool%team))
-      integer :: from, k, i, free
+      integer :: k, kind
 
       do k = 1, size(pool%team)
          members(k) = count(pool%ordinate((k - 1)*seats + 1:k*seats)%task /= 0)
       end do
-      if (count(members > 0) <= (sum(members) + seats - 1)/seats) return
-      from = minloc(members, dim=1, mask=members > 0)
+      do kind = 1, kinds
+         associate (is_alike => members > 0 .and. pool%kind == kind)
+            if (count(is_alike) <= (sum(members, is_alike) + seats - 1)/seats) cycle
+            call dissolve(minloc(members, dim=1, mask=is_alike), is_alike, pool)
+         end associate
+      end do
+   end subroutine gather_up
+
+   !> Move the members of a team.
+   pure subroutine dissolve(from, is_alike, pool)
+      integer, intent(in) :: from
+      logical, intent(in) :: is_alike(:)
+      !! (teams) has members, and steps of the same kind
+      type(pool_t), intent(inout) :: pool
+      integer :: i, free
+
       free = 1
       do i = (from - 1)*seats + 1, from*seats
          if (.not. pool%team(from)%ready(lane_of(i)) > 0) cycle
-         do while (pool%ordinate(free)%task /= 0 .or. members(team_of(free)) == 0 &
+         do while (pool%ordinate(free)%task /= 0 .or. .not. is_alike(team_of(free)) &
             .or. team_of(free) == from)
             free = free + 1
             if (free > size(pool%ordinate)) return
          end do
          call move(i, free, pool)
       end do
-   end subroutine gather_up
+   end subroutine dissolve
 
    !> An ordinate that is ready changes its place.
    pure subroutine move(from, to, pool)

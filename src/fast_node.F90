@@ -15,15 +15,15 @@ module FAST_NODE
 contains
 
    !> State at a node under the ground motion and N as far as it is known.
-   pure subroutine propagate(modes, rate, ground, d, first, v_0, w_0, v, w)
+   pure subroutine propagate(modes, rate, ground, d, a, v_0, w_0, v, w)
       integer, intent(in) :: modes
       !! how many of the four modes of the forcing are not zero; two at least
       type(lane_rate_t), intent(in) :: rate
       type(lane_ground_t), intent(in) :: ground
       real(wp), intent(in) :: d(seats, 0:3)
       !! divided differences of N [1/s2]
-      integer, intent(in) :: first
-      !! weights before those of the node: 0 for c2, 12 for c3 or 1/2, 24 for 1
+      real(wp), intent(in) :: a(seats, 12)
+      !! weights of the node
       real(wp), intent(in) :: v_0(seats)
       real(wp), intent(in) :: w_0(seats)
       real(wp), intent(out) :: v(seats)
@@ -31,7 +31,7 @@ contains
       real(wp) :: g_0, g_1, g_2, g_3, pull
       integer :: i
 
-      associate (f => ground%f, a => rate%weight(:, first + 1:first + 12))
+      associate (f => ground%f)
          select case (modes)
          case (2)
             !$omp simd private(g_0, g_1, pull)

@@ -7,24 +7,28 @@
 !> operation mixes two ordinates: the company changes no bit of a result.
 module rwmf_fast_pool
    use rwmf_control, only: count_done, is_cancelled
+   use rwmf_fast_deck, only: deal, deck_t, draw
    use rwmf_fast_flight, only: depart_row, fall_asleep, follow_row
    use rwmf_fast_gather, only: gather_up
    use rwmf_fast_lanes, only: c_3, fast_law_t, seats, step_t, team_t, weights, width
    use rwmf_fast_machine, only: advance
    use rwmf_fast_ordinate, only: ordinate_t
-   use rwmf_fast_scope, only: fast_scope_t, fast_task_t
+   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, kind_of, kinds, most_stages
    use rwmf_fast_series, only: step_weights
-   use rwmf_fast_slots, only: lane_of, new_pool, pool_t, pull, push, team_of
+   use rwmf_fast_slots, only: is_empty, lane_of, new_pool, pool_t, pop, pull, push, queue_t, &
+      team_of
    use rwmf_kinds, only: pi, wp
    implicit none
    private
 
    public :: fast_result_t, run_pool
 
-   integer, parameter :: most_teams = 16
-   !! of a pool; more do not stay in the cache
    integer, parameter :: gather_every = 16
    !! sweeps
+   integer, parameter :: urgent = 4
+   !! members of the pool, those whose periods were begun first: the shortest ones
+   integer, parameter :: enough = width/2
+   !! flights in a row with one of theirs
    integer, parameter :: check_every = 64
    !! rounds between two looks at the caller's stop flag
    real(wp), parameter :: error_share(3) = [0.06_wp, 0.02_wp, 0.2_wp]
@@ -44,75 +48,76 @@ module rwmf_fast_pool
 contains
 
    !> Compute tasks until none is left; each thread runs a pool.
-   subroutine run_pool(scope, task, thread, threads, next, result)
+   subroutine run_pool(scope, task, thread, deck, result)
       type(fast_scope_t), intent(in) :: scope
       type(fast_task_t), intent(in) :: task(:)
       !! (n)
       integer, intent(in) :: thread
-      !! from 1 to `threads`
-      integer, intent(in) :: threads
-      integer, intent(inout) :: next
-      !! shared: number of the next task that nobody has begun; 0 at first
+      !! its number
+      type(deck_t), intent(inout) :: deck
+      !! shared: the tasks that nobody has begun
       type(fast_result_t), intent(inout) :: result(:)
       !! (n)
       type(pool_t) :: pool
-      integer :: teams
       integer :: sweep
       integer :: k
       logical :: stands
+      logical, allocatable :: has_event(:)
+      !! (teams)
 
-      teams = teams_for(size(task), threads)
-      call new_pool(teams, pool)
-      call deal(scope, task, thread, threads, pool)
+      call new_pool(deck%teams, size(task), pool)
+      call take_places(scope, task, thread, deck, pool)
+      allocate (has_event(size(pool%team)))
       sweep = 0
       do
          stands = .true.
-         do k = 1, teams
-            call take_turn(scope, k, pool, stands)
+         do k = 1, size(pool%team)
+            call take_turn(scope, k, pool, stands, has_event(k))
          end do
-         call refill(scope, task, teams*threads*seats, next, pool, result)
-         if (stands .and. pool%events%n + pool%starts%n == 0) exit
+         do k = 1, size(pool%team)
+            if (has_event(k)) call dismiss(k, pool)
+         end do
+         call refill(scope, task, deck, pool, result)
+         if (stands .and. pool%events%n + pool%starts%n == 0) then
+            if (all(pool%ordinate%task == 0)) call employ(scope, task, deck, pool)
+            if (all(pool%ordinate%task == 0)) exit
+         end if
          call pass_events(scope, pool)
          sweep = sweep + 1
-         if (mod(sweep, gather_every) == 0) call gather_up(pool)
+         if (mod(sweep, gather_every) == 0) then
+            call gather_up(pool)
+            pool%first = minval(pool%ordinate%task, mask=pool%ordinate%task > 0)
+            call employ(scope, task, deck, pool)
+         end if
          if (mod(sweep, check_every) == 0) then
             if (is_cancelled(scope%control)) exit
          end if
       end do
    end subroutine run_pool
 
-   pure integer function teams_for(n, threads)
-      integer, intent(in) :: n
-      !! tasks
-      integer, intent(in) :: threads
-
-      teams_for = min(most_teams, (n - 1)/(seats*threads) + 1)
-   end function teams_for
-
-   !> The first tasks: neighbours share a team, and teams go to the threads in turn.
-   pure subroutine deal(scope, task, thread, threads, pool)
+   !> The first members of the teams.
+   pure subroutine take_places(scope, task, thread, deck, pool)
       type(fast_scope_t), intent(in) :: scope
       type(fast_task_t), intent(in) :: task(:)
       integer, intent(in) :: thread
-      integer, intent(in) :: threads
+      type(deck_t), intent(in) :: deck
       type(pool_t), intent(inout) :: pool
-      integer :: k, i, number
+      integer :: number(seats)
+      integer :: k, i, n
 
       do k = 1, size(pool%team)
-         do i = 1, seats
-            number = ((k - 1)*threads + thread - 1)*seats + i
-            if (number <= size(task)) call begin(scope, task, number, (k - 1)*seats + i, pool)
+         call deal(deck, k, thread, pool%kind(k), number, n)
+         do i = 1, n
+            call begin(scope, task, number(i), (k - 1)*seats + i, pool)
          end do
       end do
-   end subroutine deal
+   end subroutine take_places
 
    !> Enter the results of those that are at the end, and give their places to others.
-   subroutine refill(scope, task, dealt, next, pool, result)
+   subroutine refill(scope, task, deck, pool, result)
       type(fast_scope_t), intent(in) :: scope
       type(fast_task_t), intent(in) :: task(:)
-      integer, intent(in) :: dealt
-      !! tasks that were dealt at first
-      integer, intent(inout) :: next
+      type(deck_t), intent(inout) :: deck
       type(pool_t), intent(inout) :: pool
       type(fast_result_t), intent(inout) :: result(:)
       integer :: slot(1)
@@ -120,20 +125,67 @@ contains
 
       do while (pool%finished%n > 0)
          call pull(pool%finished, slot, n)
-         associate (one => pool%ordinate(slot(1)))
-            result(one%task) = result_of(scope%scheme%stages, one, lane_of(slot(1)), &
-               pool%team(team_of(slot(1))))
-            call count_done(scope%control)
-            one%task = 0
-         end associate
-         !$omp atomic capture
-         next = next + 1
-         number = next
-         !$omp end atomic
-         if (dealt + number <= size(task)) call begin(scope, task, dealt + number, &
-            slot(1), pool)
+         call finish(scope, slot(1), pool, result)
+         call choose_task(pool%kind(team_of(slot(1))), deck, pool, number)
+         if (number > 0) call begin(scope, task, number, slot(1), pool)
       end do
    end subroutine refill
+
+   !> An ordinate leaves its place; if its error is too large it will be repeated with more
+   !> evaluations of N.
+   subroutine finish(scope, slot, pool, result)
+      type(fast_scope_t), intent(in) :: scope
+      integer, intent(in) :: slot
+      type(pool_t), intent(inout) :: pool
+      type(fast_result_t), intent(inout) :: result(:)
+
+      associate (one => pool%ordinate(slot), kind => pool%kind(team_of(slot)))
+         associate (found => result(one%task), scheme => scope%scheme(kind))
+            found = result_of(scheme%stages, one, lane_of(slot), pool%team(team_of(slot)))
+            if (found%error > scope%rtol .and. scheme%stages < most_stages &
+               .and. .not. found%failed .and. found%v_max <= scope%law(one%law)%v_high) then
+               call push(one%task, pool%again(kind_of(most_stages, scheme%is_short)))
+            else
+               call count_done(scope%control)
+            end if
+         end associate
+         one%task = 0
+      end associate
+   end subroutine finish
+
+   !> What is begun next with steps of a kind; 0: nothing.
+   subroutine choose_task(kind, deck, pool, number)
+      integer, intent(in) :: kind
+      type(deck_t), intent(inout) :: deck
+      type(pool_t), intent(inout) :: pool
+      integer, intent(out) :: number
+
+      number = 0
+      if (kind <= size(pool%again)) call pop(pool%again(kind), number)
+      if (number == 0) call draw(deck, kind, number)
+   end subroutine choose_task
+
+   !> Teams without members begin what is left, of whatever kind.
+   subroutine employ(scope, task, deck, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(fast_task_t), intent(in) :: task(:)
+      type(deck_t), intent(inout) :: deck
+      type(pool_t), intent(inout) :: pool
+      integer :: k, kind, i, number
+
+      do k = 1, size(pool%team)
+         if (.not. is_empty(pool, k)) cycle
+         do kind = 1, kinds
+            do i = 1, seats
+               call choose_task(kind, deck, pool, number)
+               if (number == 0) exit
+               pool%kind(k) = kind
+               call begin(scope, task, number, (k - 1)*seats + i, pool)
+            end do
+            if (i > 1) exit
+         end do
+      end do
+   end subroutine employ
 
    pure type(fast_result_t) function result_of(stages, ordinate, i, team) result(result)
       integer, intent(in) :: stages
@@ -184,26 +236,40 @@ contains
       call fall_asleep(scope, slot, 1, 0.0_wp, pool)
    end subroutine begin
 
-   !> One step of a team. Those in whose step something may happen leave it.
-   pure subroutine take_turn(scope, k, pool, stands)
+   !> One step of a team.
+   !>
+   !> Nobody leaves it yet: while no branch waits for a result, the processor begins the step of the
+   !> next team before this one is done.
+   pure subroutine take_turn(scope, k, pool, stands, has_event)
       type(fast_scope_t), intent(in) :: scope
       integer, intent(in) :: k
       !! the team
       type(pool_t), intent(inout) :: pool
       logical, intent(inout) :: stands
       !! nobody could step so far
-      logical :: has_event
+      logical, intent(out) :: has_event
+      !! something may happen to one of them
+
+      has_event = .false.
+      associate (team => pool%team(k))
+         if (pool%is_called(k)) call line_up(scope, k, pool)
+         if (pool%present(k) == 0) return
+         stands = .false.
+         call advance(scope%instructions, scope%ground, scope%scheme(pool%kind(k)), team, &
+            has_event, pool%is_called(k))
+      end associate
+   end subroutine take_turn
+
+   !> Those in whose step something may happen leave their team.
+   pure subroutine dismiss(k, pool)
+      integer, intent(in) :: k
+      !! the team
+      type(pool_t), intent(inout) :: pool
       integer :: marked(seats)
       integer :: n
       integer :: i
 
       associate (team => pool%team(k))
-         if (pool%is_called(k)) call line_up(scope, k, pool)
-         if (pool%present(k) == 0) return
-         stands = .false.
-         call advance(scope%instructions, scope%ground, scope%scheme, team, has_event, &
-            pool%is_called(k))
-         if (.not. has_event) return
          call list_marked(team%event, marked, n)
          pool%present(k) = pool%present(k) - n
          do i = 1, n
@@ -214,7 +280,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine take_turn
+   end subroutine dismiss
 
    !> The lanes with a mark. Where they are is not to be guessed: a branch for each would cost more.
    pure subroutine list_marked(mark, list, n)
@@ -239,7 +305,7 @@ contains
       real(wp) :: middle
       integer :: i
 
-      middle = merge(0.5_wp, c_3, scope%scheme%stages == 2)
+      middle = merge(0.5_wp, c_3, scope%scheme(pool%kind(k))%stages == 2)
       associate (team => pool%team(k))
          do i = 1, seats
             if (.not. team%ready(i) > 0 .or. team%at(i) < team%stop(i)) cycle
@@ -278,8 +344,8 @@ contains
          ordinate%stiffness*law%m1 + law%m3_1, step%h, middle), [weights])
    end subroutine weigh
 
-   !> Follow those that wait, in full rows; one more row when those who wait are no fewer than those
-   !> who could still join them.
+   !> Follow those that wait, in full rows; in half a row if someone in it is in a hurry. One more
+   !> row when those who wait are no fewer than those who could still join them.
    pure subroutine pass_events(scope, pool)
       type(fast_scope_t), intent(in) :: scope
       type(pool_t), intent(inout) :: pool
@@ -287,8 +353,25 @@ contains
       do while (max(pool%events%n, pool%starts%n) >= width)
          call pass_row(scope, pool)
       end do
+      if (hurries(pool, pool%events)) call follow_row(scope, pool)
+      if (hurries(pool, pool%starts)) call depart_row(scope, pool)
       if (pool%events%n + pool%starts%n >= max(1, sum(pool%present))) call pass_row(scope, pool)
    end subroutine pass_events
+
+   !> Is one of those that take longest in the queue, with enough company?
+   !>
+   !> Their flights follow one after the other; what keeps them waiting delays the end of all.
+   pure logical function hurries(pool, queue)
+      type(pool_t), intent(in) :: pool
+      type(queue_t), intent(in) :: queue
+      integer :: i
+
+      hurries = .false.
+      if (queue%n < enough) return
+      do i = 1, queue%n
+         hurries = hurries .or. pool%ordinate(queue%slot(i))%task - pool%first < urgent
+      end do
+   end function hurries
 
    !> A row of the longer queue.
    pure subroutine pass_row(scope, pool)

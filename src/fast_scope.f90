@@ -7,7 +7,12 @@ module rwmf_fast_scope
    implicit none
    private
 
-   public :: fast_task_t, fast_scope_t, join_grids, list_loud_steps
+   public :: fast_task_t, fast_scope_t, most_stages, kinds, kind_of, join_grids, list_loud_steps
+
+   integer, parameter :: most_stages = 3
+   !! evaluations of N in a step
+   integer, parameter :: kinds = 2*most_stages
+   !! of steps: so many evaluations of N, with polynomials of the full or the short degree
 
    !> One ordinate to be computed.
    type :: fast_task_t
@@ -17,6 +22,8 @@ module rwmf_fast_scope
       !! its number in the scope
       integer :: grid
       !! its number in the scope
+      integer :: kind
+      !! of its steps, from `kind_of`
    end type fast_task_t
 
    !> Numbers of steps.
@@ -29,7 +36,7 @@ module rwmf_fast_scope
       type(control_t) :: control
       integer :: instructions
       !! from `best_level`
-      type(scheme_t) :: scheme
+      type(scheme_t) :: scheme(kinds)
       real(wp) :: xi_s
       !! [-]
       real(wp) :: rtol
@@ -45,6 +52,16 @@ module rwmf_fast_scope
    end type fast_scope_t
 
 contains
+
+   !> Number of a kind of steps; those with more evaluations of N come first.
+   pure integer function kind_of(stages, is_short)
+      integer, intent(in) :: stages
+      !! evaluations of N in a step
+      logical, intent(in) :: is_short
+      !! the polynomials have `short_degree`
+
+      kind_of = 2*(most_stages - stages) + merge(2, 1, is_short)
+   end function kind_of
 
    !> Put the steps of all grids in a row.
    pure subroutine join_grids(scope)
@@ -64,16 +81,29 @@ contains
             if (allocated(grid%step)) scope%ground(first:first + size(grid%step) - 1) = grid%step
          end associate
       end do
-      scope%scheme%is_straight = .true.
-      do i = 1, total
-         if (any(abs(scope%ground(i)%f(2:)) > 0)) scope%scheme%is_straight = .false.
+      call describe_kinds(scope)
+   end subroutine join_grids
+
+   !> What the steps of each kind are like.
+   pure subroutine describe_kinds(scope)
+      type(fast_scope_t), intent(inout) :: scope
+      logical :: is_straight, has_jumps
+      integer :: i
+
+      is_straight = .true.
+      do i = 1, size(scope%ground)
+         if (any(abs(scope%ground(i)%f(2:)) > 0)) is_straight = .false.
       end do
-      scope%scheme%has_jumps = .false.
+      has_jumps = .false.
       do i = 1, size(scope%grid)
          if (.not. allocated(scope%grid(i)%step)) cycle
-         if (any(abs(scope%grid(i)%step(2:)%jump) > 0)) scope%scheme%has_jumps = .true.
+         if (any(abs(scope%grid(i)%step(2:)%jump) > 0)) has_jumps = .true.
       end do
-   end subroutine join_grids
+      do i = 1, most_stages
+         scope%scheme(kind_of(i, .false.)) = scheme_t(i, .false., is_straight, has_jumps)
+         scope%scheme(kind_of(i, .true.)) = scheme_t(i, .true., is_straight, has_jumps)
+      end do
+   end subroutine describe_kinds
 
    !> The steps that can lift a resting wall, for the laws and grids of the tasks.
    pure subroutine list_loud_steps(task, scope)

@@ -6,7 +6,7 @@ module rwmf_fast_slots
    implicit none
    private
 
-   public :: pool_t, queue_t, new_pool, push, pull, team_of, lane_of
+   public :: pool_t, queue_t, new_pool, is_empty, push, pull, pop, team_of, lane_of
 
    !> Slots that wait for a row of flights.
    type :: queue_t
@@ -22,35 +22,47 @@ module rwmf_fast_slots
       !! (teams) how many step with it
       logical, allocatable :: is_called(:)
       !! (teams) the next step of one of them may be another one than the last
+      integer, allocatable :: kind(:)
+      !! (teams) of their steps
       type(ordinate_t), allocatable :: ordinate(:)
       !! (slots)
       type(flights_t), pointer :: flights => null()
       !! in `store`
+      integer :: first = 1
+      !! the lowest task that a member has
       type(queue_t) :: events
       !! something may happen in their step
       type(queue_t) :: starts
       !! a flight begins on the base
       type(queue_t) :: finished
+      type(queue_t) :: again(2)
+      !! by the kind of their steps: tasks, not slots, to be repeated with all evaluations of N
       integer(c_int8_t), allocatable :: store(:)
    end type pool_t
 
 contains
 
    !> Nobody is there yet; all numbers are finite.
-   subroutine new_pool(teams, pool)
+   subroutine new_pool(teams, tasks, pool)
       integer, intent(in) :: teams
+      integer, intent(in) :: tasks
+      !! that there are
       type(pool_t), target, intent(out) :: pool
       integer :: k
 
       call lay_out(teams, pool)
-      allocate (pool%present(teams), pool%is_called(teams), pool%ordinate(teams*seats))
+      allocate (pool%present(teams), pool%is_called(teams), pool%kind(teams), &
+         pool%ordinate(teams*seats))
       allocate (pool%events%slot(teams*seats), pool%starts%slot(teams*seats), &
          pool%finished%slot(teams*seats))
+      allocate (pool%again(1)%slot(tasks), pool%again(2)%slot(tasks))
       pool%events%n = 0
       pool%starts%n = 0
       pool%finished%n = 0
+      pool%again%n = 0
       pool%present = 0
       pool%is_called = .false.
+      pool%kind = 1
       pool%ordinate%task = 0
       call clear_row(pool%flights)
       do k = 1, teams
@@ -152,6 +164,26 @@ contains
       end do
       queue%n = queue%n - n
    end subroutine pull
+
+   !> The last one of a queue whose order does not matter; 0: nobody waits.
+   pure subroutine pop(queue, number)
+      type(queue_t), intent(inout) :: queue
+      integer, intent(out) :: number
+
+      number = 0
+      if (queue%n == 0) return
+      number = queue%slot(queue%n)
+      queue%n = queue%n - 1
+   end subroutine pop
+
+   !> Has a team no members?
+   pure logical function is_empty(pool, k)
+      type(pool_t), intent(in) :: pool
+      integer, intent(in) :: k
+      !! the team
+
+      is_empty = all(pool%ordinate((k - 1)*seats + 1:k*seats)%task == 0)
+   end function is_empty
 
    pure integer function team_of(slot)
       integer, intent(in) :: slot

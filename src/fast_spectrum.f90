@@ -5,13 +5,15 @@
 module rwmf_fast_spectrum
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t, is_cancelled
+   use rwmf_fast_deck, only: deck_t, new_deck
    use rwmf_fast_grid, only: build_grid, pulse_step
    use rwmf_fast_lanes, only: fast_law_t
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_order, only: order_by_cost
    use rwmf_fast_pool, only: fast_result_t, run_pool
-   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, list_loud_steps
+   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, kind_of, &
+      list_loud_steps, most_stages
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: motion_t
    implicit none
@@ -32,7 +34,6 @@ module rwmf_fast_spectrum
    !! longest [-]: the share of N is 1/gamma
    real(wp), parameter :: enough_for_two(2) = [5.0_wp, 25.0_wp]
    !! two evaluations; the second where the levers are the published ones, which makes N larger [-]
-   integer, parameter :: most_stages = 3
    real(wp), parameter :: fit_share = 0.1_wp
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
    !! (g/R)/(omega_s**2 v), about 10 for flexible frames
@@ -102,7 +103,7 @@ contains
             size(gamma)*size(b)))
          do while (size(trial) > 0)
             if (is_cancelled(control)) exit
-            call run_alike(inquiry, motion, trial, u_s_max, is_done)
+            call run_trials(inquiry, motion, trial, u_s_max, is_done)
          end do
       end do
    end subroutine run_fast
@@ -143,8 +144,9 @@ contains
       !! [-]
       real(wp) :: enough(2)
 
-      enough = [enough_for_one*sqrt(max(1.0_wp, 1.0e-7_wp/case%solver%rtol)), merge(enough_for_two(2), enough_for_two(1), &
-         case%model%formulation == 'published')]
+      enough(1) = enough_for_one*sqrt(max(1.0_wp, 1.0e-7_wp/case%solver%rtol))
+      enough(2) = merge(enough_for_two(2), enough_for_two(1), &
+         case%model%formulation == 'published')
       stages_for = most_stages - count(gamma >= enough)
    end function stages_for
 
@@ -178,25 +180,8 @@ contains
       levels = min(levels, halvings + 1)
    end function levels
 
-   !> Try the ordinates with the fewest evaluations of N among them.
-   subroutine run_alike(inquiry, motion, trial, u_s_max, is_done)
-      type(inquiry_t), intent(in) :: inquiry
-      type(motion_t), intent(in) :: motion
-      type(trial_t), allocatable, intent(inout) :: trial(:)
-      !! out: what is still to be tried
-      real(wp), intent(inout) :: u_s_max(:, :, :)
-      logical, intent(inout) :: is_done(:, :, :)
-      type(trial_t), allocatable :: now(:)
-      logical, allocatable :: is_alike(:)
-
-      is_alike = trial%stages == minval(trial%stages)
-      now = pack(trial, is_alike)
-      call run_trials(inquiry, motion, now, u_s_max, is_done)
-      trial = [now, pack(trial, .not. is_alike)]
-   end subroutine run_alike
-
    !> Try the ordinates; those that leave the fit are tried again on a wider one, those whose
-   !> estimated error is too large with more evaluations of N, then on the halved step.
+   !> estimated error is too large with all evaluations of N on the halved step.
    subroutine run_trials(inquiry, motion, trial, u_s_max, is_done)
       type(inquiry_t), intent(in) :: inquiry
       type(motion_t), intent(in) :: motion
@@ -207,15 +192,15 @@ contains
       type(fast_scope_t) :: scope
       type(fast_task_t), allocatable :: task(:)
       type(fast_result_t), allocatable :: result(:)
-      integer :: next
+      type(deck_t) :: deck
       integer :: thread
 
       call prepare(inquiry, motion, trial, scope, task)
       allocate (result(size(task)))
-      next = 0
+      call new_deck(task, inquiry%threads, deck)
       !$omp parallel do num_threads(inquiry%threads) schedule(static, 1) default(shared)
       do thread = 1, inquiry%threads
-         call run_pool(scope, task, thread, inquiry%threads, next, result)
+         call run_pool(scope, task, thread, deck, result)
       end do
       !$omp end parallel do
       call conclude(inquiry, scope, task, result, trial, u_s_max, is_done)
@@ -234,11 +219,9 @@ contains
 
       scope%control = inquiry%control
       scope%instructions = best_level()
-      scope%scheme%stages = trial(1)%stages
       scope%xi_s = inquiry%case%frame%xi_s
       scope%rtol = inquiry%case%solver%rtol
       call build_laws(inquiry, trial, scope%law, law_of)
-      scope%scheme%is_short = all(scope%law%is_short)
       allocate (scope%grid(halvings + 2))
       do i = 0, halvings + 1
          if (.not. any(trial%level == i)) cycle
@@ -252,13 +235,23 @@ contains
       end do
       trial = pack(trial, is_usable)
       law_of = pack(law_of, is_usable)
-      task = [(fast_task_t(inquiry%T_s(trial(i)%i), law_of(i), trial(i)%level + 1), &
-         i=1, size(trial))]
       call join_grids(scope)
-      ! After a jump of the acceleration the slope of N would swing about its value for long.
-      if (scope%scheme%has_jumps) scope%scheme%stages = max(2, scope%scheme%stages)
+      task = [(task_of(inquiry%T_s(trial(i)%i), trial(i), law_of(i), scope), i=1, size(trial))]
       call list_loud_steps(task, scope)
    end subroutine prepare
+
+   pure type(fast_task_t) function task_of(T_s, trial, law, scope) result(task)
+      real(wp), intent(in) :: T_s
+      !! [s]
+      type(trial_t), intent(in) :: trial
+      integer, intent(in) :: law
+      type(fast_scope_t), intent(in) :: scope
+      integer :: stages
+
+      ! After a jump of the acceleration the slope of N would swing about its value for long.
+      stages = max(trial%stages, merge(2, 1, scope%scheme(1)%has_jumps))
+      task = fast_task_t(T_s, law, trial%level + 1, kind_of(stages, scope%law(law)%is_short))
+   end function task_of
 
    !> The law of each trial; trials of the same pair and range follow each other.
    subroutine build_laws(inquiry, trial, law, law_of)
@@ -319,11 +312,9 @@ contains
                one%range = one%range + 1
                again(n) = one%range <= size(fit_range)
             else if (found%error > inquiry%case%solver%rtol) then
-               again(n) = one%stages < most_stages .or. .not. one%is_finer
-               if (one%stages == most_stages) then
-                  one%is_finer = .true.
-                  one%level = one%level + 1
-               end if
+               again(n) = .not. one%is_finer
+               one%is_finer = .true.
+               one%level = one%level + 1
                one%stages = most_stages
             else
                u_s_max(one%i, one%j, one%k) = law%length*found%v_max

@@ -128,7 +128,7 @@ contains
       integer :: i
 
       associate (rate => team%rate, d => team%difference, now => team%now, next => team%next)
-         call propagate(merge(2, 4, is_straight), rate, team%ground, d, 24, &
+         call propagate(merge(2, 4, is_straight), rate, team%ground, d, rate%weight(:, 25:36), &
             now%v, now%w, next%v, next%w)
          call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
          !$omp simd private(second)
@@ -166,7 +166,7 @@ contains
 
       associate (rate => team%rate, d => team%difference, now => team%now, next => team%next, &
          ground => team%ground)
-         call propagate(merge(2, 4, is_straight), rate, team%ground, d, 12, &
+         call propagate(merge(2, 4, is_straight), rate, team%ground, d, rate%weight(:, 13:24), &
             now%v, now%w, v, w)
          call remainder(is_short, rate, team%ground, half, v, w, n, next%drive)
          !$omp simd
@@ -175,7 +175,7 @@ contains
             d(i, 1) = slope(i) + c_2*second(i)
             d(i, 2) = second(i)
          end do
-         call propagate(merge(3, 4, is_straight), rate, team%ground, d, 24, &
+         call propagate(merge(3, 4, is_straight), rate, team%ground, d, rate%weight(:, 25:36), &
             now%v, now%w, next%v, next%w)
          call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
          !$omp simd private(third, fourth)
@@ -216,7 +216,7 @@ contains
       integer :: i
 
       associate (rate => team%rate, d => team%difference, now => team%now, next => team%next)
-         call propagate(merge(2, 4, is_straight), rate, team%ground, d, 0, &
+         call propagate(merge(2, 4, is_straight), rate, team%ground, d, rate%weight(:, 1:12), &
             now%v, now%w, v, w)
          call remainder(is_short, rate, team%ground, c_2, v, w, n, next%drive)
          !$omp simd
@@ -225,7 +225,7 @@ contains
             second(i) = (d(i, 1) - slope(i))*(1/c_2)
             d(i, 2) = second(i)
          end do
-         call propagate(merge(3, 4, is_straight), rate, team%ground, d, 12, &
+         call propagate(merge(3, 4, is_straight), rate, team%ground, d, rate%weight(:, 13:24), &
             now%v, now%w, v, w)
          call remainder(is_short, rate, team%ground, c_3, v, w, n, next%drive)
          !$omp simd
@@ -233,7 +233,7 @@ contains
             d(i, 2) = ((n(i) - d(i, 0))*(1/c_3) - d(i, 1))*(1/(c_3 - c_2))
             d(i, 3) = (d(i, 2) - second(i))*(1/c_3)
          end do
-         call propagate(4, rate, team%ground, d, 24, &
+         call propagate(4, rate, team%ground, d, rate%weight(:, 25:36), &
             now%v, now%w, next%v, next%w)
          call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
          !$omp simd private(third)

@@ -4,11 +4,13 @@ program test_fast
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t
    use rwmf_errors, only: error_t
+   use rwmf_fast_deck, only: deck_t, new_deck
    use rwmf_fast_grid, only: build_grid
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_pool, only: fast_result_t, run_pool
-   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, list_loud_steps
+   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, kind_of, list_loud_steps, &
+      most_stages
    use rwmf_fast_spectrum, only: run_fast
    use rwmf_kinds, only: wp
    use rwmf_motion, only: motion_from_case, motion_t
@@ -38,6 +40,8 @@ program test_fast
    call check_fallback()
    call check_company()
    call check_levels()
+   call check_repetition()
+   call check_kinks()
    call checks%finish()
 
 contains
@@ -224,35 +228,92 @@ contains
       end do
    end subroutine check_company
 
-   !> Every instruction set gives the same bits.
+   !> Every instruction set gives the same bits, whatever the number of evaluations.
    subroutine check_levels()
       integer, parameter :: levels(3) = [1, 3, 4]
-      type(case_t) :: case
       type(fast_scope_t) :: scope
-      type(fast_task_t) :: task(size(periods))
+      type(fast_task_t), allocatable :: task(:)
       type(fast_result_t) :: found(size(periods), size(levels))
+      integer :: i, stages
+
+      do stages = 1, most_stages
+         call lay_out(stages, scope, task)
+         do i = 1, size(levels)
+            scope%instructions = min(levels(i), best_level())
+            call run_tasks(scope, task, found(:, i))
+         end do
+         call checks%that(.not. any(found%failed), 'levels: nothing failed')
+         call checks%that(all(abs(found(:, 2)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX2')
+         call checks%that(all(abs(found(:, 3)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX-512')
+      end do
+   end subroutine check_levels
+
+   !> An ordinate whose error is too large is repeated with all evaluations of N: with the bits that
+   !> it would have had in the first place.
+   subroutine check_repetition()
+      real(wp), parameter :: rtol(2) = [0.0_wp, 1.0e-3_wp]
+      !! no error is small enough, every error is
+      type(fast_scope_t) :: scope
+      type(fast_task_t), allocatable :: task(:)
+      type(fast_result_t) :: all_at_once(size(periods))
+      type(fast_result_t) :: found(size(periods))
+      integer :: stages, i
+      logical :: is_same
+
+      do stages = 1, most_stages - 1
+         do i = 1, size(rtol)
+            call lay_out(most_stages, scope, task)
+            scope%rtol = rtol(i)
+            call run_tasks(scope, task, all_at_once)
+            call lay_out(stages, scope, task)
+            scope%rtol = rtol(i)
+            call run_tasks(scope, task, found)
+            is_same = all(abs(found%v_max - all_at_once%v_max) <= 0)
+            call checks%that(is_same .eqv. rtol(i) <= 0, 'repetition: '//real_to_text(rtol(i)))
+         end do
+      end do
+   end subroutine check_repetition
+
+   !> Equal steps of a record differ by round-off; that is no jump of the acceleration.
+   subroutine check_kinks()
+      type(fast_scope_t) :: scope
+      type(fast_task_t), allocatable :: task(:)
+
+      call lay_out(1, scope, task)
+      call checks%that(any(abs(scope%ground%kink) > 0), 'kinks: there are some')
+      call checks%that(.not. any(scope%scheme%has_jumps), 'kinks: no jumps')
+   end subroutine check_kinks
+
+   !> The shaken wall, ready to be run.
+   subroutine lay_out(stages, scope, task)
+      integer, intent(in) :: stages
+      !! evaluations of N in a step
+      type(fast_scope_t), intent(out) :: scope
+      type(fast_task_t), allocatable, intent(out) :: task(:)
+      type(case_t) :: case
       integer :: i
-      integer :: next
 
       case = shaken_scene('exact')
+      scope%instructions = best_level()
       scope%xi_s = case%frame%xi_s
       scope%rtol = case%solver%rtol
-      scope%scheme%stages = 3
-      scope%scheme%is_short = .false.
       allocate (scope%grid(1), scope%law(1))
       call build_grid(case, motion_from_case(case), case%solver%t_end, 0.005_wp, scope%grid(1))
       call build_law(case, 0.2_wp, 0.0_wp, scope%law(1))
       call join_grids(scope)
-      task = [(fast_task_t(periods(i), 1, 1), i=1, size(periods))]
+      task = [(fast_task_t(periods(i), 1, 1, kind_of(stages, .false.)), i=1, size(periods))]
       call list_loud_steps(task, scope)
-      do i = 1, size(levels)
-         scope%instructions = min(levels(i), best_level())
-         next = 0
-         call run_pool(scope, task, 1, 1, next, found(:, i))
-         call checks%that(.not. any(found(:, i)%failed), 'levels: nothing failed')
-      end do
-      call checks%that(all(abs(found(:, 2)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX2')
-      call checks%that(all(abs(found(:, 3)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX-512')
-   end subroutine check_levels
+   end subroutine lay_out
+
+   !> One pool, on one thread.
+   subroutine run_tasks(scope, task, found)
+      type(fast_scope_t), intent(in) :: scope
+      type(fast_task_t), intent(in) :: task(:)
+      type(fast_result_t), intent(inout) :: found(:)
+      type(deck_t) :: deck
+
+      call new_deck(task, 1, deck)
+      call run_pool(scope, task, 1, deck, found)
+   end subroutine run_tasks
 
 end program test_fast
