@@ -4,7 +4,7 @@
 !> belong to; here each one's outcome is judged.
 module rwmf_fast_flight
    use rwmf_fast_energy, only: is_over
-   use rwmf_fast_lanes, only: fast_law_t, flights_t, team_t, width
+   use rwmf_fast_lanes, only: fast_law_t, flights_t, team_t, trial_t, width
    use rwmf_fast_locate, only: place_impacts
    use rwmf_fast_machine, only: depart, follow
    use rwmf_fast_ordinate, only: ordinate_t
@@ -16,7 +16,7 @@ module rwmf_fast_flight
    implicit none
    private
 
-   public :: follow_row, depart_row, fall_asleep
+   public :: enter_step, follow_row, depart_row, fall_asleep
 
    integer, parameter :: most_impacts = 200000
    !! of one ordinate: beyond, the general kernel has the better rules
@@ -85,22 +85,15 @@ contains
       ordinate%w = w
    end subroutine plan_flight
 
-   !> Search the steps of a row of lanes for what was announced there.
+   !> Search the steps that wait for what was announced there.
    pure subroutine follow_row(scope, pool)
       type(fast_scope_t), intent(in) :: scope
       type(pool_t), intent(inout) :: pool
-      integer :: k
 
-      associate (row => pool%flights)
-         call pull(pool%events, row%slot, row%used)
-         do k = 1, row%used
-            call seat(scope, (row%slot(k)), k, pool)
-            call enter_step((row%slot(k)), k, pool)
-         end do
-         call pad(row)
-         call follow(scope%instructions, row)
-      end associate
-      call judge(scope, pool)
+      call pad(pool%events)
+      call follow(scope%instructions, pool%events)
+      call judge(scope, pool%events, pool)
+      pool%events%used = 0
    end subroutine follow_row
 
    !> Integrate a row of flights that start on the base, and search them.
@@ -112,84 +105,85 @@ contains
       associate (row => pool%flights)
          call pull(pool%starts, row%slot, row%used)
          do k = 1, row%used
-            call seat(scope, (row%slot(k)), k, pool)
-            call enter_flight(scope, (row%slot(k)), k, pool)
+            call enter_flight(scope, pool%ordinate(row%slot(k)), k, row)
          end do
          call pad(row)
          call depart(scope%instructions, row)
+         call judge(scope, row, pool)
       end associate
-      call judge(scope, pool)
    end subroutine depart_row
 
    !> The constants of an ordinate.
-   pure subroutine seat(scope, slot, k, pool)
-      type(fast_scope_t), intent(in) :: scope
-      integer, intent(in) :: slot
+   pure subroutine seat(law, ordinate, k, row)
+      type(fast_law_t), intent(in) :: law
+      type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: k
       !! its place in the row
-      type(pool_t), intent(inout) :: pool
+      type(flights_t), intent(inout) :: row
 
-      associate (row => pool%flights, one => pool%ordinate(slot))
-         row%damping(k) = one%damping
-         row%stiffness(k) = one%stiffness
-         associate (law => scope%law(one%law))
-            row%m1(k) = law%m1
-            row%m2(k) = law%m2
-            row%m3(k) = law%m3
-            row%m3_1(k) = law%m3_1
-         end associate
-      end associate
+      row%damping(k) = ordinate%damping
+      row%stiffness(k) = ordinate%stiffness
+      row%m1(k) = law%m1
+      row%m2(k) = law%m2
+      row%m3(k) = law%m3
+      row%m3_1(k) = law%m3_1
+      row%v_max(k) = ordinate%v_max
    end subroutine seat
 
-   !> A whole step, as its team has made it.
-   pure subroutine enter_step(slot, k, pool)
+   !> A whole step joins those that wait, as its team has tried it.
+   pure subroutine enter_step(scope, team, trial, i, slot, one, row)
+      type(fast_scope_t), intent(in) :: scope
+      type(team_t), intent(in) :: team
+      type(trial_t), intent(in) :: trial
+      integer, intent(in) :: i
+      !! lane
       integer, intent(in) :: slot
-      integer, intent(in) :: k
-      type(pool_t), intent(inout) :: pool
+      type(ordinate_t), intent(inout) :: one
+      type(flights_t), intent(inout) :: row
+      integer :: k
 
-      associate (row => pool%flights, one => pool%ordinate(slot), i => lane_of(slot), &
-         team => pool%team(team_of(slot)))
-         one%v_max = team%v_max(i)
-         row%step(k) = team%rate%h(i)
-         row%f(k, :) = team%ground%f(i, :)
-         row%x(k) = 0
-         row%span(k) = 1
-         row%v(k) = team%now%v(i)
-         row%w(k) = team%now%w(i)
-         row%side(k) = team%rate%side(i)
-         row%v_max(k) = one%v_max
-         row%n_0(k, :) = team%difference(i, :)
-         row%finish%v(k) = team%next%v(i)
-         row%finish%w(k) = team%next%w(i)
-         row%finish%n(k) = team%next%n(i)
-         row%finish%s(k) = team%next%s(i)
-         row%finish%drive(k) = team%next%drive(i)
-      end associate
+      one%number = team%at(i) - one%offset
+      one%v_max = team%v_max(i)
+      k = row%used + 1
+      row%used = k
+      row%slot(k) = slot
+      call seat(scope%law(one%law), one, k, row)
+      row%step(k) = team%rate%h(i)
+      row%f(k, :) = trial%ground%f(i, :)
+      row%x(k) = 0
+      row%span(k) = 1
+      row%v(k) = team%now%v(i)
+      row%w(k) = team%now%w(i)
+      row%side(k) = team%rate%side(i)
+      row%n_0(k, :) = trial%difference(i, :)
+      row%finish%v(k) = trial%next%v(i)
+      row%finish%w(k) = trial%next%w(i)
+      row%finish%n(k) = trial%next%n(i)
+      row%finish%s(k) = trial%next%s(i)
+      row%finish%drive(k) = trial%next%drive(i)
    end subroutine enter_step
 
    !> A flight as it is planned.
-   pure subroutine enter_flight(scope, slot, k, pool)
+   pure subroutine enter_flight(scope, one, k, row)
       type(fast_scope_t), intent(in) :: scope
-      integer, intent(in) :: slot
+      type(ordinate_t), intent(in) :: one
       integer, intent(in) :: k
-      type(pool_t), intent(inout) :: pool
+      type(flights_t), intent(inout) :: row
 
-      associate (row => pool%flights, one => pool%ordinate(slot))
-         associate (step => scope%ground(one%offset + one%number))
-            row%step(k) = step%h
-            row%f(k, :) = step%f
-         end associate
+      associate (law => scope%law(one%law), step => scope%ground(one%offset + one%number))
+         call seat(law, one, k, row)
+         row%step(k) = step%h
+         row%f(k, :) = step%f
          row%x(k) = one%x
          row%span(k) = one%span
          row%v(k) = 0
          row%w(k) = one%w
          row%side(k) = one%side
-         row%v_max(k) = one%v_max
          row%small(k) = negligible_n*one%rtol*one%v_max
          row%n_0(k, :) = 0
-         if (row%curve(k) == curve_of(scope%law(one%law), one)) return
-         row%curve(k) = curve_of(scope%law(one%law), one)
-         row%coef(k, :, :) = scope%law(one%law)%coef(:, :, merge(1, 2, one%side > 0))
+         if (row%curve(k) == curve_of(law, one)) return
+         row%curve(k) = curve_of(law, one)
+         row%coef(k, :, :) = law%coef(:, :, merge(1, 2, one%side > 0))
       end associate
    end subroutine enter_flight
 
@@ -224,43 +218,43 @@ contains
    end subroutine pad
 
    !> Draw the conclusions from what the flights met.
-   pure subroutine judge(scope, pool)
+   pure subroutine judge(scope, row, pool)
       type(fast_scope_t), intent(in) :: scope
+      type(flights_t), intent(inout) :: row
       type(pool_t), intent(inout) :: pool
       integer :: k
 
-      associate (row => pool%flights)
-         do k = 1, row%used
-            associate (one => pool%ordinate(row%slot(k)))
-               if (row%is_odd(k) > 0) then
-                  call search_again(k, row, one%failed)
-                  call place_impacts(row)
-               end if
-               one%v_max = max(one%v_max, row%peak(k))
-               if (one%failed) then
-                  call push(row%slot(k), pool%finished)
-               else if (row%hits(k) > 0) then
-                  call hit(scope, k, pool)
-               else if (row%span(k) < 1 - row%x(k)) then
-                  ! It was followed for as long as the flight was expected to take.
-                  one%span = 1 - row%x(k)
-                  call push(row%slot(k), pool%starts)
-               else
-                  one%v_max = max(one%v_max, row%finish%v(k))
-                  call land(scope, k, pool)
-               end if
-            end associate
-         end do
-      end associate
+      do k = 1, row%used
+         associate (one => pool%ordinate(row%slot(k)))
+            if (row%is_odd(k) > 0) then
+               call search_again(k, row, one%failed)
+               call place_impacts(row)
+            end if
+            one%v_max = max(one%v_max, row%peak(k))
+            if (one%failed) then
+               call push(row%slot(k), pool%finished)
+            else if (row%hits(k) > 0) then
+               call hit(scope, row, k, pool)
+            else if (row%span(k) < 1 - row%x(k)) then
+               ! It was followed for as long as the flight was expected to take.
+               one%span = 1 - row%x(k)
+               call push(row%slot(k), pool%starts)
+            else
+               one%v_max = max(one%v_max, row%finish%v(k))
+               call land(scope, row, k, pool)
+            end if
+         end associate
+      end do
    end subroutine judge
 
    !> The end of the step: the ordinate goes on with its team.
-   pure subroutine land(scope, k, pool)
+   pure subroutine land(scope, row, k, pool)
       type(fast_scope_t), intent(in) :: scope
+      type(flights_t), intent(in) :: row
       integer, intent(in) :: k
       type(pool_t), intent(inout) :: pool
 
-      associate (finish => pool%flights%finish, slot => pool%flights%slot(k))
+      associate (finish => row%finish, slot => row%slot(k))
          associate (team => pool%team(team_of(slot)), i => lane_of(slot), &
             one => pool%ordinate(slot))
             team%now%v(i) = finish%v(k)
@@ -299,14 +293,15 @@ contains
    end subroutine enter_peak
 
    !> A flight ends on the base: another one begins, or the wall rests.
-   pure subroutine hit(scope, k, pool)
+   pure subroutine hit(scope, row, k, pool)
       type(fast_scope_t), intent(in) :: scope
+      type(flights_t), intent(in) :: row
       integer, intent(in) :: k
       !! number of the flight in the row
       type(pool_t), intent(inout) :: pool
       logical :: rests
 
-      associate (row => pool%flights, slot => pool%flights%slot(k))
+      associate (slot => row%slot(k))
          associate (one => pool%ordinate(slot))
             call bounce(scope, row%x_hit(k), row%f_hit(k), row%speed(k), one, rests)
             if (one%failed) then

@@ -85,7 +85,6 @@ contains
       team%now%drive(to) = source%now%drive(from)
       team%now%doubt(to) = source%now%doubt(from)
       team%ready(to) = source%ready(from)
-      team%event(to) = 0
       team%v_max(to) = source%v_max(from)
       team%worst(to) = source%worst(from)
       team%at(to) = source%at(from)

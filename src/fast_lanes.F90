@@ -6,7 +6,7 @@ module rwmf_fast_lanes
 
    public :: wp, lanes, seats, width, degree, short_degree, curves, terms, c_2, c_3, weights
    public :: team_t, lane_rate_t, lane_ground_t, step_t, fast_law_t, flights_t, &
-      scheme_t
+      scheme_t, trial_t
 
 #ifdef RWMF_QUAD
    integer, parameter :: wp = real128
@@ -113,25 +113,29 @@ module rwmf_fast_lanes
    !> Ordinates that step together, each in a step of its own.
    type :: team_t
       type(lane_state_t) :: now
-      type(lane_state_t) :: next
-      !! as if nothing happened in the step
       real(wp) :: ready(seats)
       !! 1: steps with the team, 0: waits until an event is followed, or nobody is there
-      real(wp) :: event(seats)
-      !! 1: something may happen in the step
       real(wp) :: v_max(seats)
       !! [-]
       real(wp) :: worst(seats)
       !! doubt when `v_max` was reached [1/s]
-      real(wp) :: difference(seats, 0:3)
-      !! divided differences of N on the nodes [1/s2]
       type(lane_rate_t) :: rate
-      type(lane_ground_t) :: ground
       integer :: at(seats)
       !! number of the step; 1 where nobody is
       integer :: stop(seats)
       !! the first step that is not of the present length, or beyond the last one
    end type team_t
+
+   !> One step of a team. All teams use the same one in turn, which stays in the innermost cache.
+   type :: trial_t
+      type(lane_state_t) :: next
+      !! as if nothing happened in the step
+      real(wp) :: event(seats)
+      !! 1: something may happen in the step
+      real(wp) :: difference(seats, 0:3)
+      !! divided differences of N on the nodes [1/s2]
+      type(lane_ground_t) :: ground
+   end type trial_t
 
    !> What all periods of one mass ratio and one width share; `rwmf_fast_law` makes it.
    type :: fast_law_t

@@ -7,7 +7,7 @@ module rwmf_fast_machine
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_fast_lanes, only: flights_t, lanes, scheme_t, step_t, team_t, wp
+   use rwmf_fast_lanes, only: flights_t, lanes, scheme_t, step_t, team_t, trial_t, wp
    use rwmf_fast_locate, only: locate_events
    use rwmf_fast_piece, only: depart_flights, follow_flights
    use rwmf_fast_step, only: advance_team, step_frames
@@ -66,13 +66,14 @@ contains
    end function instruction_set
 
    !> One step of a team. The lanes in which something may happen are left as they were.
-   pure subroutine advance(level, ground, scheme, team, has_event, is_called)
+   pure subroutine advance(level, ground, scheme, team, trial, has_event, is_called)
       integer, intent(in) :: level
       !! from `best_level`
       type(step_t), contiguous, intent(in) :: ground(:)
       !! (steps)
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
+      type(trial_t), intent(inout) :: trial
       logical, intent(out) :: has_event
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
@@ -80,12 +81,12 @@ contains
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call advance_team_v4(ground, scheme, team, has_event, is_called)
+         call advance_team_v4(ground, scheme, team, trial, has_event, is_called)
       case (3)
-         call advance_team_v3(ground, scheme, team, has_event, is_called)
+         call advance_team_v3(ground, scheme, team, trial, has_event, is_called)
 #endif
       case default
-         call advance_team(ground, scheme, team, has_event, is_called)
+         call advance_team(ground, scheme, team, trial, has_event, is_called)
       end select
    end subroutine advance
 

@@ -8,15 +8,14 @@
 module rwmf_fast_pool
    use rwmf_control, only: count_done, is_cancelled
    use rwmf_fast_deck, only: deal, deck_t, draw
-   use rwmf_fast_flight, only: depart_row, fall_asleep, follow_row
+   use rwmf_fast_flight, only: depart_row, enter_step, fall_asleep, follow_row
    use rwmf_fast_gather, only: gather_up
    use rwmf_fast_lanes, only: c_3, fast_law_t, seats, step_t, team_t, weights, width
    use rwmf_fast_machine, only: advance
    use rwmf_fast_ordinate, only: ordinate_t
    use rwmf_fast_scope, only: fast_scope_t, fast_task_t, kind_of, kinds, most_stages
    use rwmf_fast_series, only: step_weights
-   use rwmf_fast_slots, only: is_empty, lane_of, new_pool, pool_t, pop, pull, push, queue_t, &
-      team_of
+   use rwmf_fast_slots, only: is_empty, lane_of, new_pool, pool_t, pop, pull, push, team_of
    use rwmf_kinds, only: pi, wp
    implicit none
    private
@@ -62,23 +61,17 @@ contains
       integer :: sweep
       integer :: k
       logical :: stands
-      logical, allocatable :: has_event(:)
-      !! (teams)
 
       call new_pool(deck%teams, size(task), pool)
       call take_places(scope, task, thread, deck, pool)
-      allocate (has_event(size(pool%team)))
       sweep = 0
       do
          stands = .true.
          do k = 1, size(pool%team)
-            call take_turn(scope, k, pool, stands, has_event(k))
-         end do
-         do k = 1, size(pool%team)
-            if (has_event(k)) call dismiss(k, pool)
+            call take_turn(scope, k, pool, stands)
          end do
          call refill(scope, task, deck, pool, result)
-         if (stands .and. pool%events%n + pool%starts%n == 0) then
+         if (stands .and. pool%events%used + pool%starts%n == 0) then
             if (all(pool%ordinate%task == 0)) call employ(scope, task, deck, pool)
             if (all(pool%ordinate%task == 0)) exit
          end if
@@ -236,50 +229,44 @@ contains
       call fall_asleep(scope, slot, 1, 0.0_wp, pool)
    end subroutine begin
 
-   !> One step of a team.
-   !>
-   !> Nobody leaves it yet: while no branch waits for a result, the processor begins the step of the
-   !> next team before this one is done.
-   pure subroutine take_turn(scope, k, pool, stands, has_event)
+   !> One step of a team. Those in whose step something may happen leave it.
+   pure subroutine take_turn(scope, k, pool, stands)
       type(fast_scope_t), intent(in) :: scope
       integer, intent(in) :: k
       !! the team
       type(pool_t), intent(inout) :: pool
       logical, intent(inout) :: stands
       !! nobody could step so far
-      logical, intent(out) :: has_event
-      !! something may happen to one of them
+      logical :: has_event
 
-      has_event = .false.
-      associate (team => pool%team(k))
-         if (pool%is_called(k)) call line_up(scope, k, pool)
-         if (pool%present(k) == 0) return
-         stands = .false.
-         call advance(scope%instructions, scope%ground, scope%scheme(pool%kind(k)), team, &
-            has_event, pool%is_called(k))
-      end associate
+      if (pool%is_called(k)) call line_up(scope, k, pool)
+      if (pool%present(k) == 0) return
+      stands = .false.
+      call advance(scope%instructions, scope%ground, scope%scheme(pool%kind(k)), pool%team(k), &
+         pool%trial, has_event, pool%is_called(k))
+      if (has_event) call dismiss(scope, k, pool)
    end subroutine take_turn
 
-   !> Those in whose step something may happen leave their team.
-   pure subroutine dismiss(k, pool)
+   !> Those in whose step something may happen wait until there are enough of them.
+   pure subroutine dismiss(scope, k, pool)
+      type(fast_scope_t), intent(in) :: scope
       integer, intent(in) :: k
       !! the team
       type(pool_t), intent(inout) :: pool
       integer :: marked(seats)
+      integer :: slot
       integer :: n
       integer :: i
 
-      associate (team => pool%team(k))
-         call list_marked(team%event, marked, n)
-         pool%present(k) = pool%present(k) - n
-         do i = 1, n
-            team%ready(marked(i)) = 0
-            associate (slot => (k - 1)*seats + marked(i))
-               pool%ordinate(slot)%number = team%at(marked(i)) - pool%ordinate(slot)%offset
-               call push(slot, pool%events)
-            end associate
-         end do
-      end associate
+      call list_marked(pool%trial%event, marked, n)
+      pool%present(k) = pool%present(k) - n
+      do i = 1, n
+         pool%team(k)%ready(marked(i)) = 0
+         slot = (k - 1)*seats + marked(i)
+         call enter_step(scope, pool%team(k), pool%trial, marked(i), slot, pool%ordinate(slot), &
+            pool%events)
+         if (pool%events%used == width) call follow_row(scope, pool)
+      end do
    end subroutine dismiss
 
    !> The lanes with a mark. Where they are is not to be guessed: a branch for each would cost more.
@@ -350,39 +337,34 @@ contains
       type(fast_scope_t), intent(in) :: scope
       type(pool_t), intent(inout) :: pool
 
-      do while (max(pool%events%n, pool%starts%n) >= width)
-         call pass_row(scope, pool)
+      do while (pool%starts%n >= width)
+         call depart_row(scope, pool)
       end do
-      if (hurries(pool, pool%events)) call follow_row(scope, pool)
-      if (hurries(pool, pool%starts)) call depart_row(scope, pool)
-      if (pool%events%n + pool%starts%n >= max(1, sum(pool%present))) call pass_row(scope, pool)
-   end subroutine pass_events
-
-   !> Is one of those that take longest in the queue, with enough company?
-   !>
-   !> Their flights follow one after the other; what keeps them waiting delays the end of all.
-   pure logical function hurries(pool, queue)
-      type(pool_t), intent(in) :: pool
-      type(queue_t), intent(in) :: queue
-      integer :: i
-
-      hurries = .false.
-      if (queue%n < enough) return
-      do i = 1, queue%n
-         hurries = hurries .or. pool%ordinate(queue%slot(i))%task - pool%first < urgent
-      end do
-   end function hurries
-
-   !> A row of the longer queue.
-   pure subroutine pass_row(scope, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(pool_t), intent(inout) :: pool
-
-      if (pool%starts%n >= pool%events%n) then
+      if (hurries(pool, pool%events%used, pool%events%slot)) call follow_row(scope, pool)
+      if (hurries(pool, pool%starts%n, pool%starts%slot)) call depart_row(scope, pool)
+      if (pool%events%used + pool%starts%n < max(1, sum(pool%present))) return
+      if (pool%starts%n >= pool%events%used) then
          call depart_row(scope, pool)
       else
          call follow_row(scope, pool)
       end if
-   end subroutine pass_row
+   end subroutine pass_events
+
+   !> Does one of those that take longest wait, with enough company?
+   !>
+   !> Their flights follow one after the other; what keeps them waiting delays the end of all.
+   pure logical function hurries(pool, n, slot)
+      type(pool_t), intent(in) :: pool
+      integer, intent(in) :: n
+      integer, intent(in) :: slot(:)
+      !! the first n wait
+      integer :: i
+
+      hurries = .false.
+      if (n < enough) return
+      do i = 1, n
+         hurries = hurries .or. pool%ordinate(slot(i))%task - pool%first < urgent
+      end do
+   end function hurries
 
 end module rwmf_fast_pool

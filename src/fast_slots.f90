@@ -1,7 +1,7 @@
 !> The places of a pool in which ordinates advance, and the queues of those that wait.
 module rwmf_fast_slots
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_intptr_t, c_loc
-   use rwmf_fast_lanes, only: flights_t, seats, team_t
+   use rwmf_fast_lanes, only: flights_t, seats, team_t, trial_t
    use rwmf_fast_ordinate, only: ordinate_t
    implicit none
    private
@@ -26,12 +26,14 @@ module rwmf_fast_slots
       !! (teams) of their steps
       type(ordinate_t), allocatable :: ordinate(:)
       !! (slots)
-      type(flights_t), pointer :: flights => null()
+      type(trial_t), pointer :: trial => null()
       !! in `store`
+      type(flights_t), pointer :: events => null()
+      !! in `store`: steps in which something may happen, until they are enough for a row
+      type(flights_t), pointer :: flights => null()
+      !! in `store`: flights that begin on the base
       integer :: first = 1
       !! the lowest task that a member has
-      type(queue_t) :: events
-      !! something may happen in their step
       type(queue_t) :: starts
       !! a flight begins on the base
       type(queue_t) :: finished
@@ -53,10 +55,9 @@ contains
       call lay_out(teams, pool)
       allocate (pool%present(teams), pool%is_called(teams), pool%kind(teams), &
          pool%ordinate(teams*seats))
-      allocate (pool%events%slot(teams*seats), pool%starts%slot(teams*seats), &
+      allocate (pool%starts%slot(teams*seats), &
          pool%finished%slot(teams*seats))
       allocate (pool%again(1)%slot(tasks), pool%again(2)%slot(tasks))
-      pool%events%n = 0
       pool%starts%n = 0
       pool%finished%n = 0
       pool%again%n = 0
@@ -65,6 +66,9 @@ contains
       pool%kind = 1
       pool%ordinate%task = 0
       call clear_row(pool%flights)
+      call clear_row(pool%events)
+      pool%trial%ground%f = 0
+      pool%trial%ground%jump = 0
       do k = 1, teams
          call clear(pool%team(k))
       end do
@@ -79,18 +83,32 @@ contains
       type(team_t), pointer :: team(:)
       type(team_t) :: one
       type(flights_t) :: row
+      type(trial_t) :: trial
       integer(c_intptr_t) :: address
-      integer :: team_bytes
-      integer :: first
+      integer :: first(4)
 
-      team_bytes = storage_size(one)/8
-      allocate (pool%store(teams*team_bytes + storage_size(row)/8 + 2*line))
+      first(1) = 1
+      first(2) = first(1) + whole_lines(teams*(storage_size(one)/8))
+      first(3) = first(2) + whole_lines(storage_size(trial)/8)
+      first(4) = first(3) + whole_lines(storage_size(row)/8)
+      allocate (pool%store(first(4) + whole_lines(storage_size(row)/8) + line))
       address = transfer(c_loc(pool%store(1)), address)
-      first = 1 + int(modulo(-address, int(line, c_intptr_t)))
-      call c_f_pointer(c_loc(pool%store(first)), team, [teams])
+      first = first + int(modulo(-address, int(line, c_intptr_t)))
+      call c_f_pointer(c_loc(pool%store(first(1))), team, [teams])
       pool%team => team
-      call c_f_pointer(c_loc(pool%store(first + line*((teams*team_bytes + line - 1)/line))), &
-         pool%flights)
+      call c_f_pointer(c_loc(pool%store(first(2))), pool%trial)
+      call c_f_pointer(c_loc(pool%store(first(3))), pool%events)
+      call c_f_pointer(c_loc(pool%store(first(4))), pool%flights)
+
+   contains
+
+      !> The bytes of so many, and those that are left of their last line.
+      pure integer function whole_lines(bytes)
+         integer, intent(in) :: bytes
+
+         whole_lines = line*((bytes + line - 1)/line)
+      end function whole_lines
+
    end subroutine lay_out
 
    pure subroutine clear(team)
@@ -103,7 +121,6 @@ contains
       team%now%drive = 0
       team%now%doubt = 0
       team%ready = 0
-      team%event = 0
       team%v_max = 0
       team%worst = 0
       team%rate%h = 0
@@ -116,8 +133,6 @@ contains
       team%rate%keep = 0
       team%rate%coef = 0
       team%rate%weight = 0
-      team%ground%f = 0
-      team%ground%jump = 0
       team%at = 1
       team%stop = huge(1)
    end subroutine clear
@@ -137,6 +152,7 @@ contains
       row%finish%drive = 0
       row%coef = 0
       row%curve = 0
+      row%used = 0
    end subroutine clear_row
 
    pure subroutine push(slot, queue)

@@ -14,7 +14,7 @@
 module FAST_STEP
    use FAST_NODE, only: pass_jump, propagate, remainder
    use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, lanes, scheme_t, seats, &
-      step_t, team_t, wp
+      step_t, team_t, trial_t, wp
    implicit none
    private
 
@@ -23,34 +23,35 @@ module FAST_STEP
 contains
 
    !> One step of a team. The lanes in which something may happen are left as they were.
-   pure subroutine advance_team(ground, scheme, team, has_event, is_called)
+   pure subroutine advance_team(ground, scheme, team, trial, has_event, is_called)
       type(step_t), contiguous, intent(in) :: ground(:)
       !! (steps)
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
+      type(trial_t), intent(inout) :: trial
       logical, intent(out) :: has_event
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
       real(wp) :: slope(seats)
 
-      call load_ground(ground, scheme, team%at, team%ground)
-      call begin_step(team%rate, team%ground, team%now%n, team%now%s, team%now%drive, &
-         team%difference, slope)
+      call load_ground(ground, scheme, team%at, trial%ground)
+      call begin_step(team%rate, trial%ground, team%now%n, team%now%s, team%now%drive, &
+         trial%difference, slope)
       if (scheme%has_jumps) then
-         if (jumps(team%ground%jump)) call pass_jump(team%rate, team%ground, team%now%v, &
+         if (jumps(trial%ground%jump)) call pass_jump(team%rate, trial%ground, team%now%v, &
             team%now%w, team%now%drive, slope)
       end if
       select case (scheme%stages)
       case (1)
-         call take_one(scheme%is_short, scheme%is_straight, team, slope)
+         call take_one(scheme, team, slope, trial)
       case (2)
-         call take_two(scheme%is_short, scheme%is_straight, team, slope)
+         call take_two(scheme, team, slope, trial)
       case default
-         call take_three(scheme%is_short, scheme%is_straight, team, slope)
+         call take_three(scheme, team, slope, trial)
       end select
-      call mark_events(team, has_event)
-      call accept(team)
-      call count_step(team, is_called)
+      call mark_events(team, trial, has_event)
+      call accept(trial, team)
+      call count_step(trial%event, team, is_called)
    end subroutine advance_team
 
    !> The ground motion in the step of each lane.
@@ -118,19 +119,20 @@ contains
    end subroutine begin_step
 
    !> One evaluation: N through its value and slope at 0 and its value at 1.
-   pure subroutine take_one(is_short, is_straight, team, slope)
-      logical, intent(in) :: is_short
-      logical, intent(in) :: is_straight
-      type(team_t), intent(inout) :: team
+   pure subroutine take_one(scheme, team, slope, trial)
+      type(scheme_t), intent(in) :: scheme
+      type(team_t), intent(in) :: team
       real(wp), intent(in) :: slope(seats)
       !! of N at 0 per step [1/s2]
+      type(trial_t), intent(inout) :: trial
       real(wp) :: second
       integer :: i
 
-      associate (rate => team%rate, d => team%difference, now => team%now, next => team%next)
-         call propagate(merge(2, 4, is_straight), rate, team%ground, d, rate%weight(:, 25:36), &
+      associate (rate => team%rate, now => team%now, d => trial%difference, next => trial%next, &
+         ground => trial%ground)
+         call propagate(merge(2, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 25:36), &
             now%v, now%w, next%v, next%w)
-         call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
+         call remainder(scheme%is_short, rate, ground, 1.0_wp, next%v, next%w, next%n, next%drive)
          !$omp simd private(second)
          do i = 1, seats
             second = (next%n(i) - d(i, 0)) - slope(i)
@@ -148,11 +150,11 @@ contains
    !> Two evaluations: N through its values at 0, 1/2 and 1 and its slope at 0.
    !>
    !> The rate of v at 1 is that of Simpson's rule, whatever the slope.
-   pure subroutine take_two(is_short, is_straight, team, slope)
-      logical, intent(in) :: is_short
-      logical, intent(in) :: is_straight
-      type(team_t), intent(inout) :: team
+   pure subroutine take_two(scheme, team, slope, trial)
+      type(scheme_t), intent(in) :: scheme
+      type(team_t), intent(in) :: team
       real(wp), intent(in) :: slope(seats)
+      type(trial_t), intent(inout) :: trial
       real(wp), parameter :: half = 0.5_wp
       real(wp), parameter :: to_first = c_2*(half - c_3)
       !! x**2 (x - 1/2) = x (x - c2)(x - c3) + x (x - c2)/2 + to_first x
@@ -164,20 +166,20 @@ contains
       real(wp) :: fourth
       integer :: i
 
-      associate (rate => team%rate, d => team%difference, now => team%now, next => team%next, &
-         ground => team%ground)
-         call propagate(merge(2, 4, is_straight), rate, team%ground, d, rate%weight(:, 13:24), &
+      associate (rate => team%rate, now => team%now, d => trial%difference, next => trial%next, &
+         ground => trial%ground)
+         call propagate(merge(2, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 13:24), &
             now%v, now%w, v, w)
-         call remainder(is_short, rate, team%ground, half, v, w, n, next%drive)
+         call remainder(scheme%is_short, rate, ground, half, v, w, n, next%drive)
          !$omp simd
          do i = 1, seats
             second(i) = ((n(i) - d(i, 0))*2 - slope(i))*2
             d(i, 1) = slope(i) + c_2*second(i)
             d(i, 2) = second(i)
          end do
-         call propagate(merge(3, 4, is_straight), rate, team%ground, d, rate%weight(:, 25:36), &
+         call propagate(merge(3, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 25:36), &
             now%v, now%w, next%v, next%w)
-         call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
+         call remainder(scheme%is_short, rate, ground, 1.0_wp, next%v, next%w, next%n, next%drive)
          !$omp simd private(third, fourth)
          do i = 1, seats
             third = (((next%n(i) - d(i, 0)) - slope(i)) - second(i))*2
@@ -199,11 +201,11 @@ contains
    end subroutine take_two
 
    !> Three evaluations: N through its values at 0, c2, c3 and 1; its slope at 0 only predicts.
-   pure subroutine take_three(is_short, is_straight, team, slope)
-      logical, intent(in) :: is_short
-      logical, intent(in) :: is_straight
-      type(team_t), intent(inout) :: team
+   pure subroutine take_three(scheme, team, slope, trial)
+      type(scheme_t), intent(in) :: scheme
+      type(team_t), intent(in) :: team
       real(wp), intent(in) :: slope(seats)
+      type(trial_t), intent(inout) :: trial
       real(wp), parameter :: slope_2 = 2 - c_2
       !! of x (x - c2) at 1
       real(wp), parameter :: slope_3 = (1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2)
@@ -215,27 +217,28 @@ contains
       real(wp) :: third
       integer :: i
 
-      associate (rate => team%rate, d => team%difference, now => team%now, next => team%next)
-         call propagate(merge(2, 4, is_straight), rate, team%ground, d, rate%weight(:, 1:12), &
+      associate (rate => team%rate, now => team%now, d => trial%difference, next => trial%next, &
+         ground => trial%ground)
+         call propagate(merge(2, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 1:12), &
             now%v, now%w, v, w)
-         call remainder(is_short, rate, team%ground, c_2, v, w, n, next%drive)
+         call remainder(scheme%is_short, rate, ground, c_2, v, w, n, next%drive)
          !$omp simd
          do i = 1, seats
             d(i, 1) = (n(i) - d(i, 0))*(1/c_2)
             second(i) = (d(i, 1) - slope(i))*(1/c_2)
             d(i, 2) = second(i)
          end do
-         call propagate(merge(3, 4, is_straight), rate, team%ground, d, rate%weight(:, 13:24), &
+         call propagate(merge(3, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 13:24), &
             now%v, now%w, v, w)
-         call remainder(is_short, rate, team%ground, c_3, v, w, n, next%drive)
+         call remainder(scheme%is_short, rate, ground, c_3, v, w, n, next%drive)
          !$omp simd
          do i = 1, seats
             d(i, 2) = ((n(i) - d(i, 0))*(1/c_3) - d(i, 1))*(1/(c_3 - c_2))
             d(i, 3) = (d(i, 2) - second(i))*(1/c_3)
          end do
-         call propagate(4, rate, team%ground, d, rate%weight(:, 25:36), &
+         call propagate(4, rate, ground, d, rate%weight(:, 25:36), &
             now%v, now%w, next%v, next%w)
-         call remainder(is_short, rate, team%ground, 1.0_wp, next%v, next%w, next%n, next%drive)
+         call remainder(scheme%is_short, rate, ground, 1.0_wp, next%v, next%w, next%n, next%drive)
          !$omp simd private(third)
          do i = 1, seats
             third = (((next%n(i) - d(i, 0)) - d(i, 1))*(1/(1 - c_2)) - d(i, 2))*(1/(1 - c_3))
@@ -249,8 +252,9 @@ contains
    end subroutine take_three
 
    !> In which lanes is an impact or a new maximum possible within the step?
-   pure subroutine mark_events(team, has_event)
-      type(team_t), intent(inout) :: team
+   pure subroutine mark_events(team, trial, has_event)
+      type(team_t), intent(in) :: team
+      type(trial_t), intent(inout) :: trial
       logical, intent(out) :: has_event
       real(wp), parameter :: margin = 0.25_wp
       !! between its end tangents a motion of one curvature stays; this much more is looked at
@@ -262,7 +266,7 @@ contains
       integer :: i
 
       total = 0
-      associate (now => team%now, next => team%next, event => team%event, h => team%rate%h)
+      associate (now => team%now, next => trial%next, event => trial%event, h => team%rate%h)
          !$omp simd private(room, from_0, from_1, both) reduction(max: total)
          do i = 1, seats
             room = margin*h(i)*abs(now%w(i) - next%w(i))
@@ -289,17 +293,18 @@ contains
    end subroutine mark_events
 
    !> Take the step in the lanes that are ready and where nothing happens.
-   pure subroutine accept(team)
+   pure subroutine accept(trial, team)
+      type(trial_t), intent(in) :: trial
       type(team_t), intent(inout) :: team
       real(wp) :: higher
       real(wp) :: doubt
       logical :: accepted
       integer :: i
 
-      associate (now => team%now, next => team%next)
+      associate (now => team%now, next => trial%next)
          !$omp simd private(accepted, higher, doubt)
          do i = 1, seats
-            accepted = team%ready(i) > team%event(i)
+            accepted = team%ready(i) > trial%event(i)
             now%v(i) = merge(next%v(i), now%v(i), accepted)
             now%w(i) = merge(next%w(i), now%w(i), accepted)
             now%n(i) = merge(next%n(i), now%n(i), accepted)
@@ -307,7 +312,7 @@ contains
             now%drive(i) = merge(next%drive(i), now%drive(i), accepted)
             ! A jump of the acceleration changes the slope of N in a way that the prediction leaves
             ! out; the change of N then says nothing about what is wrong after it.
-            doubt = merge(0.0_wp, abs(next%doubt(i)), abs(team%ground%jump(i)) > 0)
+            doubt = merge(0.0_wp, abs(next%doubt(i)), abs(trial%ground%jump(i)) > 0)
             doubt = team%rate%keep(i)*now%doubt(i) + doubt
             now%doubt(i) = merge(doubt, now%doubt(i), accepted)
             higher = merge(next%v(i), 0.0_wp, accepted)
@@ -317,7 +322,8 @@ contains
       end associate
    end subroutine accept
 
-   pure subroutine count_step(team, is_called)
+   pure subroutine count_step(event, team, is_called)
+      real(wp), intent(in) :: event(seats)
       type(team_t), intent(inout) :: team
       logical, intent(out) :: is_called
       integer :: total
@@ -326,7 +332,7 @@ contains
       total = 0
       !$omp simd reduction(+: total)
       do i = 1, seats
-         team%at(i) = team%at(i) + merge(1, 0, team%ready(i) > team%event(i))
+         team%at(i) = team%at(i) + merge(1, 0, team%ready(i) > event(i))
          total = total + merge(1, 0, team%at(i) >= team%stop(i))
       end do
       is_called = total > 0
