@@ -148,20 +148,20 @@ contains
       f_last = ground_at(grid%step(number), x)
       least = law%threshold - abs(f_last)
       variation = 0
-      do i = number, size(grid%step)
-         associate (step => grid%step(i))
-            if (i > number) then
-               variation = variation + abs(step%f(0) - f_last)
-               f_last = step%f(0)
-               least = min(least, law%threshold - abs(f_last))
-            end if
-            f = ground_at(step, min(1.0_wp, (t_end - grid%t(i))/step%h))
-            variation = variation + abs(f - f_last)
-            f_last = f
-            least = min(least, law%threshold - abs(f))
-            if (least <= enough .or. variation > 4*least .or. grid%t(i) + step%h >= t_end) exit
+      do i = number, size(grid%step) - 1
+         if (grid%t(i + 1) >= t_end) exit
+         associate (next => grid%step(i + 1))
+            variation = variation + (abs(next%f(0) - next%jump - f_last) + abs(next%jump))
+            least = min(least, law%threshold - max(abs(next%f(0)), abs(next%f(0) - next%jump)))
+            f_last = next%f(0)
          end associate
+         if (least <= enough .or. variation > 4*least) exit
       end do
+      if (least > enough .and. variation <= 4*least) then
+         f = ground_at(grid%step(i), min(1.0_wp, (t_end - grid%t(i))/grid%step(i)%h))
+         variation = variation + abs(f - f_last)
+         least = min(least, law%threshold - abs(f))
+      end if
       press = 0
       growth = 1
       if (least <= enough .or. variation > 4*least) return
