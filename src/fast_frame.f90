@@ -6,8 +6,8 @@
 module rwmf_fast_frame
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t, count_done, is_cancelled
-   use rwmf_fast_grid, only: build_grid, fast_grid_t, pulse_step
-   use rwmf_fast_lanes, only: lanes, width
+   use rwmf_fast_grid, only: build_grids, fast_grid_t, pulse_step
+   use rwmf_fast_lanes, only: lanes, step_t, width
    use rwmf_fast_machine, only: advance_frames, best_level
    use rwmf_fast_order, only: group_t, list_groups
    use rwmf_fast_series, only: find_root, newton_to_powers, series, state_at, step_weights, &
@@ -57,19 +57,20 @@ contains
       logical, intent(inout) :: is_done(:)
       !! (n_T)
       type(group_t), allocatable :: group(:)
+      type(step_t), allocatable, target :: ground(:)
       type(fast_grid_t) :: grid(0:halvings)
+      real(wp) :: h_max(0:halvings)
       integer :: instructions
       integer :: i, k
 
-      do i = 0, halvings
-         if (any(levels(T_s) == i)) call build_grid(case, motion, case%solver%t_end, &
-            min(base_step/2.0_wp**i, pulse_step(case, motion)), grid(i))
-      end do
+      h_max = [(merge(min(base_step/2.0_wp**i, pulse_step(case, motion)), 0.0_wp, &
+         any(levels(T_s) == i)), i=0, halvings)]
+      call build_grids(case, motion, h_max, ground, grid)
       group = list_groups(T_s, levels(T_s), halvings)
       instructions = best_level()
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
       do i = 1, size(group)
-         if (.not. allocated(grid(group(i)%level)%step)) cycle
+         if (.not. associated(grid(group(i)%level)%step)) cycle
          associate (member => group(i)%member(:group(i)%n))
             call run_block(control, grid(group(i)%level), T_s(member), case%frame%xi_s, &
                instructions, u_max, member)

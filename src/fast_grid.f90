@@ -7,13 +7,12 @@ module rwmf_fast_grid
    use rwmf_case, only: case_t
    use rwmf_fast_lanes, only: c_2, c_3, step_t
    use rwmf_kinds, only: pi, wp
-   use rwmf_motion, only: acceleration, fastest_rate, interval_at, interval_end, motion_t, &
-      peak_acceleration, &
-      turning_point
+   use rwmf_motion, only: acceleration, fastest_rate, interval_at, interval_end, line_of, line_t, &
+      motion_t, peak_acceleration, turning_point
    implicit none
    private
 
-   public :: fast_grid_t, build_grid, ground_at, ground_end, loud_steps, pulse_step
+   public :: fast_grid_t, build_grids, ground_at, ground_end, loud_steps, pulse_step
 
    integer, parameter :: most_steps = 1000000
    !! of a grid: 64 MB
@@ -22,39 +21,55 @@ module rwmf_fast_grid
 
    !> Steps from 0 to the end of the simulation.
    type :: fast_grid_t
-      type(step_t), allocatable :: step(:)
-      !! (steps)
+      type(step_t), pointer, contiguous :: step(:) => null()
+      !! (steps) in the array of all grids; null: there is no grid
       real(wp), allocatable :: t(:)
       !! (steps) beginnings [s]
-      integer :: quiet
+      integer :: first = 1
+      !! number of the first step in the array of all grids
+      integer :: quiet = 1
       !! first step from which on the ground stands still
+      logical :: is_straight = .true.
+      !! the acceleration is linear in every step
+      logical :: has_jumps = .false.
+      !! the acceleration jumps later than at the beginning
    end type fast_grid_t
 
 contains
 
-   !> Cut [0, t_end] into steps of at most h_max. When that makes more steps than the case allows,
-   !> or than memory should hold, `step` stays unallocated: there is no grid.
-   pure subroutine build_grid(case, motion, t_end, h_max, grid)
+   !> Cut [0, t_end] into steps, once for every longest step that is asked for.
+   !>
+   !> When that makes more steps than the case allows, or than memory should hold, there is no such
+   !> grid. The steps of all grids follow each other in one array, which is large: it is written
+   !> once and not copied.
+   pure subroutine build_grids(case, motion, h_max, ground, grid)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: t_end
-      !! [s]
-      real(wp), intent(in) :: h_max
-      !! [s]
-      type(fast_grid_t), intent(out) :: grid
-      integer :: number
+      real(wp), intent(in) :: h_max(:)
+      !! (grids) [s]; 0: not asked for
+      type(step_t), allocatable, target, intent(out) :: ground(:)
+      type(fast_grid_t), intent(out) :: grid(:)
+      !! (grids)
+      integer :: number(size(h_max))
+      integer :: i
 
-      call walk(motion, t_end, h_max, grid, number)
-      if (number > min(most_steps, case%solver%max_steps)) return
-      allocate (grid%step(number), grid%t(number))
-      call walk(motion, t_end, h_max, grid, number)
-      call find_kinks(round_off*peak_acceleration(motion), grid)
-      call count_alike(grid)
-      do number = size(grid%step), 1, -1
-         if (any(abs(grid%step(number)%f) > 0)) exit
+      number = 0
+      do i = 1, size(h_max)
+         if (.not. h_max(i) > 0) cycle
+         call walk(motion, case%solver%t_end, h_max(i), grid(i), number(i))
+         if (number(i) > min(most_steps, case%solver%max_steps)) number(i) = 0
       end do
-      grid%quiet = number + 1
-   end subroutine build_grid
+      allocate (ground(sum(number)))
+      do i = 1, size(h_max)
+         if (number(i) == 0) cycle
+         grid(i)%first = sum(number(:i - 1)) + 1
+         grid(i)%step => ground(grid(i)%first:grid(i)%first + number(i) - 1)
+         allocate (grid(i)%t(number(i)))
+         call walk(motion, case%solver%t_end, h_max(i), grid(i), number(i))
+         call find_kinks(round_off*peak_acceleration(motion), grid(i))
+         call count_alike(grid(i))
+      end do
+   end subroutine build_grids
 
    !> Longest step for which a cubic is as good as the pulse of a case [s].
    pure real(wp) function pulse_step(case, motion) result(h)
@@ -78,6 +93,7 @@ contains
       integer, intent(out) :: number
       real(wp) :: t
       real(wp) :: t_next
+      real(wp) :: h
       integer :: interval
       integer :: parts
       integer :: i
@@ -88,12 +104,12 @@ contains
       do while (t < t_end)
          t_next = min(turning_point(motion, interval, t), t_end)
          parts = max(1, ceiling((t_next - t)/h_max*(1 - 1.0e-9_wp)))
-         do i = 1, parts
-            if (allocated(grid%step)) then
-               call store(motion, interval, t + (i - 1)*((t_next - t)/parts), (t_next - t)/parts, &
-                  number + i, grid)
-            end if
-         end do
+         if (associated(grid%step)) then
+            h = (t_next - t)/parts
+            do i = 1, parts
+               call store(motion, interval, t + (i - 1)*h, h, number + i, grid)
+            end do
+         end if
          number = number + parts
          t = t_next
          if (t >= interval_end(motion, interval)) interval = interval + 1
@@ -109,6 +125,7 @@ contains
       !! [s]
       integer, intent(in) :: number
       type(fast_grid_t), intent(inout) :: grid
+      type(line_t) :: line
       real(wp) :: f(0:3)
       real(wp) :: second
       real(wp) :: third
@@ -120,13 +137,18 @@ contains
          if (number > 1) then
             if (abs(grid%step(number - 1)%h - h) < 1.0e-11_wp*h) step%h = grid%step(number - 1)%h
          end if
-         f = [acceleration(motion, interval, t), acceleration(motion, interval, t + c_2*h), &
-            acceleration(motion, interval, t + c_3*h), acceleration(motion, interval, t + h)]
+         f(0) = acceleration(motion, interval, t)
+         f(3) = acceleration(motion, interval, t + h)
          step%f = [f(0), f(3) - f(0), 0.0_wp, 0.0_wp]
+         line = line_of(motion, interval)
+         if (line%is_straight) return
+         f(1) = acceleration(motion, interval, t + c_2*h)
+         f(2) = acceleration(motion, interval, t + c_3*h)
          second = ((f(2) - f(0))/c_3 - (f(1) - f(0))/c_2)/(c_3 - c_2)
          if (abs(second) > round_off*peak_acceleration(motion)) then
             third = ((f(3) - f(0) - (f(1) - f(0))/c_2)/(1 - c_2) - second)/(1 - c_3)
             step%f(1:) = [(f(1) - f(0))/c_2, second, third]
+            grid%is_straight = .false.
          end if
       end associate
    end subroutine store
@@ -146,6 +168,7 @@ contains
          associate (step => grid%step(i))
             step%jump = step%f(0) - f
             if (abs(step%jump) <= negligible) step%jump = 0
+            if (i > 1 .and. abs(step%jump) > 0) grid%has_jumps = .true.
             step%kink = (step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3))/step%h - rate
             f = ground_end(step)
             rate = (step%f(1) + (2 - c_2)*step%f(2) &
@@ -154,7 +177,7 @@ contains
       end do
    end subroutine find_kinks
 
-   !> How many steps of the same length follow each other.
+   !> How many steps of the same length follow each other, and from which on nothing moves.
    pure subroutine count_alike(grid)
       type(fast_grid_t), intent(inout) :: grid
       integer :: i
@@ -165,6 +188,10 @@ contains
          if (abs(grid%step(i + 1)%h - grid%step(i)%h) > 0) cycle
          grid%step(i)%alike = grid%step(i + 1)%alike + 1
       end do
+      do i = size(grid%step), 1, -1
+         if (any(abs(grid%step(i)%f) > 0)) exit
+      end do
+      grid%quiet = i + 1
    end subroutine count_alike
 
    !> Ground acceleration at the position x of a step [m/s2].

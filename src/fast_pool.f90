@@ -210,7 +210,7 @@ contains
       omega_s = 2*pi/task(number)%T_s
       associate (team => pool%team(team_of(slot)), law => scope%law(task(number)%law))
          pool%ordinate(slot) = ordinate_t(number, task(number)%law, task(number)%grid, &
-            scope%offset(task(number)%grid), 2*scope%xi_s*omega_s, omega_s**2, &
+            scope%grid(task(number)%grid)%first - 1, 2*scope%xi_s*omega_s, omega_s**2, &
             scope%rtol, 1, 0.0_wp, 0.0_wp, 0, .false., 1, &
             0.0_wp, 1.0_wp, 0.0_wp)
          team%rate%m2(i) = law%m2

@@ -7,7 +7,7 @@ module rwmf_fast_scope
    implicit none
    private
 
-   public :: fast_task_t, fast_scope_t, most_stages, kinds, kind_of, join_grids, list_loud_steps
+   public :: fast_task_t, fast_scope_t, most_stages, kinds, kind_of, describe_kinds, list_loud_steps
 
    integer, parameter :: most_stages = 3
    !! evaluations of N in a step
@@ -43,10 +43,8 @@ module rwmf_fast_scope
       !! requested relative tolerance [-]
       type(fast_law_t), allocatable :: law(:)
       type(fast_grid_t), allocatable :: grid(:)
-      integer, allocatable :: offset(:)
-      !! (grids) steps in `ground` before those of a grid
       type(step_t), allocatable :: ground(:)
-      !! steps of all grids, one after the other
+      !! steps of all grids, one after the other, to which the grids point
       type(loud_t), allocatable :: loud(:, :)
       !! (laws, grids), where a task needs them
    end type fast_scope_t
@@ -63,42 +61,14 @@ contains
       kind_of = 2*(most_stages - stages) + merge(2, 1, is_short)
    end function kind_of
 
-   !> Put the steps of all grids in a row.
-   pure subroutine join_grids(scope)
-      type(fast_scope_t), intent(inout) :: scope
-      integer :: i
-      integer :: total
-
-      allocate (scope%offset(size(scope%grid)))
-      total = 0
-      do i = 1, size(scope%grid)
-         scope%offset(i) = total
-         if (allocated(scope%grid(i)%step)) total = total + size(scope%grid(i)%step)
-      end do
-      allocate (scope%ground(total))
-      do i = 1, size(scope%grid)
-         associate (grid => scope%grid(i), first => scope%offset(i) + 1)
-            if (allocated(grid%step)) scope%ground(first:first + size(grid%step) - 1) = grid%step
-         end associate
-      end do
-      call describe_kinds(scope)
-   end subroutine join_grids
-
    !> What the steps of each kind are like.
    pure subroutine describe_kinds(scope)
       type(fast_scope_t), intent(inout) :: scope
       logical :: is_straight, has_jumps
       integer :: i
 
-      is_straight = .true.
-      do i = 1, size(scope%ground)
-         if (any(abs(scope%ground(i)%f(2:)) > 0)) is_straight = .false.
-      end do
-      has_jumps = .false.
-      do i = 1, size(scope%grid)
-         if (.not. allocated(scope%grid(i)%step)) cycle
-         if (any(abs(scope%grid(i)%step(2:)%jump) > 0)) has_jumps = .true.
-      end do
+      is_straight = all(scope%grid%is_straight)
+      has_jumps = any(scope%grid%has_jumps)
       do i = 1, most_stages
          scope%scheme(kind_of(i, .false.)) = scheme_t(i, .false., is_straight, has_jumps)
          scope%scheme(kind_of(i, .true.)) = scheme_t(i, .true., is_straight, has_jumps)

@@ -6,13 +6,13 @@ module rwmf_fast_spectrum
    use rwmf_case, only: case_t
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_fast_deck, only: deck_t, new_deck
-   use rwmf_fast_grid, only: build_grid, pulse_step
+   use rwmf_fast_grid, only: build_grids, pulse_step
    use rwmf_fast_lanes, only: fast_law_t
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_order, only: order_by_cost
    use rwmf_fast_pool, only: fast_result_t, run_pool
-   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, kind_of, &
+   use rwmf_fast_scope, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
       list_loud_steps, most_stages
    use rwmf_kinds, only: pi, wp
    use rwmf_motion, only: motion_t
@@ -189,7 +189,7 @@ contains
       !! out: what is to be tried again
       real(wp), intent(inout) :: u_s_max(:, :, :)
       logical, intent(inout) :: is_done(:, :, :)
-      type(fast_scope_t) :: scope
+      type(fast_scope_t), target :: scope
       type(fast_task_t), allocatable :: task(:)
       type(fast_result_t), allocatable :: result(:)
       type(deck_t) :: deck
@@ -211,8 +211,9 @@ contains
       type(inquiry_t), intent(in) :: inquiry
       type(motion_t), intent(in) :: motion
       type(trial_t), allocatable, intent(inout) :: trial(:)
-      type(fast_scope_t), intent(out) :: scope
+      type(fast_scope_t), target, intent(out) :: scope
       type(fast_task_t), allocatable, intent(out) :: task(:)
+      real(wp) :: h_max(halvings + 2)
       integer, allocatable :: law_of(:)
       logical, allocatable :: is_usable(:)
       integer :: i
@@ -223,19 +224,17 @@ contains
       scope%rtol = inquiry%case%solver%rtol
       call build_laws(inquiry, trial, scope%law, law_of)
       allocate (scope%grid(halvings + 2))
-      do i = 0, halvings + 1
-         if (.not. any(trial%level == i)) cycle
-         call build_grid(inquiry%case, motion, inquiry%case%solver%t_end, &
-            longest_step(inquiry%case, motion)/2.0_wp**i, scope%grid(i + 1))
-      end do
+      h_max = [(merge(longest_step(inquiry%case, motion)/2.0_wp**i, 0.0_wp, &
+         any(trial%level == i)), i=0, halvings + 1)]
+      call build_grids(inquiry%case, motion, h_max, scope%ground, scope%grid)
       allocate (is_usable(size(trial)))
       do i = 1, size(trial)
          is_usable(i) = holds(inquiry%case, inquiry%b(trial(i)%k), scope%law(law_of(i))) &
-            .and. allocated(scope%grid(trial(i)%level + 1)%step)
+            .and. associated(scope%grid(trial(i)%level + 1)%step)
       end do
       trial = pack(trial, is_usable)
       law_of = pack(law_of, is_usable)
-      call join_grids(scope)
+      call describe_kinds(scope)
       task = [(task_of(inquiry%T_s(trial(i)%i), trial(i), law_of(i), scope), i=1, size(trial))]
       call list_loud_steps(task, scope)
    end subroutine prepare

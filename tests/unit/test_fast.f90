@@ -5,12 +5,12 @@ program test_fast
    use rwmf_control, only: control_t
    use rwmf_errors, only: error_t
    use rwmf_fast_deck, only: deck_t, new_deck
-   use rwmf_fast_grid, only: build_grid
+   use rwmf_fast_grid, only: build_grids
    use rwmf_fast_law, only: build_law
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_pool, only: fast_result_t, run_pool
-   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, join_grids, kind_of, list_loud_steps, &
-      most_stages
+   use rwmf_fast_scope, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
+      list_loud_steps, most_stages
    use rwmf_fast_spectrum, only: run_fast
    use rwmf_kinds, only: wp
    use rwmf_motion, only: motion_from_case, motion_t
@@ -231,7 +231,7 @@ contains
    !> Every instruction set gives the same bits, whatever the number of evaluations.
    subroutine check_levels()
       integer, parameter :: levels(3) = [1, 3, 4]
-      type(fast_scope_t) :: scope
+      type(fast_scope_t), target :: scope
       type(fast_task_t), allocatable :: task(:)
       type(fast_result_t) :: found(size(periods), size(levels))
       integer :: i, stages
@@ -253,7 +253,7 @@ contains
    subroutine check_repetition()
       real(wp), parameter :: rtol(2) = [0.0_wp, 1.0e-3_wp]
       !! no error is small enough, every error is
-      type(fast_scope_t) :: scope
+      type(fast_scope_t), target :: scope
       type(fast_task_t), allocatable :: task(:)
       type(fast_result_t) :: all_at_once(size(periods))
       type(fast_result_t) :: found(size(periods))
@@ -276,7 +276,7 @@ contains
 
    !> Equal steps of a record differ by round-off; that is no jump of the acceleration.
    subroutine check_kinks()
-      type(fast_scope_t) :: scope
+      type(fast_scope_t), target :: scope
       type(fast_task_t), allocatable :: task(:)
 
       call lay_out(1, scope, task)
@@ -288,7 +288,7 @@ contains
    subroutine lay_out(stages, scope, task)
       integer, intent(in) :: stages
       !! evaluations of N in a step
-      type(fast_scope_t), intent(out) :: scope
+      type(fast_scope_t), target, intent(out) :: scope
       type(fast_task_t), allocatable, intent(out) :: task(:)
       type(case_t) :: case
       integer :: i
@@ -298,9 +298,9 @@ contains
       scope%xi_s = case%frame%xi_s
       scope%rtol = case%solver%rtol
       allocate (scope%grid(1), scope%law(1))
-      call build_grid(case, motion_from_case(case), case%solver%t_end, 0.005_wp, scope%grid(1))
+      call build_grids(case, motion_from_case(case), [0.005_wp], scope%ground, scope%grid)
       call build_law(case, 0.2_wp, 0.0_wp, scope%law(1))
-      call join_grids(scope)
+      call describe_kinds(scope)
       task = [(fast_task_t(periods(i), 1, 1, kind_of(stages, .false.)), i=1, size(periods))]
       call list_loud_steps(task, scope)
    end subroutine lay_out
