@@ -32,7 +32,11 @@ module rwmf_fast_pool
    !! rounds between two looks at the caller's stop flag
    real(wp), parameter :: error_share(3) = [0.06_wp, 0.02_wp, 0.2_wp]
    !! of what the last of 1, 2, 3 evaluations of N changes is taken for an error; found with spectra
-   !! whose errors are known
+   !! whose errors are known (docs/fast.md)
+   real(wp), parameter :: large_angle = 0.95_wp
+   !! omega_s h beyond which what is wrong does not fade with the damping [rad]
+   real(wp), parameter :: more = 2
+   !! times as much is taken for an error there, with fewer than all evaluations
 
    !> What was found of a task.
    type :: fast_result_t
@@ -187,11 +191,16 @@ contains
       !! lane
       type(team_t), intent(in) :: team
       real(wp) :: doubt
+      real(wp) :: omega_s
 
       result%v_max = max(team%v_max(i), ordinate%v_max)
       doubt = merge(team%now%doubt(i), team%worst(i), ordinate%v_max > team%v_max(i))
+      omega_s = sqrt(ordinate%stiffness)
       result%error = error_share(stages)*doubt &
-         /max(tiny(1.0_wp), ordinate%w_max, sqrt(ordinate%stiffness)*result%v_max)
+         /max(tiny(1.0_wp), ordinate%w_max, omega_s*result%v_max)
+      if (omega_s*team%rate%h(i) > large_angle .and. stages < most_stages) then
+         result%error = more*result%error
+      end if
       result%failed = ordinate%failed .or. .not. abs(team%now%v(i)) < huge(1.0_wp)
    end function result_of
 
@@ -327,6 +336,7 @@ contains
       team%rate%h(i) = step%h
       team%rate%per_h(i) = 1/step%h
       team%rate%keep(i) = max(0.0_wp, 1 - 0.5_wp*step%h*ordinate%damping*law%m1)
+      if (step%h*sqrt(ordinate%stiffness) > large_angle) team%rate%keep(i) = 1
       team%rate%weight(i, :) = reshape(step_weights(ordinate%damping*law%m1, &
          ordinate%stiffness*law%m1 + law%m3_1, step%h, middle), [weights])
    end subroutine weigh
