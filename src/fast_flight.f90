@@ -4,7 +4,7 @@
 !> belong to; here each one's outcome is judged.
 module rwmf_fast_flight
    use rwmf_fast_energy, only: is_over
-   use rwmf_fast_lanes, only: fast_law_t, flights_t, team_t, trial_t, width
+   use rwmf_fast_lanes, only: fast_law_t, flights_t, team_t, tried_step_t, width
    use rwmf_fast_locate, only: place_impacts
    use rwmf_fast_machine, only: depart, follow
    use rwmf_fast_ordinate, only: ordinate_t
@@ -134,7 +134,7 @@ contains
    pure subroutine enter_step(scope, team, trial, i, slot, one, row)
       type(fast_scope_t), intent(in) :: scope
       type(team_t), intent(in) :: team
-      type(trial_t), intent(in) :: trial
+      type(tried_step_t), intent(in) :: trial
       integer, intent(in) :: i
       !! lane
       integer, intent(in) :: slot

@@ -6,7 +6,7 @@ module rwmf_fast_lanes
 
    public :: wp, lanes, seats, width, degree, short_degree, curves, terms, c_2, c_3, weights
    public :: team_t, lane_rate_t, lane_ground_t, step_t, fast_law_t, flights_t, &
-      scheme_t, trial_t
+      scheme_t, tried_step_t
 
 #ifdef RWMF_QUAD
    integer, parameter :: wp = real128
@@ -127,7 +127,7 @@ module rwmf_fast_lanes
    end type team_t
 
    !> One step of a team. All teams use the same one in turn, which stays in the innermost cache.
-   type :: trial_t
+   type :: tried_step_t
       type(lane_state_t) :: next
       !! as if nothing happened in the step
       real(wp) :: event(seats)
@@ -135,7 +135,7 @@ module rwmf_fast_lanes
       real(wp) :: difference(seats, 0:3)
       !! divided differences of N on the nodes [1/s2]
       type(lane_ground_t) :: ground
-   end type trial_t
+   end type tried_step_t
 
    !> What all periods of one mass ratio and one width share; `rwmf_fast_law` makes it.
    type :: fast_law_t
@@ -239,7 +239,7 @@ module rwmf_fast_lanes
       integer :: curve(width)
       !! whose polynomials are in `coef`: number of the law, negative for theta < 0; 0: none
       integer :: used
-      !! the others are copies of the first
+      !! how many; the others are padding
    end type flights_t
 
 end module rwmf_fast_lanes

@@ -7,7 +7,7 @@ module rwmf_fast_machine
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_fast_lanes, only: flights_t, lanes, scheme_t, step_t, team_t, trial_t, wp
+   use rwmf_fast_lanes, only: flights_t, lanes, scheme_t, step_t, team_t, tried_step_t, wp
    use rwmf_fast_locate, only: locate_events
    use rwmf_fast_piece, only: depart_flights, follow_flights
    use rwmf_fast_step, only: advance_team, step_frames
@@ -73,7 +73,7 @@ contains
       !! (steps)
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
-      type(trial_t), intent(inout) :: trial
+      type(tried_step_t), intent(inout) :: trial
       logical, intent(out) :: has_event
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last

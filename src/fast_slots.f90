@@ -1,7 +1,7 @@
 !> The places of a pool in which ordinates advance, and the queues of those that wait.
 module rwmf_fast_slots
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_intptr_t, c_loc
-   use rwmf_fast_lanes, only: flights_t, seats, team_t, trial_t
+   use rwmf_fast_lanes, only: flights_t, seats, team_t, tried_step_t
    use rwmf_fast_ordinate, only: ordinate_t
    implicit none
    private
@@ -26,7 +26,7 @@ module rwmf_fast_slots
       !! (teams) of their steps
       type(ordinate_t), allocatable :: ordinate(:)
       !! (slots)
-      type(trial_t), pointer :: trial => null()
+      type(tried_step_t), pointer :: trial => null()
       !! in `store`
       type(flights_t), pointer :: events => null()
       !! in `store`: steps in which something may happen, until they are enough for a row
@@ -83,7 +83,7 @@ contains
       type(team_t), pointer :: team(:)
       type(team_t) :: one
       type(flights_t) :: row
-      type(trial_t) :: trial
+      type(tried_step_t) :: trial
       integer(c_intptr_t) :: address
       integer :: first(4)
 

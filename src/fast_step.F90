@@ -14,7 +14,7 @@
 module FAST_STEP
    use FAST_NODE, only: pass_jump, propagate, remainder
    use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, lanes, scheme_t, seats, &
-      step_t, team_t, trial_t, wp
+      step_t, team_t, tried_step_t, wp
    implicit none
    private
 
@@ -28,7 +28,7 @@ contains
       !! (steps)
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
-      type(trial_t), intent(inout) :: trial
+      type(tried_step_t), intent(inout) :: trial
       logical, intent(out) :: has_event
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
@@ -124,7 +124,7 @@ contains
       type(team_t), intent(in) :: team
       real(wp), intent(in) :: slope(seats)
       !! of N at 0 per step [1/s2]
-      type(trial_t), intent(inout) :: trial
+      type(tried_step_t), intent(inout) :: trial
       real(wp) :: second
       integer :: i
 
@@ -154,7 +154,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(in) :: team
       real(wp), intent(in) :: slope(seats)
-      type(trial_t), intent(inout) :: trial
+      type(tried_step_t), intent(inout) :: trial
       real(wp), parameter :: half = 0.5_wp
       real(wp), parameter :: to_first = c_2*(half - c_3)
       !! x**2 (x - 1/2) = x (x - c2)(x - c3) + x (x - c2)/2 + to_first x
@@ -205,7 +205,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(in) :: team
       real(wp), intent(in) :: slope(seats)
-      type(trial_t), intent(inout) :: trial
+      type(tried_step_t), intent(inout) :: trial
       real(wp), parameter :: slope_2 = 2 - c_2
       !! of x (x - c2) at 1
       real(wp), parameter :: slope_3 = (1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2)
@@ -254,7 +254,7 @@ contains
    !> In which lanes is an impact or a new maximum possible within the step?
    pure subroutine mark_events(team, trial, has_event)
       type(team_t), intent(in) :: team
-      type(trial_t), intent(inout) :: trial
+      type(tried_step_t), intent(inout) :: trial
       logical, intent(out) :: has_event
       real(wp), parameter :: margin = 0.25_wp
       !! between its end tangents a motion of one curvature stays; this much more is looked at
@@ -294,7 +294,7 @@ contains
 
    !> Take the step in the lanes that are ready and where nothing happens.
    pure subroutine accept(trial, team)
-      type(trial_t), intent(in) :: trial
+      type(tried_step_t), intent(in) :: trial
       type(team_t), intent(inout) :: team
       real(wp) :: higher
       real(wp) :: doubt
