@@ -15,7 +15,7 @@ module rwmf_fast_pool
    use rwmf_fast_ordinate, only: ordinate_t
    use rwmf_fast_scope, only: fast_scope_t, fast_task_t, kind_of, kinds, most_stages
    use rwmf_fast_series, only: step_weights
-   use rwmf_fast_slots, only: is_empty, lane_of, new_pool, pool_t, pop, pull, push, team_of
+   use rwmf_fast_slots, only: is_empty, lane_of, new_pool, pool_t, pop, push, team_of
    use rwmf_kinds, only: pi, wp
    implicit none
    private
@@ -117,14 +117,15 @@ contains
       type(deck_t), intent(inout) :: deck
       type(pool_t), intent(inout) :: pool
       type(fast_result_t), intent(inout) :: result(:)
-      integer :: slot(1)
-      integer :: number, n
+      integer :: slot
+      integer :: number
 
-      do while (pool%finished%n > 0)
-         call pull(pool%finished, slot, n)
-         call finish(scope, slot(1), pool, result)
-         call choose_task(pool%kind(team_of(slot(1))), deck, pool, number)
-         if (number > 0) call begin(scope, task, number, slot(1), pool)
+      do
+         call pop(pool%finished, slot)
+         if (slot == 0) exit
+         call finish(scope, slot, pool, result)
+         call choose_task(pool%kind(team_of(slot)), deck, pool, number)
+         if (number > 0) call begin(scope, task, number, slot, pool)
       end do
    end subroutine refill
 

@@ -10,7 +10,7 @@ module rwmf_fast_slots
 
    !> Slots that wait for a row of flights.
    type :: queue_t
-      integer :: n
+      integer :: n = 0
       integer, allocatable :: slot(:)
    end type queue_t
 
@@ -55,22 +55,15 @@ contains
       call lay_out(teams, pool)
       allocate (pool%present(teams), pool%is_called(teams), pool%kind(teams), &
          pool%ordinate(teams*seats))
-      allocate (pool%starts%slot(teams*seats), &
-         pool%finished%slot(teams*seats))
+      allocate (pool%starts%slot(teams*seats), pool%finished%slot(teams*seats))
       allocate (pool%again(1)%slot(tasks), pool%again(2)%slot(tasks))
-      pool%starts%n = 0
-      pool%finished%n = 0
-      pool%again%n = 0
       pool%present = 0
       pool%is_called = .false.
       pool%kind = 1
       pool%ordinate%task = 0
-      call clear_row(pool%flights)
-      call clear_row(pool%events)
-      pool%trial%ground%f = 0
-      pool%trial%ground%jump = 0
       do k = 1, teams
-         call clear(pool%team(k))
+         pool%team(k)%at = 1
+         pool%team(k)%stop = huge(1)
       end do
    end subroutine new_pool
 
@@ -92,6 +85,8 @@ contains
       first(3) = first(2) + whole_lines(storage_size(trial)/8)
       first(4) = first(3) + whole_lines(storage_size(row)/8)
       allocate (pool%store(first(4) + whole_lines(storage_size(row)/8) + line))
+      ! Zeros in bytes are zeros in numbers.
+      pool%store = 0
       address = transfer(c_loc(pool%store(1)), address)
       first = first + int(modulo(-address, int(line, c_intptr_t)))
       call c_f_pointer(c_loc(pool%store(first(1))), team, [teams])
@@ -110,50 +105,6 @@ contains
       end function whole_lines
 
    end subroutine lay_out
-
-   pure subroutine clear(team)
-      type(team_t), intent(inout) :: team
-
-      team%now%v = 0
-      team%now%w = 0
-      team%now%n = 0
-      team%now%s = 0
-      team%now%drive = 0
-      team%now%doubt = 0
-      team%ready = 0
-      team%v_max = 0
-      team%worst = 0
-      team%rate%h = 0
-      team%rate%per_h = 0
-      team%rate%side = 1
-      team%rate%m2 = 0
-      team%rate%m3 = 0
-      team%rate%damping = 0
-      team%rate%stiffness = 0
-      team%rate%keep = 0
-      team%rate%coef = 0
-      team%rate%weight = 0
-      team%at = 1
-      team%stop = huge(1)
-   end subroutine clear
-
-   pure subroutine clear_row(row)
-      type(flights_t), intent(inout) :: row
-
-      row%side = 1
-      row%damping = 0
-      row%stiffness = 0
-      row%m1 = 0
-      row%m2 = 0
-      row%m3 = 0
-      row%m3_1 = 0
-      row%finish%n = 0
-      row%finish%s = 0
-      row%finish%drive = 0
-      row%coef = 0
-      row%curve = 0
-      row%used = 0
-   end subroutine clear_row
 
    pure subroutine push(slot, queue)
       integer, intent(in) :: slot
