@@ -96,6 +96,7 @@ def find_loops(dataset: xr.Dataset, case: Case) -> list[Loop]:
             )
     if not loops:
         check_springs(case)
+        raise InputError("the history holds no force of a spring")
     return loops
 
 

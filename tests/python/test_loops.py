@@ -65,3 +65,7 @@ def test_what_has_no_loops() -> None:
         loops.find_loops(rwmf.simulate(CASE), CASE)
     with pytest.raises(rwmf.InputError, match="need a spring"):
         loops.find_loops(rwmf.simulate(block(), dt=0.1), block())
+    run = rwmf.simulate(CASE, dt=0.1)
+    forces = [name for name in run.data_vars if "force_over" in str(name)]
+    with pytest.raises(rwmf.InputError, match="no force of a spring"):
+        loops.find_loops(run.drop_vars(forces), CASE)
