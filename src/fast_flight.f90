@@ -176,11 +176,9 @@ contains
          row%f(k, :) = step%f
          row%x(k) = one%x
          row%span(k) = one%span
-         row%v(k) = 0
          row%w(k) = one%w
          row%side(k) = one%side
          row%small(k) = negligible_n*one%rtol*one%v_max
-         row%n_0(k, :) = 0
          if (row%curve(k) == curve_of(law, one)) return
          row%curve(k) = curve_of(law, one)
          row%coef(k, :, :) = law%coef(:, :, merge(1, 2, one%side > 0))
