@@ -135,6 +135,10 @@ module rwmf_fast_lanes
       real(wp) :: difference(seats, 0:3)
       !! divided differences of N on the nodes [1/s2]
       type(lane_ground_t) :: ground
+      real(wp) :: n_jump(seats)
+      !! what a jump of the ground acceleration takes off N [1/s2]
+      real(wp) :: s_jump(seats)
+      !! and off its rate [1/s3]
    end type tried_step_t
 
    !> What all periods of one mass ratio and one width share; `rwmf_fast_law` makes it.

@@ -66,7 +66,7 @@ contains
    end function instruction_set
 
    !> One step of a team. The lanes in which something may happen are left as they were.
-   pure subroutine advance(level, ground, scheme, team, trial, has_event, is_called)
+   pure subroutine advance(level, ground, scheme, team, trial, marks, is_called)
       integer, intent(in) :: level
       !! from `best_level`
       type(step_t), contiguous, intent(in) :: ground(:)
@@ -74,19 +74,21 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
       type(tried_step_t), intent(inout) :: trial
-      logical, intent(out) :: has_event
+      integer, intent(out) :: marks
+      !! bit i - 1: something may happen in lane i
+      !! bit i - 1: something may happen in lane i
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call advance_team_v4(ground, scheme, team, trial, has_event, is_called)
+         call advance_team_v4(ground, scheme, team, trial, marks, is_called)
       case (3)
-         call advance_team_v3(ground, scheme, team, trial, has_event, is_called)
+         call advance_team_v3(ground, scheme, team, trial, marks, is_called)
 #endif
       case default
-         call advance_team(ground, scheme, team, trial, has_event, is_called)
+         call advance_team(ground, scheme, team, trial, marks, is_called)
       end select
    end subroutine advance
 

@@ -1,189 +1,239 @@
-!> What the steps of `rwmf_fast_step` are made of: the state at a node, and N there.
+!> What the steps of `rwmf_fast_step` are made of: functions of one lane.
 !>
-!> Loops to be vectorised, compiled once for each instruction set like that module: no operation
-!> mixes two lanes, and all instruction sets give the same bits.
+!> The compiler sees both modules at once and puts the functions in the place of their calls.
+!> Compiled once for each instruction set, like that module (see `rwmf_fast_machine`): FAST_NODE is
+!> the name of the module. What all lanes have in common is literal at the calls:
+!>
+!>    is_plain   the ground acceleration is linear in the steps, without jumps between them
+!>    is_short   the polynomials have `short_degree`
+!>
+!> i is the number of the lane.
 #ifndef FAST_NODE
 #define FAST_NODE rwmf_fast_node
 #endif
 module FAST_NODE
-   use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, seats, wp
+   use rwmf_fast_lanes, only: c_2, c_3, curves, degree, lane_ground_t, lane_rate_t, seats, &
+      team_t, tried_step_t, weights, wp
    implicit none
    private
 
-   public :: propagate, remainder, pass_jump
+   public :: value_before, slope_before, mode, state, drive_at, remainder, enter_end, take_end, &
+      mark_of
 
 contains
 
-   !> State at a node under the ground motion and N as far as it is known.
-   pure subroutine propagate(modes, rate, ground, d, a, v_0, w_0, v, w)
-      integer, intent(in) :: modes
-      !! how many of the four modes of the forcing are not zero; two at least
+   !> N at the beginning of a step [1/s2].
+   pure real(wp) function value_before(is_plain, i, team, trial) result(n)
+      logical, value :: is_plain
+      integer, value :: i
+      type(team_t), intent(in) :: team
+      type(tried_step_t), intent(in) :: trial
+
+      n = team%now%n(i)
+      if (.not. is_plain) n = n - trial%n_jump(i)
+   end function value_before
+
+   !> Its slope there, per step [1/s2].
+   pure real(wp) function slope_before(is_plain, i, team, trial) result(slope)
+      logical, value :: is_plain
+      integer, value :: i
+      type(team_t), intent(in) :: team
+      type(tried_step_t), intent(in) :: trial
+
+      slope = team%now%s(i) - team%now%drive(i)*team%rate%side(i)*trial%ground%kink(i)
+      if (.not. is_plain) slope = slope - trial%s_jump(i)
+      slope = team%rate%h(i)*slope
+   end function slope_before
+
+   !> One of the higher modes of the forcing: a difference of N and one of the ground motion, which
+   !> is zero where that is linear [1/s2].
+   pure real(wp) function mode(is_plain, difference, pull, f)
+      logical, value :: is_plain
+      real(wp), value :: difference
+      !! of N [1/s2]
+      real(wp), value :: pull
+      !! -M2 sigma [1/m]
+      real(wp), value :: f
+      !! [m/s2]
+
+      mode = difference
+      if (.not. is_plain) mode = mode + pull*f
+   end function mode
+
+   !> v or v' at a node: what those at the beginning and the modes of the forcing make of it.
+   pure real(wp) function state(modes, a, i, k, m, v, w, g_0, g_1, g_2, g_3)
+      integer, value :: modes
+      !! how many of the four are not zero, two at least; literal at the calls
+      real(wp), intent(in) :: a(seats, weights)
+      integer, value :: i
+      integer, value :: k
+      !! number of the weight of v
+      integer, value :: m
+      !! of that of g_0
+      real(wp), value :: v
+      real(wp), value :: w
+      real(wp), value :: g_0
+      real(wp), value :: g_1
+      real(wp), value :: g_2
+      real(wp), value :: g_3
+
+      state = a(i, m)*g_0 + a(i, m + 1)*g_1
+      if (modes == 3) state = state + a(i, m + 2)*g_2
+      if (modes == 4) state = state + (a(i, m + 2)*g_2 + a(i, m + 3)*g_3)
+      state = (a(i, k)*v + a(i, k + 1)*w) + state
+   end function state
+
+   !> v D2 at v [1/m].
+   pure real(wp) function drive_at(is_short, rate, i, v)
+      logical, value :: is_short
+      type(lane_rate_t), intent(in) :: rate
+      integer, value :: i
+      real(wp), value :: v
+
+      drive_at = v*curve(is_short, rate%coef, i, 3, v)
+   end function drive_at
+
+   !> N at a state and a position in the step [1/s2].
+   pure real(wp) function remainder(is_plain, is_short, rate, ground, i, y, v, w, drive) result(n)
+      logical, value :: is_plain
+      logical, value :: is_short
       type(lane_rate_t), intent(in) :: rate
       type(lane_ground_t), intent(in) :: ground
-      real(wp), intent(in) :: d(seats, 0:3)
-      !! divided differences of N [1/s2]
-      real(wp), intent(in) :: a(seats, 12)
-      !! weights of the node
-      real(wp), intent(in) :: v_0(seats)
-      real(wp), intent(in) :: w_0(seats)
-      real(wp), intent(out) :: v(seats)
-      real(wp), intent(out) :: w(seats)
-      real(wp) :: g_0, g_1, g_2, g_3, pull
-      integer :: i
+      integer, value :: i
+      real(wp), value :: y
+      !! position [-]
+      real(wp), value :: v
+      real(wp), value :: w
+      real(wp), value :: drive
+      !! v D2 [1/m]
+
+      n = curve(is_short, rate%coef, i, 1, v)*w*w - v*(curve(is_short, rate%coef, i, 2, v) &
+         *(rate%damping(i)*w + rate%stiffness(i)*v) + curve(is_short, rate%coef, i, 4, v)) &
+         - drive*(rate%side(i)*force(is_plain, ground, i, y))
+   end function remainder
+
+   !> One of the polynomials at v.
+   pure real(wp) function curve(is_short, c, i, k, v)
+      logical, value :: is_short
+      real(wp), intent(in) :: c(seats, 0:degree, curves)
+      integer, value :: i
+      integer, value :: k
+      !! which one
+      real(wp), value :: v
+      real(wp) :: v_2
+
+      v_2 = v*v
+      curve = (c(i, 0, k) + v*c(i, 1, k)) + v_2*(c(i, 2, k) + v*c(i, 3, k))
+      if (is_short) then
+         curve = curve + (v_2*v_2)*c(i, 4, k)
+      else
+         curve = curve + (v_2*v_2)*((c(i, 4, k) + v*c(i, 5, k)) + v_2*c(i, 6, k))
+      end if
+   end function curve
+
+   !> Ground acceleration at the position y of a step [m/s2].
+   pure real(wp) function force(is_plain, ground, i, y)
+      logical, value :: is_plain
+      type(lane_ground_t), intent(in) :: ground
+      integer, value :: i
+      real(wp), value :: y
 
       associate (f => ground%f)
-         select case (modes)
-         case (2)
-            !$omp simd private(g_0, g_1, pull)
-            do i = 1, seats
-               pull = -rate%m2(i)*rate%side(i)
-               g_0 = (d(i, 0) - rate%m3(i)) + pull*f(i, 0)
-               g_1 = d(i, 1) + pull*f(i, 1)
-               v(i) = (a(i, 1)*v_0(i) + a(i, 2)*w_0(i)) + (a(i, 5)*g_0 + a(i, 6)*g_1)
-               w(i) = (a(i, 3)*v_0(i) + a(i, 4)*w_0(i)) + (a(i, 9)*g_0 + a(i, 10)*g_1)
-            end do
-         case (3)
-            !$omp simd private(g_0, g_1, g_2, pull)
-            do i = 1, seats
-               pull = -rate%m2(i)*rate%side(i)
-               g_0 = (d(i, 0) - rate%m3(i)) + pull*f(i, 0)
-               g_1 = d(i, 1) + pull*f(i, 1)
-               g_2 = d(i, 2)
-               v(i) = (a(i, 1)*v_0(i) + a(i, 2)*w_0(i)) + ((a(i, 5)*g_0 + a(i, 6)*g_1) &
-                  + a(i, 7)*g_2)
-               w(i) = (a(i, 3)*v_0(i) + a(i, 4)*w_0(i)) + ((a(i, 9)*g_0 + a(i, 10)*g_1) &
-                  + a(i, 11)*g_2)
-            end do
-         case default
-            !$omp simd private(g_0, g_1, g_2, g_3, pull)
-            do i = 1, seats
-               pull = -rate%m2(i)*rate%side(i)
-               g_0 = (d(i, 0) - rate%m3(i)) + pull*f(i, 0)
-               g_1 = d(i, 1) + pull*f(i, 1)
-               g_2 = d(i, 2) + pull*f(i, 2)
-               g_3 = d(i, 3) + pull*f(i, 3)
-               v(i) = (a(i, 1)*v_0(i) + a(i, 2)*w_0(i)) + ((a(i, 5)*g_0 + a(i, 6)*g_1) &
-                  + (a(i, 7)*g_2 + a(i, 8)*g_3))
-               w(i) = (a(i, 3)*v_0(i) + a(i, 4)*w_0(i)) + ((a(i, 9)*g_0 + a(i, 10)*g_1) &
-                  + (a(i, 11)*g_2 + a(i, 12)*g_3))
-            end do
-         end select
+         if (is_plain) then
+            force = f(i, 0) + y*f(i, 1)
+         else
+            force = f(i, 0) + y*(f(i, 1) + (y - c_2)*(f(i, 2) + (y - c_3)*f(i, 3)))
+         end if
       end associate
-   end subroutine propagate
+   end function force
 
-   !> N at the states of all lanes.
-   pure subroutine remainder(is_short, rate, ground, y, v, w, n, drive)
-      logical, intent(in) :: is_short
-      type(lane_rate_t), intent(in) :: rate
-      type(lane_ground_t), intent(in) :: ground
-      real(wp), intent(in) :: y
-      !! position in the step [-]
-      real(wp), intent(in) :: v(seats)
-      real(wp), intent(in) :: w(seats)
-      real(wp), intent(out) :: n(seats)
-      real(wp), intent(out) :: drive(seats)
+   !> The end of a step as it is tried.
+   pure subroutine enter_end(i, v, w, n, s, drive, doubt, trial)
+      integer, value :: i
+      real(wp), value :: v
+      real(wp), value :: w
+      real(wp), value :: n
+      real(wp), value :: s
+      real(wp), value :: drive
+      real(wp), value :: doubt
+      type(tried_step_t), intent(inout) :: trial
 
-      if (is_short) then
-         call remainder_of_four(rate, ground, y, v, w, n, drive)
-      else
-         call remainder_of_six(rate, ground, y, v, w, n, drive)
-      end if
-   end subroutine remainder
+      trial%next%v(i) = v
+      trial%next%w(i) = w
+      trial%next%n(i) = n
+      trial%next%s(i) = s
+      trial%next%drive(i) = drive
+      trial%next%doubt(i) = abs(doubt)
+   end subroutine enter_end
 
-   !> N with polynomials of degree 4.
-   pure subroutine remainder_of_four(rate, ground, y, v, w, n, drive)
-      type(lane_rate_t), intent(in) :: rate
-      type(lane_ground_t), intent(in) :: ground
-      real(wp), intent(in) :: y
-      real(wp), intent(in) :: v(seats)
-      real(wp), intent(in) :: w(seats)
-      real(wp), intent(out) :: n(seats)
-      real(wp), intent(out) :: drive(seats)
-      real(wp) :: x, x_2, x_4, q, d_1, d_2, h, g
-      integer :: i
+   !> Take the step if the lane is ready and nothing happens.
+   pure subroutine take_end(is_plain, i, team, trial)
+      logical, value :: is_plain
+      integer, value :: i
+      type(team_t), intent(inout) :: team
+      type(tried_step_t), intent(inout) :: trial
+      real(wp) :: event, largest, higher, doubt, faded
+      logical :: taken
 
-      associate (c => rate%coef, f => ground%f)
-         !$omp simd private(x, x_2, x_4, q, d_1, d_2, h, g)
-         do i = 1, seats
-            x = v(i)
-            x_2 = x*x
-            x_4 = x_2*x_2
-            q = ((c(i, 0, 1) + x*c(i, 1, 1)) + x_2*(c(i, 2, 1) + x*c(i, 3, 1))) &
-               + x_4*c(i, 4, 1)
-            d_1 = ((c(i, 0, 2) + x*c(i, 1, 2)) + x_2*(c(i, 2, 2) + x*c(i, 3, 2))) &
-               + x_4*c(i, 4, 2)
-            d_2 = ((c(i, 0, 3) + x*c(i, 1, 3)) + x_2*(c(i, 2, 3) + x*c(i, 3, 3))) &
-               + x_4*c(i, 4, 3)
-            h = ((c(i, 0, 4) + x*c(i, 1, 4)) + x_2*(c(i, 2, 4) + x*c(i, 3, 4))) &
-               + x_4*c(i, 4, 4)
-            g = f(i, 0) + y*(f(i, 1) + (y - c_2)*(f(i, 2) + (y - c_3)*f(i, 3)))
-            drive(i) = x*d_2
-            n(i) = q*w(i)*w(i) - x*(d_1*(rate%damping(i)*w(i) + rate%stiffness(i)*x) + h) &
-               - drive(i)*(rate%side(i)*g)
-         end do
+      associate (now => team%now, next => trial%next)
+         largest = team%v_max(i)
+         doubt = now%doubt(i)
+         faded = team%rate%keep(i)*doubt
+         event = merge(team%ready(i), 0.0_wp, happens(i, team, trial))
+         taken = team%ready(i) > event
+         trial%event(i) = event
+         now%v(i) = merge(next%v(i), now%v(i), taken)
+         now%w(i) = merge(next%w(i), now%w(i), taken)
+         now%n(i) = merge(next%n(i), now%n(i), taken)
+         now%s(i) = merge(next%s(i), now%s(i), taken)
+         now%drive(i) = merge(next%drive(i), now%drive(i), taken)
+         if (is_plain) then
+            faded = faded + next%doubt(i)
+         else
+            ! A jump of the acceleration changes the slope of N in a way that the prediction
+            ! leaves out; the change of N then says nothing about what is wrong after it.
+            faded = faded + merge(0.0_wp, next%doubt(i), abs(trial%ground%jump(i)) > 0)
+         end if
+         doubt = merge(faded, doubt, taken)
+         now%doubt(i) = doubt
+         higher = merge(next%v(i), 0.0_wp, taken)
+         team%worst(i) = merge(doubt, team%worst(i), higher > largest)
+         team%v_max(i) = max(largest, higher)
       end associate
-   end subroutine remainder_of_four
+      team%at(i) = team%at(i) + merge(1, 0, taken)
+   end subroutine take_end
 
-   !> N with polynomials of degree 6.
-   pure subroutine remainder_of_six(rate, ground, y, v, w, n, drive)
-      type(lane_rate_t), intent(in) :: rate
-      type(lane_ground_t), intent(in) :: ground
-      real(wp), intent(in) :: y
-      real(wp), intent(in) :: v(seats)
-      real(wp), intent(in) :: w(seats)
-      real(wp), intent(out) :: n(seats)
-      real(wp), intent(out) :: drive(seats)
-      real(wp) :: x, x_2, x_4, q, d_1, d_2, h, g
-      integer :: i
+   !> Is an impact or a new maximum possible within the step?
+   pure logical function happens(i, team, trial)
+      integer, value :: i
+      type(team_t), intent(in) :: team
+      type(tried_step_t), intent(in) :: trial
+      real(wp), parameter :: margin = 0.25_wp
+      !! of h (|w_0| + |w|): a rate that is a parabola takes v at most 4/27 of it beyond its ends
+      real(wp) :: v_0, w_0, v, w, h, room, both, twice, peak, dip
 
-      associate (c => rate%coef, f => ground%f)
-         !$omp simd private(x, x_2, x_4, q, d_1, d_2, h, g)
-         do i = 1, seats
-            x = v(i)
-            x_2 = x*x
-            x_4 = x_2*x_2
-            q = ((c(i, 0, 1) + x*c(i, 1, 1)) + x_2*(c(i, 2, 1) + x*c(i, 3, 1))) &
-               + x_4*((c(i, 4, 1) + x*c(i, 5, 1)) + x_2*c(i, 6, 1))
-            d_1 = ((c(i, 0, 2) + x*c(i, 1, 2)) + x_2*(c(i, 2, 2) + x*c(i, 3, 2))) &
-               + x_4*((c(i, 4, 2) + x*c(i, 5, 2)) + x_2*c(i, 6, 2))
-            d_2 = ((c(i, 0, 3) + x*c(i, 1, 3)) + x_2*(c(i, 2, 3) + x*c(i, 3, 3))) &
-               + x_4*((c(i, 4, 3) + x*c(i, 5, 3)) + x_2*c(i, 6, 3))
-            h = ((c(i, 0, 4) + x*c(i, 1, 4)) + x_2*(c(i, 2, 4) + x*c(i, 3, 4))) &
-               + x_4*((c(i, 4, 4) + x*c(i, 5, 4)) + x_2*c(i, 6, 4))
-            g = f(i, 0) + y*(f(i, 1) + (y - c_2)*(f(i, 2) + (y - c_3)*f(i, 3)))
-            drive(i) = x*d_2
-            n(i) = q*w(i)*w(i) - x*(d_1*(rate%damping(i)*w(i) + rate%stiffness(i)*x) + h) &
-               - drive(i)*(rate%side(i)*g)
-         end do
-      end associate
-   end subroutine remainder_of_six
+      v_0 = team%now%v(i)
+      w_0 = team%now%w(i)
+      v = trial%next%v(i)
+      w = trial%next%w(i)
+      h = team%rate%h(i)
+      room = margin*h*(abs(w_0) + abs(w))
+      ! v' may change its sign twice: its mean is then less than a third of the sum of its ends.
+      both = w_0 + w
+      twice = min(w_0*w, both*(h*both - 3*(v - v_0)))
+      peak = max(min(w_0, -w), twice)
+      peak = min(peak, room + max(v_0, v) - team%v_max(i))
+      dip = max(min(-w_0, w), twice)
+      dip = min(dip, room - min(v_0, v))
+      happens = v <= 0 .or. max(peak, dip) > 0
+   end function happens
 
-   !> A jump of the ground acceleration is one of v'' as well, by -M2 sigma. The slope of N jumps by
-   !> that times dN/dv' = 2 Q v' - v D1 2 xi_s omega_s, and by -v' d(v D2)/dv sigma.
-   pure subroutine pass_jump(rate, ground, v, w, drive, slope)
-      type(lane_rate_t), intent(in) :: rate
-      type(lane_ground_t), intent(in) :: ground
-      real(wp), intent(in) :: v(seats)
-      real(wp), intent(in) :: w(seats)
-      real(wp), intent(in) :: drive(seats)
-      real(wp), intent(inout) :: slope(seats)
-      real(wp) :: x, q, d_1, bend
-      integer :: i
+   !> The bit of a lane in which something may happen.
+   pure integer function mark_of(i, trial) result(mark)
+      integer, value :: i
+      type(tried_step_t), intent(in) :: trial
 
-      associate (c => rate%coef)
-         !$omp simd private(x, q, d_1, bend)
-         do i = 1, seats
-            x = v(i)
-            q = c(i, 0, 1) + x*(c(i, 1, 1) + x*(c(i, 2, 1) + x*(c(i, 3, 1) + x*(c(i, 4, 1) &
-               + x*(c(i, 5, 1) + x*c(i, 6, 1))))))
-            d_1 = c(i, 0, 2) + x*(c(i, 1, 2) + x*(c(i, 2, 2) + x*(c(i, 3, 2) + x*(c(i, 4, 2) &
-               + x*(c(i, 5, 2) + x*c(i, 6, 2))))))
-            bend = c(i, 0, 3) + x*(2*c(i, 1, 3) + x*(3*c(i, 2, 3) + x*(4*c(i, 3, 3) &
-               + x*(5*c(i, 4, 3) + x*(6*c(i, 5, 3) + x*7*c(i, 6, 3))))))
-            slope(i) = slope(i) - rate%h(i)*((2*q*w(i) - x*d_1*rate%damping(i)) &
-               *(rate%m2(i) + drive(i)) + w(i)*bend)*rate%side(i)*ground%jump(i)
-         end do
-      end associate
-   end subroutine pass_jump
+      mark = merge(ishft(1, i - 1), 0, trial%event(i) > 0)
+   end function mark_of
 
 end module FAST_NODE

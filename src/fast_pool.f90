@@ -247,52 +247,40 @@ contains
       type(pool_t), intent(inout) :: pool
       logical, intent(inout) :: stands
       !! nobody could step so far
-      logical :: has_event
+      integer :: marks
 
       if (pool%is_called(k)) call line_up(scope, k, pool)
       if (pool%present(k) == 0) return
       stands = .false.
       call advance(scope%instructions, scope%ground, scope%scheme(pool%kind(k)), pool%team(k), &
-         pool%trial, has_event, pool%is_called(k))
-      if (has_event) call dismiss(scope, k, pool)
+         pool%trial, marks, pool%is_called(k))
+      if (marks /= 0) call dismiss(scope, k, marks, pool)
    end subroutine take_turn
 
    !> Those in whose step something may happen wait until there are enough of them.
-   pure subroutine dismiss(scope, k, pool)
+   pure subroutine dismiss(scope, k, marks, pool)
       type(fast_scope_t), intent(in) :: scope
       integer, intent(in) :: k
       !! the team
+      integer, intent(in) :: marks
+      !! bit i - 1: lane i
       type(pool_t), intent(inout) :: pool
-      integer :: marked(seats)
       integer :: slot
-      integer :: n
+      integer :: left
       integer :: i
 
-      call list_marked(pool%trial%event, marked, n)
-      pool%present(k) = pool%present(k) - n
-      do i = 1, n
-         pool%team(k)%ready(marked(i)) = 0
-         slot = (k - 1)*seats + marked(i)
-         call enter_step(scope, pool%team(k), pool%trial, marked(i), slot, pool%ordinate(slot), &
+      pool%present(k) = pool%present(k) - popcnt(marks)
+      left = marks
+      do while (left /= 0)
+         i = trailz(left) + 1
+         left = iand(left, left - 1)
+         pool%team(k)%ready(i) = 0
+         slot = (k - 1)*seats + i
+         call enter_step(scope, pool%team(k), pool%trial, i, slot, pool%ordinate(slot), &
             pool%events)
          if (pool%events%used == width) call follow_row(scope, pool)
       end do
    end subroutine dismiss
-
-   !> The lanes with a mark. Where they are is not to be guessed: a branch for each would cost more.
-   pure subroutine list_marked(mark, list, n)
-      real(wp), intent(in) :: mark(seats)
-      integer, intent(out) :: list(seats)
-      !! the first n
-      integer, intent(out) :: n
-      integer :: i
-
-      n = 0
-      do i = 1, seats
-         list(min(n + 1, seats)) = i
-         n = n + merge(1, 0, mark(i) > 0)
-      end do
-   end subroutine list_marked
 
    !> New weights where the length of the steps changes; who is at the end leaves the team.
    pure subroutine line_up(scope, k, pool)

@@ -5,6 +5,11 @@
 !> the earlier ones and from the slope of N at the beginning. A lane never sees another one: the
 !> result of an ordinate does not depend on its neighbours.
 !>
+!> A step is one loop over the lanes, so that what is computed stays in registers. What all lanes
+!> have in common (see `rwmf_fast_node`) is literal in the calls of `advance_team`, each of which
+!> becomes a loop of its own. Where the instructions cannot choose between two values (without
+!> FAST_CHOICE) the last part is a loop that is not vectorised.
+!>
 !> Compiled once for each instruction set (see `rwmf_fast_machine`): FAST_STEP is the module's name.
 !> Neither fused multiply-add nor reordering is allowed, so that all of them give the same bits.
 #ifndef FAST_STEP
@@ -12,47 +17,100 @@
 #define FAST_NODE rwmf_fast_node
 #endif
 module FAST_STEP
-   use FAST_NODE, only: pass_jump, propagate, remainder
-   use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lane_rate_t, lanes, scheme_t, seats, &
-      step_t, team_t, tried_step_t, wp
+   use FAST_NODE, only: drive_at, enter_end, mark_of, mode, remainder, slope_before, state, &
+      take_end, value_before
+   use rwmf_fast_lanes, only: c_2, c_3, lane_ground_t, lanes, scheme_t, seats, step_t, team_t, &
+      tried_step_t, wp
    implicit none
    private
 
    public :: advance_team, step_frames
 
+#ifdef FAST_CHOICE
+   logical, parameter :: has_choice = .true.
+#else
+   logical, parameter :: has_choice = .false.
+#endif
+   !! the instructions can choose between two values
+
 contains
 
    !> One step of a team. The lanes in which something may happen are left as they were.
-   pure subroutine advance_team(ground, scheme, team, trial, has_event, is_called)
+   pure subroutine advance_team(ground, scheme, team, trial, marks, is_called)
       type(step_t), contiguous, intent(in) :: ground(:)
       !! (steps)
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
       type(tried_step_t), intent(inout) :: trial
-      logical, intent(out) :: has_event
+      integer, intent(out) :: marks
+      !! bit i - 1: something may happen in lane i
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
-      real(wp) :: slope(seats)
 
       call load_ground(ground, scheme, team%at, trial%ground)
-      call begin_step(team%rate, trial%ground, team%now%n, team%now%s, team%now%drive, &
-         trial%difference, slope)
-      if (scheme%has_jumps) then
-         if (jumps(trial%ground%jump)) call pass_jump(team%rate, trial%ground, team%now%v, &
-            team%now%w, team%now%drive, slope)
+      if (scheme%has_jumps .or. .not. scheme%is_straight) then
+         if (scheme%has_jumps) call pass_jumps(team, trial)
+         call advance_curved(scheme%stages, team, trial, marks, is_called)
+      else if (scheme%is_short) then
+         call advance_short(scheme%stages, team, trial, marks, is_called)
+      else
+         call advance_long(scheme%stages, team, trial, marks, is_called)
       end if
-      select case (scheme%stages)
-      case (1)
-         call take_one(scheme, team, slope, trial)
-      case (2)
-         call take_two(scheme, team, slope, trial)
-      case default
-         call take_three(scheme, team, slope, trial)
-      end select
-      call mark_events(team, trial, has_event)
-      call accept(trial, team)
-      call count_step(trial%event, team, is_called)
    end subroutine advance_team
+
+   !> Any ground motion.
+   pure subroutine advance_curved(stages, team, trial, marks, is_called)
+      integer, intent(in) :: stages
+      type(team_t), intent(inout) :: team
+      type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
+
+      select case (stages)
+      case (1)
+         call take_one(.false., .false., team, trial, marks, is_called)
+      case (2)
+         call take_two(.false., .false., team, trial, marks, is_called)
+      case default
+         call take_three(.false., .false., team, trial, marks, is_called)
+      end select
+   end subroutine advance_curved
+
+   !> A plain record, polynomials of `short_degree`.
+   pure subroutine advance_short(stages, team, trial, marks, is_called)
+      integer, intent(in) :: stages
+      type(team_t), intent(inout) :: team
+      type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
+
+      select case (stages)
+      case (1)
+         call take_one(.true., .true., team, trial, marks, is_called)
+      case (2)
+         call take_two(.true., .true., team, trial, marks, is_called)
+      case default
+         call take_three(.true., .true., team, trial, marks, is_called)
+      end select
+   end subroutine advance_short
+
+   !> A plain record.
+   pure subroutine advance_long(stages, team, trial, marks, is_called)
+      integer, intent(in) :: stages
+      type(team_t), intent(inout) :: team
+      type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
+
+      select case (stages)
+      case (1)
+         call take_one(.true., .false., team, trial, marks, is_called)
+      case (2)
+         call take_two(.true., .false., team, trial, marks, is_called)
+      case default
+         call take_three(.true., .false., team, trial, marks, is_called)
+      end select
+   end subroutine advance_long
 
    !> The ground motion in the step of each lane.
    pure subroutine load_ground(ground, scheme, at, loaded)
@@ -82,261 +140,244 @@ contains
       end do
    end subroutine load_ground
 
-   pure logical function jumps(jump)
-      real(wp), intent(in) :: jump(seats)
-      real(wp) :: total
-      integer :: i
-
-      total = 0
-      !$omp simd reduction(max: total)
-      do i = 1, seats
-         total = max(total, abs(jump(i)))
-      end do
-      jumps = total > 0
-   end function jumps
-
-   !> N as far as it is known at the beginning: its value and its slope.
-   pure subroutine begin_step(rate, ground, n_0, s_0, drive, d, slope)
-      type(lane_rate_t), intent(in) :: rate
-      type(lane_ground_t), intent(in) :: ground
-      real(wp), intent(in) :: n_0(seats)
-      real(wp), intent(in) :: s_0(seats)
-      real(wp), intent(in) :: drive(seats)
-      real(wp), intent(out) :: d(seats, 0:3)
-      !! divided differences on 0, c2, c3, 1
-      real(wp), intent(out) :: slope(seats)
-      !! of N at 0 per step [1/s2]
-      integer :: i
-
-      !$omp simd
-      do i = 1, seats
-         d(i, 0) = n_0(i) - drive(i)*rate%side(i)*ground%jump(i)
-         slope(i) = rate%h(i)*(s_0(i) - drive(i)*rate%side(i)*ground%kink(i))
-         d(i, 1) = slope(i)
-         d(i, 2) = 0
-         d(i, 3) = 0
-      end do
-   end subroutine begin_step
-
-   !> One evaluation: N through its value and slope at 0 and its value at 1.
-   pure subroutine take_one(scheme, team, slope, trial)
-      type(scheme_t), intent(in) :: scheme
+   !> A jump of the ground acceleration is one of v'' as well, by -M2 sigma. N jumps with it, and
+   !> its slope by that times dN/dv' = 2 Q v' - v D1 2 xi_s omega_s and by -v' d(v D2)/dv sigma.
+   pure subroutine pass_jumps(team, trial)
       type(team_t), intent(in) :: team
-      real(wp), intent(in) :: slope(seats)
-      !! of N at 0 per step [1/s2]
       type(tried_step_t), intent(inout) :: trial
-      real(wp) :: second
+      real(wp) :: x, q, d_1, bend, jump
       integer :: i
 
-      associate (rate => team%rate, now => team%now, d => trial%difference, next => trial%next, &
-         ground => trial%ground)
-         call propagate(merge(2, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 25:36), &
-            now%v, now%w, next%v, next%w)
-         call remainder(scheme%is_short, rate, ground, 1.0_wp, next%v, next%w, next%n, next%drive)
-         !$omp simd private(second)
+      associate (c => team%rate%coef, rate => team%rate, now => team%now)
+         !$omp simd private(x, q, d_1, bend, jump)
          do i = 1, seats
-            second = (next%n(i) - d(i, 0)) - slope(i)
-            ! x**2 is x (x - c2) + c2 x
-            d(i, 1) = slope(i) + c_2*second
-            d(i, 2) = second
-            next%v(i) = next%v(i) + second*(rate%weight(i, 31) + c_2*rate%weight(i, 30))
-            next%doubt(i) = second*(rate%weight(i, 35) + c_2*rate%weight(i, 34))
-            next%w(i) = next%w(i) + next%doubt(i)
-            next%s(i) = rate%per_h(i)*(slope(i) + 2*second)
+            x = now%v(i)
+            q = c(i, 0, 1) + x*(c(i, 1, 1) + x*(c(i, 2, 1) + x*(c(i, 3, 1) + x*(c(i, 4, 1) &
+               + x*(c(i, 5, 1) + x*c(i, 6, 1))))))
+            d_1 = c(i, 0, 2) + x*(c(i, 1, 2) + x*(c(i, 2, 2) + x*(c(i, 3, 2) + x*(c(i, 4, 2) &
+               + x*(c(i, 5, 2) + x*c(i, 6, 2))))))
+            bend = c(i, 0, 3) + x*(2*c(i, 1, 3) + x*(3*c(i, 2, 3) + x*(4*c(i, 3, 3) &
+               + x*(5*c(i, 4, 3) + x*(6*c(i, 5, 3) + x*7*c(i, 6, 3))))))
+            jump = rate%side(i)*trial%ground%jump(i)
+            trial%n_jump(i) = now%drive(i)*jump
+            trial%s_jump(i) = ((2*q*now%w(i) - x*d_1*rate%damping(i))*(rate%m2(i) &
+               + now%drive(i)) + now%w(i)*bend)*jump
          end do
       end associate
+   end subroutine pass_jumps
+
+   !> Take the step in the lanes that are ready and where nothing happens.
+   pure subroutine take_ends(is_plain, team, trial, marks, is_called)
+      logical, intent(in) :: is_plain
+      type(team_t), intent(inout) :: team
+      type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
+      integer :: i
+
+      marks = 0
+      do i = 1, seats
+         call take_end(is_plain, i, team, trial)
+         marks = ior(marks, mark_of(i, trial))
+      end do
+      is_called = any(team%at >= team%stop)
+   end subroutine take_ends
+
+   !> One evaluation: N through its value and slope at 0 and its value at 1.
+   pure subroutine take_one(is_plain, is_short, team, trial, marks, is_called)
+      logical, value :: is_plain
+      logical, value :: is_short
+      type(team_t), intent(inout) :: team
+      type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
+      real(wp) :: n_0, slope, pull, g_0, g_1, g_2, g_3, v_0, w_0, v, w, n, drive
+      real(wp) :: second, doubt, s
+      integer :: calls, i
+
+      marks = 0
+      calls = 0
+      associate (rate => team%rate, now => team%now, a => team%rate%weight, &
+         ground => trial%ground, f => trial%ground%f)
+         !$omp simd private(n_0, slope, pull, g_0, g_1, g_2, g_3, v_0, w_0, v, w, n, drive) &
+         !$omp& private(second, doubt, s) reduction(ior: marks) reduction(+: calls)
+         do i = 1, seats
+            v_0 = now%v(i)
+            w_0 = now%w(i)
+            n_0 = value_before(is_plain, i, team, trial)
+            slope = slope_before(is_plain, i, team, trial)
+            pull = -rate%m2(i)*rate%side(i)
+            g_0 = (n_0 - rate%m3(i)) + pull*f(i, 0)
+            g_1 = slope + pull*f(i, 1)
+            g_2 = pull*f(i, 2)
+            g_3 = pull*f(i, 3)
+            v = state(merge(2, 4, is_plain), a, i, 25, 29, v_0, w_0, g_0, g_1, g_2, g_3)
+            w = state(merge(2, 4, is_plain), a, i, 27, 33, v_0, w_0, g_0, g_1, g_2, g_3)
+            drive = drive_at(is_short, rate, i, v)
+            n = remainder(is_plain, is_short, rate, ground, i, 1.0_wp, v, w, drive)
+            second = (n - n_0) - slope
+            doubt = second*(a(i, 35) + c_2*a(i, 34))
+            v = v + second*(a(i, 31) + c_2*a(i, 30))
+            w = w + doubt
+            s = rate%per_h(i)*(slope + 2*second)
+            ! x**2 is x (x - c2) + c2 x
+            trial%difference(i, 0) = n_0
+            trial%difference(i, 1) = slope + c_2*second
+            trial%difference(i, 2) = second
+            trial%difference(i, 3) = 0
+            call enter_end(i, v, w, n, s, drive, doubt, trial)
+            if (.not. has_choice) cycle
+            call take_end(is_plain, i, team, trial)
+            marks = ior(marks, mark_of(i, trial))
+            calls = calls + merge(1, 0, team%at(i) >= team%stop(i))
+         end do
+      end associate
+      is_called = calls > 0
+      if (.not. has_choice) call take_ends(is_plain, team, trial, marks, is_called)
    end subroutine take_one
 
    !> Two evaluations: N through its values at 0, 1/2 and 1 and its slope at 0.
    !>
    !> The rate of v at 1 is that of Simpson's rule, whatever the slope.
-   pure subroutine take_two(scheme, team, slope, trial)
-      type(scheme_t), intent(in) :: scheme
-      type(team_t), intent(in) :: team
-      real(wp), intent(in) :: slope(seats)
+   pure subroutine take_two(is_plain, is_short, team, trial, marks, is_called)
+      logical, value :: is_plain
+      logical, value :: is_short
+      type(team_t), intent(inout) :: team
       type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
       real(wp), parameter :: half = 0.5_wp
       real(wp), parameter :: to_first = c_2*(half - c_3)
       !! x**2 (x - 1/2) = x (x - c2)(x - c3) + x (x - c2)/2 + to_first x
-      real(wp) :: v(seats)
-      real(wp) :: w(seats)
-      real(wp) :: n(seats)
-      real(wp) :: second(seats)
-      real(wp) :: third
-      real(wp) :: fourth
-      integer :: i
+      real(wp) :: n_0, slope, pull, g_0, g_1, g_2, g_3, v_0, w_0, v, w, n, drive
+      real(wp) :: first, second, third, fourth, doubt, s
+      integer :: calls, i
 
-      associate (rate => team%rate, now => team%now, d => trial%difference, next => trial%next, &
-         ground => trial%ground)
-         call propagate(merge(2, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 13:24), &
-            now%v, now%w, v, w)
-         call remainder(scheme%is_short, rate, ground, half, v, w, n, next%drive)
-         !$omp simd
+      marks = 0
+      calls = 0
+      associate (rate => team%rate, now => team%now, a => team%rate%weight, &
+         ground => trial%ground, f => trial%ground%f)
+         !$omp simd private(n_0, slope, pull, g_0, g_1, g_2, g_3, v_0, w_0, v, w, n, drive) &
+         !$omp& private(first, second, third, fourth, doubt, s) reduction(ior: marks) &
+         !$omp& reduction(+: calls)
          do i = 1, seats
-            second(i) = ((n(i) - d(i, 0))*2 - slope(i))*2
-            d(i, 1) = slope(i) + c_2*second(i)
-            d(i, 2) = second(i)
-         end do
-         call propagate(merge(3, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 25:36), &
-            now%v, now%w, next%v, next%w)
-         call remainder(scheme%is_short, rate, ground, 1.0_wp, next%v, next%w, next%n, next%drive)
-         !$omp simd private(third, fourth)
-         do i = 1, seats
-            third = (((next%n(i) - d(i, 0)) - slope(i)) - second(i))*2
-            d(i, 1) = d(i, 1) + to_first*third
-            d(i, 2) = d(i, 2) + half*third
-            d(i, 3) = third
-            next%v(i) = next%v(i) + third*(rate%weight(i, 32) + (half*rate%weight(i, 31) &
-               + to_first*rate%weight(i, 30)))
-            next%doubt(i) = third*(rate%weight(i, 36) + (half*rate%weight(i, 35) &
-               + to_first*rate%weight(i, 34)))
+            v_0 = now%v(i)
+            w_0 = now%w(i)
+            n_0 = value_before(is_plain, i, team, trial)
+            slope = slope_before(is_plain, i, team, trial)
+            pull = -rate%m2(i)*rate%side(i)
+            g_0 = (n_0 - rate%m3(i)) + pull*f(i, 0)
+            g_1 = slope + pull*f(i, 1)
+            g_2 = pull*f(i, 2)
+            g_3 = pull*f(i, 3)
+            v = state(merge(2, 4, is_plain), a, i, 13, 17, v_0, w_0, g_0, g_1, g_2, g_3)
+            w = state(merge(2, 4, is_plain), a, i, 15, 21, v_0, w_0, g_0, g_1, g_2, g_3)
+            drive = drive_at(is_short, rate, i, v)
+            n = remainder(is_plain, is_short, rate, ground, i, half, v, w, drive)
+            second = ((n - n_0)*2 - slope)*2
+            first = slope + c_2*second
+            g_1 = first + pull*f(i, 1)
+            g_2 = mode(is_plain, second, pull, f(i, 2))
+            v = state(merge(3, 4, is_plain), a, i, 25, 29, v_0, w_0, g_0, g_1, g_2, g_3)
+            w = state(merge(3, 4, is_plain), a, i, 27, 33, v_0, w_0, g_0, g_1, g_2, g_3)
+            drive = drive_at(is_short, rate, i, v)
+            n = remainder(is_plain, is_short, rate, ground, i, 1.0_wp, v, w, drive)
+            third = (((n - n_0) - slope) - second)*2
+            doubt = third*(a(i, 36) + (half*a(i, 35) + to_first*a(i, 34)))
             ! Of degree four is above all what the change of the ground acceleration in the step
             ! makes of Q v'**2 and v D2 f; the cubic misses its part along x**2 (x - 1/2)(x - 1).
-            fourth = (rate%h(i)*ground%f(i, 1))**2*rate%m2(i)*(rate%coef(i, 0, 1)*rate%m2(i) &
-               *0.25_wp + rate%coef(i, 0, 3)*(1/6.0_wp))
-            next%w(i) = next%w(i) + (next%doubt(i) - rate%h(i)*fourth*(1/120.0_wp))
-            next%s(i) = rate%per_h(i)*(slope(i) + (2*(second(i) + third) + half*fourth))
+            fourth = (rate%h(i)*f(i, 1))**2*rate%m2(i)*(rate%coef(i, 0, 1)*rate%m2(i)*0.25_wp &
+               + rate%coef(i, 0, 3)*(1/6.0_wp))
+            v = v + third*(a(i, 32) + (half*a(i, 31) + to_first*a(i, 30)))
+            w = w + (doubt - rate%h(i)*fourth*(1/120.0_wp))
+            s = rate%per_h(i)*(slope + (2*(second + third) + half*fourth))
+            trial%difference(i, 0) = n_0
+            trial%difference(i, 1) = first + to_first*third
+            trial%difference(i, 2) = second + half*third
+            trial%difference(i, 3) = third
+            call enter_end(i, v, w, n, s, drive, doubt, trial)
+            if (.not. has_choice) cycle
+            call take_end(is_plain, i, team, trial)
+            marks = ior(marks, mark_of(i, trial))
+            calls = calls + merge(1, 0, team%at(i) >= team%stop(i))
          end do
       end associate
+      is_called = calls > 0
+      if (.not. has_choice) call take_ends(is_plain, team, trial, marks, is_called)
    end subroutine take_two
 
    !> Three evaluations: N through its values at 0, c2, c3 and 1; its slope at 0 only predicts.
-   pure subroutine take_three(scheme, team, slope, trial)
-      type(scheme_t), intent(in) :: scheme
-      type(team_t), intent(in) :: team
-      real(wp), intent(in) :: slope(seats)
+   pure subroutine take_three(is_plain, is_short, team, trial, marks, is_called)
+      logical, value :: is_plain
+      logical, value :: is_short
+      type(team_t), intent(inout) :: team
       type(tried_step_t), intent(inout) :: trial
+      integer, intent(out) :: marks
+      logical, intent(out) :: is_called
       real(wp), parameter :: slope_2 = 2 - c_2
       !! of x (x - c2) at 1
       real(wp), parameter :: slope_3 = (1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2)
       !! of x (x - c2)(x - c3) at 1
-      real(wp) :: v(seats)
-      real(wp) :: w(seats)
-      real(wp) :: n(seats)
-      real(wp) :: second(seats)
-      real(wp) :: third
-      integer :: i
+      real(wp) :: n_0, slope, pull, g_0, g_1, g_2, g_3, v_0, w_0, v, w, n, drive
+      real(wp) :: first, second, third, guess, doubt, s
+      integer :: calls, i
 
-      associate (rate => team%rate, now => team%now, d => trial%difference, next => trial%next, &
-         ground => trial%ground)
-         call propagate(merge(2, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 1:12), &
-            now%v, now%w, v, w)
-         call remainder(scheme%is_short, rate, ground, c_2, v, w, n, next%drive)
-         !$omp simd
+      marks = 0
+      calls = 0
+      associate (rate => team%rate, now => team%now, a => team%rate%weight, &
+         ground => trial%ground, f => trial%ground%f)
+         !$omp simd private(n_0, slope, pull, g_0, g_1, g_2, g_3, v_0, w_0, v, w, n, drive) &
+         !$omp& private(first, second, third, guess, doubt, s) reduction(ior: marks) &
+         !$omp& reduction(+: calls)
          do i = 1, seats
-            d(i, 1) = (n(i) - d(i, 0))*(1/c_2)
-            second(i) = (d(i, 1) - slope(i))*(1/c_2)
-            d(i, 2) = second(i)
-         end do
-         call propagate(merge(3, 4, scheme%is_straight), rate, ground, d, rate%weight(:, 13:24), &
-            now%v, now%w, v, w)
-         call remainder(scheme%is_short, rate, ground, c_3, v, w, n, next%drive)
-         !$omp simd
-         do i = 1, seats
-            d(i, 2) = ((n(i) - d(i, 0))*(1/c_3) - d(i, 1))*(1/(c_3 - c_2))
-            d(i, 3) = (d(i, 2) - second(i))*(1/c_3)
-         end do
-         call propagate(4, rate, ground, d, rate%weight(:, 25:36), &
-            now%v, now%w, next%v, next%w)
-         call remainder(scheme%is_short, rate, ground, 1.0_wp, next%v, next%w, next%n, next%drive)
-         !$omp simd private(third)
-         do i = 1, seats
-            third = (((next%n(i) - d(i, 0)) - d(i, 1))*(1/(1 - c_2)) - d(i, 2))*(1/(1 - c_3))
-            next%v(i) = next%v(i) + rate%weight(i, 32)*(third - d(i, 3))
-            next%doubt(i) = rate%weight(i, 36)*(third - d(i, 3))
-            next%w(i) = next%w(i) + next%doubt(i)
-            d(i, 3) = third
-            next%s(i) = rate%per_h(i)*(d(i, 1) + slope_2*d(i, 2) + slope_3*third)
+            v_0 = now%v(i)
+            w_0 = now%w(i)
+            n_0 = value_before(is_plain, i, team, trial)
+            slope = slope_before(is_plain, i, team, trial)
+            pull = -rate%m2(i)*rate%side(i)
+            g_0 = (n_0 - rate%m3(i)) + pull*f(i, 0)
+            g_1 = slope + pull*f(i, 1)
+            g_2 = pull*f(i, 2)
+            g_3 = pull*f(i, 3)
+            v = state(merge(2, 4, is_plain), a, i, 1, 5, v_0, w_0, g_0, g_1, g_2, g_3)
+            w = state(merge(2, 4, is_plain), a, i, 3, 9, v_0, w_0, g_0, g_1, g_2, g_3)
+            drive = drive_at(is_short, rate, i, v)
+            n = remainder(is_plain, is_short, rate, ground, i, c_2, v, w, drive)
+            first = (n - n_0)*(1/c_2)
+            guess = (first - slope)*(1/c_2)
+            g_1 = first + pull*f(i, 1)
+            g_2 = mode(is_plain, guess, pull, f(i, 2))
+            v = state(merge(3, 4, is_plain), a, i, 13, 17, v_0, w_0, g_0, g_1, g_2, g_3)
+            w = state(merge(3, 4, is_plain), a, i, 15, 21, v_0, w_0, g_0, g_1, g_2, g_3)
+            drive = drive_at(is_short, rate, i, v)
+            n = remainder(is_plain, is_short, rate, ground, i, c_3, v, w, drive)
+            second = ((n - n_0)*(1/c_3) - first)*(1/(c_3 - c_2))
+            guess = (second - guess)*(1/c_3)
+            g_2 = mode(is_plain, second, pull, f(i, 2))
+            g_3 = mode(is_plain, guess, pull, f(i, 3))
+            v = state(4, a, i, 25, 29, v_0, w_0, g_0, g_1, g_2, g_3)
+            w = state(4, a, i, 27, 33, v_0, w_0, g_0, g_1, g_2, g_3)
+            drive = drive_at(is_short, rate, i, v)
+            n = remainder(is_plain, is_short, rate, ground, i, 1.0_wp, v, w, drive)
+            third = (((n - n_0) - first)*(1/(1 - c_2)) - second)*(1/(1 - c_3))
+            doubt = a(i, 36)*(third - guess)
+            v = v + a(i, 32)*(third - guess)
+            w = w + doubt
+            s = rate%per_h(i)*(first + slope_2*second + slope_3*third)
+            trial%difference(i, 0) = n_0
+            trial%difference(i, 1) = first
+            trial%difference(i, 2) = second
+            trial%difference(i, 3) = third
+            call enter_end(i, v, w, n, s, drive, doubt, trial)
+            if (.not. has_choice) cycle
+            call take_end(is_plain, i, team, trial)
+            marks = ior(marks, mark_of(i, trial))
+            calls = calls + merge(1, 0, team%at(i) >= team%stop(i))
          end do
       end associate
+      is_called = calls > 0
+      if (.not. has_choice) call take_ends(is_plain, team, trial, marks, is_called)
    end subroutine take_three
-
-   !> In which lanes is an impact or a new maximum possible within the step?
-   pure subroutine mark_events(team, trial, has_event)
-      type(team_t), intent(in) :: team
-      type(tried_step_t), intent(inout) :: trial
-      logical, intent(out) :: has_event
-      real(wp), parameter :: margin = 0.25_wp
-      !! between its end tangents a motion of one curvature stays; this much more is looked at
-      real(wp) :: room
-      real(wp) :: from_0
-      real(wp) :: from_1
-      real(wp) :: both
-      real(wp) :: total
-      integer :: i
-
-      total = 0
-      associate (now => team%now, next => trial%next, event => trial%event, h => team%rate%h)
-         !$omp simd private(room, from_0, from_1, both) reduction(max: total)
-         do i = 1, seats
-            room = margin*h(i)*abs(now%w(i) - next%w(i))
-            from_0 = now%v(i) + h(i)*now%w(i)
-            from_1 = next%v(i) - h(i)*next%w(i)
-            event(i) = merge(1.0_wp, 0.0_wp, next%v(i) <= 0)
-            event(i) = max(event(i), merge(1.0_wp, 0.0_wp, min(now%w(i), -next%w(i), &
-               min(from_0, from_1) + room - team%v_max(i)) > 0))
-            event(i) = max(event(i), merge(1.0_wp, 0.0_wp, max(now%w(i), -next%w(i), &
-               max(from_0, from_1) - room) < 0))
-            ! v' may change its sign twice: its mean is then less than a third of the sum of its
-            ! ends.
-            both = now%w(i) + next%w(i)
-            room = margin*h(i)*abs(both)
-            event(i) = max(event(i), merge(1.0_wp, 0.0_wp, min(now%w(i)*next%w(i), &
-               min(both*(h(i)*both - 3*(next%v(i) - now%v(i))), &
-               room + max(max(now%v(i), next%v(i)) - team%v_max(i), &
-               -min(now%v(i), next%v(i))))) > 0))
-            event(i) = event(i)*team%ready(i)
-            total = max(total, event(i))
-         end do
-      end associate
-      has_event = total > 0
-   end subroutine mark_events
-
-   !> Take the step in the lanes that are ready and where nothing happens.
-   pure subroutine accept(trial, team)
-      type(tried_step_t), intent(in) :: trial
-      type(team_t), intent(inout) :: team
-      real(wp) :: higher
-      real(wp) :: doubt
-      logical :: accepted
-      integer :: i
-
-      associate (now => team%now, next => trial%next)
-         !$omp simd private(accepted, higher, doubt)
-         do i = 1, seats
-            accepted = team%ready(i) > trial%event(i)
-            now%v(i) = merge(next%v(i), now%v(i), accepted)
-            now%w(i) = merge(next%w(i), now%w(i), accepted)
-            now%n(i) = merge(next%n(i), now%n(i), accepted)
-            now%s(i) = merge(next%s(i), now%s(i), accepted)
-            now%drive(i) = merge(next%drive(i), now%drive(i), accepted)
-            ! A jump of the acceleration changes the slope of N in a way that the prediction leaves
-            ! out; the change of N then says nothing about what is wrong after it.
-            doubt = merge(0.0_wp, abs(next%doubt(i)), abs(trial%ground%jump(i)) > 0)
-            doubt = team%rate%keep(i)*now%doubt(i) + doubt
-            now%doubt(i) = merge(doubt, now%doubt(i), accepted)
-            higher = merge(next%v(i), 0.0_wp, accepted)
-            team%worst(i) = merge(now%doubt(i), team%worst(i), higher > team%v_max(i))
-            team%v_max(i) = max(team%v_max(i), higher)
-         end do
-      end associate
-   end subroutine accept
-
-   pure subroutine count_step(event, team, is_called)
-      real(wp), intent(in) :: event(seats)
-      type(team_t), intent(inout) :: team
-      logical, intent(out) :: is_called
-      integer :: total
-      integer :: i
-
-      total = 0
-      !$omp simd reduction(+: total)
-      do i = 1, seats
-         team%at(i) = team%at(i) + merge(1, 0, team%ready(i) > event(i))
-         total = total + merge(1, 0, team%at(i) >= team%stop(i))
-      end do
-      is_called = total > 0
-   end subroutine count_step
 
    !> One step of bare frames, u'' = - d u' - k u - f: a linear recursion, exact for a cubic f.
    pure subroutine step_frames(n_used, h, f, weight, u, w, u_max, event)
