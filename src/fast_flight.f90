@@ -6,9 +6,9 @@ module rwmf_fast_flight
    use rwmf_fast_energy, only: is_over
    use rwmf_fast_lanes, only: fast_law_t, flights_t, team_t, tried_step_t, width
    use rwmf_fast_locate, only: place_impacts
-   use rwmf_fast_machine, only: depart, follow
+   use rwmf_fast_machine, only: depart, follow, rebound
    use rwmf_fast_ordinate, only: ordinate_t
-   use rwmf_fast_rest, only: comes_to_rest, find_wake
+   use rwmf_fast_rest, only: comes_to_rest, find_wake, negligible
    use rwmf_fast_scope, only: fast_scope_t
    use rwmf_fast_search, only: search_again
    use rwmf_fast_slots, only: lane_of, pool_t, pull, push, team_of
@@ -85,33 +85,90 @@ contains
       ordinate%w = w
    end subroutine plan_flight
 
-   !> Search the steps that wait for what was announced there.
+   !> Search the steps that wait for what was announced there. The flights that begin with the
+   !> impacts follow in the same row, with others that wait.
    pure subroutine follow_row(scope, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(pool_t), intent(inout) :: pool
-
-      call pad(pool%events)
-      call follow(scope%instructions, pool%events)
-      call judge(scope, pool%events, pool)
-      pool%events%used = 0
-   end subroutine follow_row
-
-   !> Integrate a row of flights that start on the base, and search them.
-   pure subroutine depart_row(scope, pool)
       type(fast_scope_t), intent(in) :: scope
       type(pool_t), intent(inout) :: pool
       integer :: k
 
+      associate (row => pool%events)
+         call blank(row%used + 1, row%filled, row)
+         row%filled = row%used
+         if (row%used > 0) then
+            row%v(row%used + 1:) = 1
+            row%finish%v(row%used + 1:) = 1
+            call follow(scope%instructions, row)
+            call search_odd(row, pool)
+            call rebound(scope%instructions, negligible_n*scope%rtol, row)
+            do k = 1, row%used
+               call judge(scope, k, row, pool)
+               if (row%slot(k) == 0) then
+                  call blank(k, k, row)
+               else
+                  call enter_side(scope, pool%ordinate(row%slot(k)), k, row)
+               end if
+            end do
+         end if
+         call take_in(scope, row, pool)
+         call fly(scope, row, pool)
+         row%used = 0
+      end associate
+   end subroutine follow_row
+
+   !> A row of flights that start on the base.
+   pure subroutine depart_row(scope, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(pool_t), intent(inout) :: pool
+
       associate (row => pool%flights)
-         call pull(pool%starts, row%slot, row%used)
-         do k = 1, row%used
-            call enter_flight(scope, pool%ordinate(row%slot(k)), k, row)
-         end do
-         call pad(row)
-         call depart(scope%instructions, row)
-         call judge(scope, row, pool)
+         call blank(1, row%filled, row)
+         row%filled = 0
+         call take_in(scope, row, pool)
+         call fly(scope, row, pool)
       end associate
    end subroutine depart_row
+
+   !> Planned flights take the free places of a row.
+   pure subroutine take_in(scope, row, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(flights_t), intent(inout) :: row
+      type(pool_t), intent(inout) :: pool
+      integer :: slot(width)
+      integer :: k, n, taken
+
+      n = min(pool%starts%n, count(row%slot == 0))
+      if (n == 0) return
+      call pull(pool%starts, slot(:n))
+      taken = 0
+      do k = 1, width
+         if (row%slot(k) /= 0) cycle
+         if (taken == n) exit
+         taken = taken + 1
+         row%slot(k) = slot(taken)
+         row%filled = max(row%filled, k)
+         call enter_flight(scope, pool%ordinate(slot(taken)), k, row)
+      end do
+   end subroutine take_in
+
+   !> Integrate flights that start on the base, and search them; who begins another one waits.
+   pure subroutine fly(scope, row, pool)
+      type(fast_scope_t), intent(in) :: scope
+      type(flights_t), intent(inout) :: row
+      type(pool_t), intent(inout) :: pool
+      integer :: k
+
+      call depart(scope%instructions, row)
+      call search_odd(row, pool)
+      call rebound(scope%instructions, negligible_n*scope%rtol, row)
+      do k = 1, width
+         if (row%slot(k) == 0) cycle
+         call judge(scope, k, row, pool)
+         if (row%slot(k) == 0) cycle
+         pool%ordinate(row%slot(k))%span = row%span(k)
+         call push(row%slot(k), pool%starts)
+      end do
+   end subroutine fly
 
    !> The constants of an ordinate.
    pure subroutine seat(law, ordinate, k, row)
@@ -123,11 +180,18 @@ contains
 
       row%damping(k) = ordinate%damping
       row%stiffness(k) = ordinate%stiffness
+      row%stages(k) = ordinate%stages
+      row%w_begin(k) = ordinate%w
+      row%idle(k) = negligible*ordinate%rtol*ordinate%w_max
+      row%v_max(k) = ordinate%v_max
+      if (row%law(k) == ordinate%law) return
+      row%law(k) = ordinate%law
       row%m1(k) = law%m1
       row%m2(k) = law%m2
       row%m3(k) = law%m3
       row%m3_1(k) = law%m3_1
-      row%v_max(k) = ordinate%v_max
+      row%threshold(k) = law%threshold
+      row%e(k) = law%e
    end subroutine seat
 
    !> A whole step joins those that wait, as its team has tried it.
@@ -179,11 +243,23 @@ contains
          row%w(k) = one%w
          row%side(k) = one%side
          row%small(k) = negligible_n*one%rtol*one%v_max
+      end associate
+      call enter_side(scope, one, k, row)
+   end subroutine enter_flight
+
+   !> The polynomials of the side on which a flight takes place.
+   pure subroutine enter_side(scope, one, k, row)
+      type(fast_scope_t), intent(in) :: scope
+      type(ordinate_t), intent(in) :: one
+      integer, intent(in) :: k
+      type(flights_t), intent(inout) :: row
+
+      associate (law => scope%law(one%law))
          if (row%curve(k) == curve_of(law, one)) return
          row%curve(k) = curve_of(law, one)
          row%coef(k, :, :) = law%coef(:, :, merge(1, 2, one%side > 0))
       end associate
-   end subroutine enter_flight
+   end subroutine enter_side
 
    !> Which polynomials an ordinate is on: the number of its law, negative for theta < 0 where the
    !> sides differ.
@@ -196,11 +272,14 @@ contains
    end function curve_of
 
    !> Flights that need no search where there are none: their other numbers may be of any flight.
-   pure subroutine pad(row)
+   pure subroutine blank(first, last, row)
+      integer, intent(in) :: first
+      integer, intent(in) :: last
       type(flights_t), intent(inout) :: row
       integer :: k
 
-      do k = row%used + 1, width
+      do k = first, last
+         row%slot(k) = 0
          row%step(k) = 1.0e-3_wp
          row%f(k, :) = 0
          row%x(k) = 0
@@ -208,41 +287,62 @@ contains
          row%v(k) = 1
          row%w(k) = 1
          row%v_max(k) = huge(1.0_wp)
+         row%stages(k) = 1
          row%small(k) = huge(1.0_wp)
          row%n_0(k, :) = 0
          row%finish%v(k) = 1
          row%finish%w(k) = 1
       end do
-   end subroutine pad
+   end subroutine blank
 
-   !> Draw the conclusions from what the flights met.
-   pure subroutine judge(scope, row, pool)
-      type(fast_scope_t), intent(in) :: scope
+   !> Flights that are no plain ones.
+   pure subroutine search_odd(row, pool)
       type(flights_t), intent(inout) :: row
       type(pool_t), intent(inout) :: pool
       integer :: k
 
-      do k = 1, row%used
-         associate (one => pool%ordinate(row%slot(k)))
-            if (row%is_odd(k) > 0) then
-               call search_again(k, row, one%failed)
-               call place_impacts(row)
-            end if
-            one%v_max = max(one%v_max, row%peak(k))
-            if (one%failed) then
-               call push(row%slot(k), pool%finished)
-            else if (row%hits(k) > 0) then
-               call hit(scope, row, k, pool)
+      if (.not. any(row%is_odd > 0)) return
+      do k = 1, width
+         if (.not. row%is_odd(k) > 0 .or. row%slot(k) == 0) cycle
+         call search_again(k, row, pool%ordinate(row%slot(k))%failed)
+      end do
+      call place_impacts(row)
+   end subroutine search_odd
+
+   !> Draw the conclusions from what a flight met. Where no flight follows in this step its place in
+   !> the row is nobody's.
+   pure subroutine judge(scope, k, row, pool)
+      type(fast_scope_t), intent(in) :: scope
+      integer, intent(in) :: k
+      type(flights_t), intent(inout) :: row
+      type(pool_t), intent(inout) :: pool
+      logical :: rests
+
+      associate (slot => row%slot(k))
+         associate (one => pool%ordinate(slot))
+            one%v_max = row%v_max(k)
+            if (row%hits(k) > 0 .and. .not. one%failed) then
+               call bounce(scope, k, row, one, rests)
+               if (one%failed) then
+                  call push(slot, pool%finished)
+                  slot = 0
+               else if (rests) then
+                  call fall_asleep(scope, slot, one%number, row%x_hit(k), pool)
+                  slot = 0
+               end if
+            else if (one%failed) then
+               call push(slot, pool%finished)
+               slot = 0
             else if (row%span(k) < 1 - row%x(k)) then
                ! It was followed for as long as the flight was expected to take.
-               one%span = 1 - row%x(k)
-               call push(row%slot(k), pool%starts)
+               row%span(k) = 1 - row%x(k)
             else
                one%v_max = max(one%v_max, row%finish%v(k))
                call land(scope, row, k, pool)
+               slot = 0
             end if
          end associate
-      end do
+      end associate
    end subroutine judge
 
    !> The end of the step: the ordinate goes on with its team.
@@ -291,77 +391,27 @@ contains
    end subroutine enter_peak
 
    !> A flight ends on the base: another one begins, or the wall rests.
-   pure subroutine hit(scope, row, k, pool)
+   pure subroutine bounce(scope, k, row, one, rests)
       type(fast_scope_t), intent(in) :: scope
-      type(flights_t), intent(in) :: row
       integer, intent(in) :: k
       !! number of the flight in the row
-      type(pool_t), intent(inout) :: pool
-      logical :: rests
-
-      associate (slot => row%slot(k))
-         associate (one => pool%ordinate(slot))
-            call bounce(scope, row%x_hit(k), row%f_hit(k), row%speed(k), one, rests)
-            if (one%failed) then
-               call push(slot, pool%finished)
-            else if (rests) then
-               call fall_asleep(scope, slot, one%number, row%x_hit(k), pool)
-            else
-               associate (law => scope%law(one%law))
-                  call plan_flight(one%number, row%x_hit(k), law%e*row%speed(k), one)
-                  call shorten(law, row%f_hit(k), row%step(k), one)
-               end associate
-               call push(slot, pool%starts)
-            end if
-         end associate
-      end associate
-   end subroutine hit
-
-   !> A flight after an impact is followed over the time that it is expected to take only, when
-   !> that is much less than the rest of the step.
-   pure subroutine shorten(law, f, step, ordinate)
-      type(fast_law_t), intent(in) :: law
-      real(wp), intent(in) :: f
-      !! ground acceleration [m/s2]
-      real(wp), intent(in) :: step
-      !! length of the step [s]
-      type(ordinate_t), intent(inout) :: ordinate
-      real(wp) :: pull
-      !! towards the base [1/s2]
-
-      pull = law%m3 + law%m2*ordinate%side*f &
-         + law%m1*ordinate%damping*ordinate%w
-      if (2.5_wp*ordinate%w < 0.5_wp*ordinate%span*step*pull) then
-         ordinate%span = 2.5_wp*ordinate%w/(pull*step)
-      end if
-   end subroutine shorten
-
-   !> Impact with the rate w towards the base.
-   pure subroutine bounce(scope, x, f, w, ordinate, rests)
-      type(fast_scope_t), intent(in) :: scope
-      real(wp), intent(in) :: x
-      !! position in the step [-]
-      real(wp), intent(in) :: f
-      !! ground acceleration [m/s2]
-      real(wp), intent(in) :: w
-      !! [1/s]
-      type(ordinate_t), intent(inout) :: ordinate
+      type(flights_t), intent(in) :: row
+      type(ordinate_t), intent(inout) :: one
       logical, intent(out) :: rests
 
-      associate (law => scope%law(ordinate%law), grid => scope%grid(ordinate%grid), &
-         loud => scope%loud(ordinate%law, ordinate%grid)%next, number => ordinate%number)
-         ordinate%impacts = ordinate%impacts + 1
-         ordinate%failed = .not. w > 0 .or. ordinate%impacts > most_impacts
-         ordinate%side = -ordinate%side
-         ordinate%w_max = max(ordinate%w_max, w)
-         rests = .false.
-         ! A chatter that ends has flights that begin slower and slower.
-         if (abs(f) < law%threshold .and. law%e*w < ordinate%w) then
-            rests = comes_to_rest(law, grid, loud, number, x, f, law%e*w, ordinate)
-         end if
-         ! Not at rest yet, but nothing larger will come.
-         if (number >= grid%quiet) rests = rests .or. is_over(law, ordinate, law%e*w)
-      end associate
+      one%impacts = one%impacts + 1
+      one%failed = .not. row%speed(k) > 0 .or. one%impacts > most_impacts
+      one%side = -one%side
+      one%w_max = max(one%w_max, row%speed(k))
+      one%x = row%x(k)
+      one%w = row%w(k)
+      rests = .false.
+      if (row%may_rest(k) > 0) then
+         rests = comes_to_rest(scope%law(one%law), scope%grid(one%grid), &
+            scope%loud(one%law, one%grid)%next, one%number, one%x, row%f_hit(k), one%w, one)
+      end if
+      ! Not at rest yet, but nothing larger will come.
+      if (one%number >= one%quiet) rests = rests .or. is_over(scope%law(one%law), one, one%w)
    end subroutine bounce
 
 end module rwmf_fast_flight

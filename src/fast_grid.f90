@@ -27,6 +27,8 @@ module rwmf_fast_grid
       !! (steps) beginnings [s]
       integer :: first = 1
       !! number of the first step in the array of all grids
+      real(wp) :: longest = 0
+      !! step [s]
       integer :: quiet = 1
       !! first step from which on the ground stands still
       logical :: is_straight = .true.
@@ -68,6 +70,7 @@ contains
          call walk(motion, case%solver%t_end, h_max(i), grid(i), number(i))
          call find_kinks(round_off*peak_acceleration(motion), grid(i))
          call count_alike(grid(i))
+         grid(i)%longest = maxval(grid(i)%step%h)
       end do
    end subroutine build_grids
 

@@ -210,10 +210,20 @@ module rwmf_fast_lanes
       !! slope of M3 at 0 [1/s2]
       real(wp) :: coef(width, 0:degree, curves)
       !! polynomials of the side; for flights that start on the base
+      real(wp) :: threshold(width)
+      !! ground acceleration that lifts the resting wall [m/s2]
+      real(wp) :: e(width)
+      !! velocity factor at impact [-]
+      real(wp) :: w_begin(width)
+      !! rate with which a flight began that ends in the step [1/s]
+      real(wp) :: idle(width)
+      !! rate that may be dropped [1/s]
       real(wp) :: v_max(width)
       !! so far [-]
       real(wp) :: small(width)
       !! negligible change of v by N [-]
+      real(wp) :: stages(width)
+      !! evaluations of N: 1, 2 or 3
       real(wp) :: n_0(width, 0:3)
       !! divided differences of N [1/s2]
       real(wp) :: h(width)
@@ -238,12 +248,18 @@ module rwmf_fast_lanes
       !! largest v before y, where it can be a new maximum, otherwise 0 [-]
       real(wp) :: is_odd(width)
       !! 1: not such a plain flight; `rwmf_fast_search` looks again
+      real(wp) :: may_rest(width)
+      !! 1: slower than before, and pressed down at the impact
       integer :: slot(width)
-      !! whose flights they are
+      !! whose flights they are; 0: nobody's
+      integer :: law(width)
+      !! whose constants are entered; 0: none's
       integer :: curve(width)
       !! whose polynomials are in `coef`: number of the law, negative for theta < 0; 0: none
       integer :: used
       !! how many; the others are padding
+      integer :: filled
+      !! the others are nobody's
    end type flights_t
 
 end module rwmf_fast_lanes

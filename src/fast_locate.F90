@@ -10,7 +10,7 @@ module FAST_LOCATE
    implicit none
    private
 
-   public :: locate_events, place_impacts, state_at
+   public :: locate_events, place_impacts
 
 contains
 

@@ -9,22 +9,22 @@ module rwmf_fast_machine
 #endif
    use rwmf_fast_lanes, only: flights_t, lanes, scheme_t, step_t, team_t, tried_step_t, wp
    use rwmf_fast_locate, only: locate_events
-   use rwmf_fast_piece, only: depart_flights, follow_flights
+   use rwmf_fast_piece, only: depart_flights, follow_flights, rebound_flights
    use rwmf_fast_step, only: advance_team, step_frames
 #ifdef FAST_LEVELS
    use FAST_LOCATE_V3, only: locate_events_v3 => locate_events
    use FAST_PIECE_V3, only: depart_flights_v3 => depart_flights, &
-      follow_flights_v3 => follow_flights
+      follow_flights_v3 => follow_flights, rebound_flights_v3 => rebound_flights
    use FAST_LOCATE_V4, only: locate_events_v4 => locate_events
    use FAST_PIECE_V4, only: depart_flights_v4 => depart_flights, &
-      follow_flights_v4 => follow_flights
+      follow_flights_v4 => follow_flights, rebound_flights_v4 => rebound_flights
    use FAST_STEP_V3, only: advance_team_v3 => advance_team, step_frames_v3 => step_frames
    use FAST_STEP_V4, only: advance_team_v4 => advance_team, step_frames_v4 => step_frames
 #endif
    implicit none
    private
 
-   public :: best_level, instruction_set, advance, advance_frames, follow, depart
+   public :: best_level, instruction_set, advance, advance_frames, follow, depart, rebound
 
 #ifdef FAST_LEVELS
    interface
@@ -76,7 +76,6 @@ contains
       type(tried_step_t), intent(inout) :: trial
       integer, intent(out) :: marks
       !! bit i - 1: something may happen in lane i
-      !! bit i - 1: something may happen in lane i
       logical, intent(out) :: is_called
       !! the next step of a lane may be another one than the last
 
@@ -112,6 +111,26 @@ contains
          call locate_events(0, flights)
       end select
    end subroutine follow
+
+   !> The flights that follow the impacts.
+   pure subroutine rebound(level, negligible, flights)
+      integer, intent(in) :: level
+      !! from `best_level`
+      real(wp), intent(in) :: negligible
+      !! change of v by N over the largest v [-]
+      type(flights_t), intent(inout) :: flights
+
+      select case (level)
+#ifdef FAST_LEVELS
+      case (4)
+         call rebound_flights_v4(negligible, flights)
+      case (3)
+         call rebound_flights_v3(negligible, flights)
+#endif
+      case default
+         call rebound_flights(negligible, flights)
+      end select
+   end subroutine rebound
 
    !> Integrate from the base over a part of the step; first impact and largest value.
    pure subroutine depart(level, flights)

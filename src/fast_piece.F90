@@ -8,12 +8,11 @@
 #define FAST_LOCATE rwmf_fast_locate
 #endif
 module FAST_PIECE
-   use FAST_LOCATE, only: state_at
-   use rwmf_fast_lanes, only: c_2, c_3, flights_t, width, wp
+   use rwmf_fast_lanes, only: c_2, c_3, flights_t, terms, width, wp
    implicit none
    private
 
-   public :: follow_flights, depart_flights
+   public :: follow_flights, depart_flights, rebound_flights
 
    !> What a part needs beside its series.
    type :: part_t
@@ -46,40 +45,106 @@ contains
 
    !> Integrate from v = 0 with the rate w over a part of the step.
    !>
-   !> The higher differences of N are evaluated only where they are not negligible: late flights of
-   !> a chatter need none.
+   !> As many evaluations of N make a part as a whole step, at the last ones of the nodes. They are
+   !> made only where what they find is not negligible: late flights of a chatter need none.
    pure subroutine depart_flights(flights)
       type(flights_t), intent(inout) :: flights
       type(part_t) :: part
       real(wp), parameter :: node(3) = [c_2, c_3, 1.0_wp]
+      real(wp) :: wanted(width)
+      !! 1: N at the node
+      logical :: is_wanted
       integer :: i
 
       flights%v = 0
+      flights%w_begin = flights%w
       call force_parts(flights, part)
       call begin_remainder(flights, part)
-      do i = 1, 3
-         if (largest(part%change, flights%small) <= 0) exit
+      do i = 1, size(node)
+         call choose_flights(i, flights, part, wanted, is_wanted)
+         if (.not. is_wanted) cycle
          call sum_series(flights, part)
-         call end_at(node(i), part, flights)
-         call refine(i, part, flights)
+         call end_at(node(i), flights)
+         call remainder(node(i), part, flights)
+         select case (i)
+         case (1)
+            call enter_first(wanted, part, flights)
+         case (2)
+            call enter_second(wanted, part, flights)
+         case default
+            call enter_last(wanted, part, flights)
+         end select
       end do
       call sum_series(flights, part)
-      call end_at(1.0_wp, part, flights)
+      call end_at(1.0_wp, flights)
+      ! N at the end is that of the state predicted there, as in whole steps.
+      if (.not. is_wanted) call remainder(1.0_wp, part, flights)
       call end_slope(part, flights)
    end subroutine depart_flights
 
-   !> Largest difference of two rows.
-   pure real(wp) function largest(a, b)
-      real(wp), intent(in) :: a(width)
-      real(wp), intent(in) :: b(width)
+   !> The flights that call for N at a node.
+   pure subroutine choose_flights(node, flights, part, wanted, is_wanted)
+      integer, intent(in) :: node
+      !! 1: c2, 2: c3, 3: 1
+      type(flights_t), intent(in) :: flights
+      type(part_t), intent(in) :: part
+      real(wp), intent(out) :: wanted(width)
+      logical, intent(out) :: is_wanted
+      !! by one of them
+      real(wp) :: total
       integer :: i
 
-      largest = -huge(largest)
-      !$omp simd reduction(max: largest)
+      total = 0
+      !$omp simd reduction(max: total)
       do i = 1, width
-         largest = max(largest, a(i) - b(i))
+         wanted(i) = merge(1.0_wp, 0.0_wp, min(part%change(i) - flights%small(i), &
+            flights%stages(i) + node - 3.5_wp) > 0)
+         total = max(total, wanted(i))
       end do
-   end function largest
+      is_wanted = total > 0
+   end subroutine choose_flights
+
+   !> Where flights met the base others begin: position, rate, side, and for how much of the step
+   !> they are followed.
+   !>
+   !> When a flight is expected to take much less than the rest of the step, that is some more than
+   !> this time.
+   pure subroutine rebound_flights(negligible, flights)
+      real(wp), intent(in) :: negligible
+      !! change of v by N over the largest v [-]
+      type(flights_t), intent(inout) :: flights
+      real(wp), parameter :: tiny_part = 1.0e-12_wp
+      real(wp) :: f, press, slow, pull, span, brief
+      integer :: i
+
+      associate (hits => flights%hits, w => flights%w, x => flights%x, side => flights%side)
+         !$omp simd private(f, press, slow, pull, span, brief)
+         do i = 1, width
+            flights%v_max(i) = max(flights%v_max(i), flights%peak(i))
+            flights%small(i) = negligible*flights%v_max(i)
+            w(i) = merge(flights%e(i)*flights%speed(i), w(i), hits(i) > 0)
+            x(i) = merge(flights%x_hit(i), x(i), hits(i) > 0)
+            side(i) = merge(-side(i), side(i), hits(i) > 0)
+            ! A chatter that ends has flights that begin slower and slower. In a step that can lift
+            ! the wall only what is negligible is dropped.
+            f = flights%f(i, 0) + (flights%f(i, 1) + (1 - c_2)*(flights%f(i, 2) &
+               + (1 - c_3)*flights%f(i, 3)))
+            f = max(abs(flights%f(i, 0)), abs(f))
+            press = flights%m2(i)*(flights%threshold(i) - abs(flights%f_hit(i)))
+            slow = press*flights%v_max(i)*merge(tiny_part, 1.0_wp, f > flights%threshold(i))
+            slow = max(flights%idle(i) - w(i), slow - w(i)*w(i))
+            flights%may_rest(i) = merge(1.0_wp, 0.0_wp, &
+               min(press, min(flights%w_begin(i) - w(i), slow)) > 0)
+            pull = flights%m3(i) + flights%m2(i)*side(i)*flights%f_hit(i) &
+               + flights%m1(i)*flights%damping(i)*w(i)
+            pull = pull*flights%step(i)
+            span = 1 - x(i)
+            brief = 2.5_wp*w(i)
+            span = merge(brief/merge(pull, 1.0_wp, pull > 0), span, brief < 0.5_wp*span*pull)
+            flights%span(i) = merge(span, flights%span(i), hits(i) > 0)
+         end do
+      end associate
+   end subroutine rebound_flights
 
    !> Constants of the linear equation and its forcing, without N.
    pure subroutine force_parts(flights, part)
@@ -195,26 +260,35 @@ contains
       end associate
    end subroutine begin_remainder
 
-   !> State and N at the position y of the parts.
-   pure subroutine end_at(y, part, flights)
+   !> State at the position y of the parts.
+   pure subroutine end_at(y, flights)
       real(wp), intent(in) :: y
-      type(part_t), intent(in) :: part
       type(flights_t), intent(inout) :: flights
-      real(wp) :: at(width), v(width), rate(width)
+      real(wp) :: a(terms)
+      !! what the coefficients contribute to v
+      real(wp) :: b(terms)
+      !! to its rate per part
       integer :: i
 
-      do i = 1, width
-         at(i) = y
+      a(1) = y
+      b(1) = 1
+      do i = 2, terms
+         a(i) = a(i - 1)*y
+         b(i) = i*a(i - 1)
       end do
-      call state_at(flights%p, at, v, rate)
-      associate (finish => flights%finish)
+      associate (finish => flights%finish, p => flights%p)
          !$omp simd
          do i = 1, width
-            finish%v(i) = v(i)
-            finish%w(i) = rate(i)/flights%h(i)
+            finish%v(i) = (((p(i, 0) + a(1)*p(i, 1)) + (a(2)*p(i, 2) + a(3)*p(i, 3))) &
+               + ((a(4)*p(i, 4) + a(5)*p(i, 5)) + (a(6)*p(i, 6) + a(7)*p(i, 7)))) &
+               + (((a(8)*p(i, 8) + a(9)*p(i, 9)) + (a(10)*p(i, 10) + a(11)*p(i, 11))) &
+               + a(12)*p(i, 12))
+            finish%w(i) = ((((p(i, 1) + b(2)*p(i, 2)) + (b(3)*p(i, 3) + b(4)*p(i, 4))) &
+               + ((b(5)*p(i, 5) + b(6)*p(i, 6)) + (b(7)*p(i, 7) + b(8)*p(i, 8)))) &
+               + ((b(9)*p(i, 9) + b(10)*p(i, 10)) + (b(11)*p(i, 11) + b(12)*p(i, 12)))) &
+               /flights%h(i)
          end do
       end associate
-      call remainder(y, part, flights)
    end subroutine end_at
 
    !> N and v D2 at the states reached.
@@ -248,48 +322,83 @@ contains
       end associate
    end subroutine remainder
 
-   !> Enter the value of N at the next node into its divided differences; the slope at 0 supplies
-   !> the highest one until the last value is known.
-   pure subroutine refine(node, part, flights)
-      integer, intent(in) :: node
-      !! 1: c2, 2: c3, 3: 1
+   !> Enter the value of N at c2 into its divided differences; the slope at 0 supplies the highest
+   !> one.
+   pure subroutine enter_first(wanted, part, flights)
+      real(wp), intent(in) :: wanted(width)
+      !! 1: enter it
       type(part_t), intent(inout) :: part
       type(flights_t), intent(inout) :: flights
-      real(wp) :: first, second, third
+      real(wp) :: first, second
       integer :: i
 
       associate (n => flights%n_0, value => flights%finish%n, h => flights%h)
-         select case (node)
-         case (1)
-            !$omp simd private(first, second)
-            do i = 1, width
-               first = (value(i) - n(i, 0))*(1/c_2)
-               second = (first - part%highest(i))*(1/c_2)
-               n(i, 1) = merge(first, n(i, 1), part%change(i) > flights%small(i))
-               n(i, 2) = merge(second, 0.0_wp, part%change(i) > flights%small(i))
-               part%highest(i) = n(i, 2)
-               part%change(i) = merge(h(i)*h(i)*abs(second), 0.0_wp, &
-                  part%change(i) > flights%small(i))
-            end do
-         case (2)
-            !$omp simd private(second, third)
-            do i = 1, width
-               second = ((value(i) - n(i, 0))*(1/c_3) - n(i, 1))*(1/(c_3 - c_2))
-               third = (second - part%highest(i))*(1/c_3)
-               n(i, 2) = merge(second, n(i, 2), part%change(i) > flights%small(i))
-               n(i, 3) = merge(third, 0.0_wp, part%change(i) > flights%small(i))
-               part%change(i) = merge(h(i)*h(i)*abs(third), 0.0_wp, &
-                  part%change(i) > flights%small(i))
-            end do
-         case default
-            !$omp simd private(third)
-            do i = 1, width
-               third = (((value(i) - n(i, 0)) - n(i, 1))*(1/(1 - c_2)) - n(i, 2))*(1/(1 - c_3))
-               n(i, 3) = merge(third, n(i, 3), part%change(i) > flights%small(i))
-            end do
-         end select
+         !$omp simd private(first, second)
+         do i = 1, width
+            first = (value(i) - n(i, 0))*(1/c_2)
+            second = (first - part%highest(i))*(1/c_2)
+            n(i, 1) = merge(first, n(i, 1), wanted(i) > 0)
+            n(i, 2) = merge(second, n(i, 2), wanted(i) > 0)
+            part%highest(i) = merge(second, part%highest(i), wanted(i) > 0)
+            part%change(i) = merge(h(i)*h(i)*abs(second), part%change(i), wanted(i) > 0)
+         end do
       end associate
-   end subroutine refine
+   end subroutine enter_first
+
+   !> Enter the value at c3, after that at c2 (three evaluations) or after the slope (two).
+   pure subroutine enter_second(wanted, part, flights)
+      real(wp), intent(in) :: wanted(width)
+      type(part_t), intent(inout) :: part
+      type(flights_t), intent(inout) :: flights
+      real(wp) :: first, second, third, of_three
+      integer :: i
+
+      associate (n => flights%n_0, value => flights%finish%n, h => flights%h)
+         !$omp simd private(first, second, third, of_three)
+         do i = 1, width
+            of_three = flights%stages(i) - 2.5_wp
+            first = (value(i) - n(i, 0))*(1/c_3) - n(i, 1)
+            second = first*merge(1/(c_3 - c_2), 1/c_3, of_three > 0)
+            third = merge((second - part%highest(i))*(1/c_3), 0.0_wp, of_three > 0)
+            ! x**2 is x (x - c2) + c2 x
+            first = n(i, 1) + merge(0.0_wp, c_2*second, of_three > 0)
+            n(i, 1) = merge(first, n(i, 1), wanted(i) > 0)
+            n(i, 2) = merge(second, n(i, 2), wanted(i) > 0)
+            n(i, 3) = merge(third, n(i, 3), wanted(i) > 0)
+            part%highest(i) = merge(second, part%highest(i), wanted(i) > 0)
+            third = merge(third, second, of_three > 0)
+            part%change(i) = merge(h(i)*h(i)*abs(third), part%change(i), wanted(i) > 0)
+         end do
+      end associate
+   end subroutine enter_second
+
+   !> Enter the value at 1, after those at c2 and c3, after the slope and that at c3, or after the
+   !> slope.
+   pure subroutine enter_last(wanted, part, flights)
+      real(wp), intent(in) :: wanted(width)
+      type(part_t), intent(in) :: part
+      type(flights_t), intent(inout) :: flights
+      real(wp), parameter :: to_first = c_2*(c_2 - c_3)
+      !! x**2 (x - c3) = x (x - c2)(x - c3) + c2 x (x - c2) + to_first x
+      real(wp) :: bend, square, cube, third
+      integer :: i
+
+      associate (n => flights%n_0, value => flights%finish%n, stages => flights%stages)
+         !$omp simd private(bend, square, cube, third)
+         do i = 1, width
+            third = (((value(i) - n(i, 0)) - n(i, 1))*(1/(1 - c_2)) - n(i, 2))*(1/(1 - c_3))
+            bend = (value(i) - n(i, 0)) - flights%h(i)*part%slope(i)
+            ! of x**2 with one evaluation, of x**2 (x - c3) with two
+            square = merge(bend, 0.0_wp, stages(i) < 1.5_wp)
+            cube = merge((bend - part%highest(i))*(1/(1 - c_3)), 0.0_wp, &
+               abs(stages(i) - 2) < 0.5_wp)
+            third = merge(third, cube, stages(i) > 2.5_wp)
+            n(i, 1) = n(i, 1) + merge(c_2*square + to_first*cube, 0.0_wp, wanted(i) > 0)
+            n(i, 2) = n(i, 2) + merge(square + c_2*cube, 0.0_wp, wanted(i) > 0)
+            n(i, 3) = merge(third, n(i, 3), wanted(i) > 0)
+         end do
+      end associate
+   end subroutine enter_last
 
    !> Rate of N at the end of the parts.
    pure subroutine end_slope(part, flights)

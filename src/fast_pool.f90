@@ -26,7 +26,7 @@ module rwmf_fast_pool
    !! sweeps
    integer, parameter :: urgent = 4
    !! members of the pool, those whose periods were begun first: the shortest ones
-   integer, parameter :: enough = width/2
+   integer, parameter :: enough = 3*width/4
    !! flights in a row with one of theirs
    integer, parameter :: check_every = 64
    !! rounds between two looks at the caller's stop flag
@@ -35,6 +35,9 @@ module rwmf_fast_pool
    !! whose errors are known (docs/fast.md)
    real(wp), parameter :: large_angle = 0.95_wp
    !! omega_s h beyond which what is wrong does not fade with the damping [rad]
+   real(wp), parameter :: wide_angle = 0.7_wp
+   !! omega_s h beyond which flights within a step take three evaluations of N, not two [rad]: their
+   !! errors are not in the estimate
    real(wp), parameter :: more = 2
    !! times as much is taken for an error there, with fewer than all evaluations
 
@@ -75,7 +78,7 @@ contains
             call take_turn(scope, k, pool, stands)
          end do
          call refill(scope, task, deck, pool, result)
-         if (stands .and. pool%events%used + pool%starts%n == 0) then
+         if (stands .and. waiting(pool) == 0) then
             if (all(pool%ordinate%task == 0)) call employ(scope, task, deck, pool)
             if (all(pool%ordinate%task == 0)) exit
          end if
@@ -214,15 +217,19 @@ contains
       integer, intent(in) :: slot
       type(pool_t), intent(inout) :: pool
       real(wp) :: omega_s
+      integer :: stages
       integer :: i
 
       i = lane_of(slot)
       omega_s = 2*pi/task(number)%T_s
+      stages = scope%scheme(pool%kind(team_of(slot)))%stages
       associate (team => pool%team(team_of(slot)), law => scope%law(task(number)%law))
-         pool%ordinate(slot) = ordinate_t(number, task(number)%law, task(number)%grid, &
-            scope%grid(task(number)%grid)%first - 1, 2*scope%xi_s*omega_s, omega_s**2, &
-            scope%rtol, 1, 0.0_wp, 0.0_wp, 0, .false., 1, &
-            0.0_wp, 1.0_wp, 0.0_wp)
+         associate (grid => scope%grid(task(number)%grid))
+            pool%ordinate(slot) = ordinate_t(task=number, law=task(number)%law, &
+               grid=task(number)%grid, offset=grid%first - 1, quiet=grid%quiet, &
+               stages=stages_of_flights(stages, omega_s*grid%longest), &
+               damping=2*scope%xi_s*omega_s, stiffness=omega_s**2, rtol=scope%rtol)
+         end associate
          team%rate%m2(i) = law%m2
          team%rate%m3(i) = law%m3
          team%rate%damping(i) = pool%ordinate(slot)%damping
@@ -238,6 +245,17 @@ contains
       end associate
       call fall_asleep(scope, slot, 1, 0.0_wp, pool)
    end subroutine begin
+
+   !> Evaluations of N in flights that begin within a step.
+   pure integer function stages_of_flights(stages, angle)
+      integer, intent(in) :: stages
+      !! in whole steps
+      real(wp), intent(in) :: angle
+      !! omega_s h [rad]
+
+      stages_of_flights = stages
+      if (stages == 2 .and. angle > wide_angle) stages_of_flights = most_stages
+   end function stages_of_flights
 
    !> One step of a team. Those in whose step something may happen leave it.
    pure subroutine take_turn(scope, k, pool, stands)
@@ -330,8 +348,8 @@ contains
          ordinate%stiffness*law%m1 + law%m3_1, step%h, middle), [weights])
    end subroutine weigh
 
-   !> Follow those that wait, in full rows; in half a row if someone in it is in a hurry. One more
-   !> row when those who wait are no fewer than those who could still join them.
+   !> Follow those that wait: flights that start on the base in full rows, and the rest together
+   !> when they are no fewer than those who could still join them, or if someone is in a hurry.
    pure subroutine pass_events(scope, pool)
       type(fast_scope_t), intent(in) :: scope
       type(pool_t), intent(inout) :: pool
@@ -339,30 +357,32 @@ contains
       do while (pool%starts%n >= width)
          call depart_row(scope, pool)
       end do
-      if (hurries(pool, pool%events%used, pool%events%slot)) call follow_row(scope, pool)
-      if (hurries(pool, pool%starts%n, pool%starts%slot)) call depart_row(scope, pool)
-      if (pool%events%used + pool%starts%n < max(1, sum(pool%present))) return
-      if (pool%starts%n >= pool%events%used) then
-         call depart_row(scope, pool)
-      else
+      if (waiting(pool) >= max(1, sum(pool%present)) .or. hurries(pool)) then
          call follow_row(scope, pool)
       end if
    end subroutine pass_events
 
+   !> How many wait for a row.
+   pure integer function waiting(pool)
+      type(pool_t), intent(in) :: pool
+
+      waiting = pool%events%used + pool%starts%n
+   end function waiting
+
    !> Does one of those that take longest wait, with enough company?
    !>
    !> Their flights follow one after the other; what keeps them waiting delays the end of all.
-   pure logical function hurries(pool, n, slot)
+   pure logical function hurries(pool)
       type(pool_t), intent(in) :: pool
-      integer, intent(in) :: n
-      integer, intent(in) :: slot(:)
-      !! the first n wait
       integer :: i
 
       hurries = .false.
-      if (n < enough) return
-      do i = 1, n
-         hurries = hurries .or. pool%ordinate(slot(i))%task - pool%first < urgent
+      if (waiting(pool) < enough) return
+      do i = 1, pool%events%used
+         hurries = hurries .or. pool%ordinate(pool%events%slot(i))%task - pool%first < urgent
+      end do
+      do i = 1, pool%starts%n
+         hurries = hurries .or. pool%ordinate(pool%starts%slot(i))%task - pool%first < urgent
       end do
    end function hurries
 

@@ -8,7 +8,7 @@ module rwmf_fast_rest
    implicit none
    private
 
-   public :: find_wake, comes_to_rest
+   public :: find_wake, comes_to_rest, negligible
 
    real(wp), parameter :: beyond = 1 + 4*epsilon(1.0_wp)
    !! the drive exceeds the threshold by more than round-off

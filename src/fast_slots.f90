@@ -1,7 +1,7 @@
 !> The places of a pool in which ordinates advance, and the queues of those that wait.
 module rwmf_fast_slots
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_intptr_t, c_loc
-   use rwmf_fast_lanes, only: flights_t, seats, team_t, tried_step_t
+   use rwmf_fast_lanes, only: flights_t, seats, team_t, tried_step_t, width
    use rwmf_fast_ordinate, only: ordinate_t
    implicit none
    private
@@ -94,6 +94,8 @@ contains
       call c_f_pointer(c_loc(pool%store(first(2))), pool%trial)
       call c_f_pointer(c_loc(pool%store(first(3))), pool%events)
       call c_f_pointer(c_loc(pool%store(first(4))), pool%flights)
+      pool%events%filled = width
+      pool%flights%filled = width
 
    contains
 
@@ -115,21 +117,19 @@ contains
    end subroutine push
 
    !> The first ones of a queue: nobody waits while others overtake.
-   pure subroutine pull(queue, slot, n)
+   pure subroutine pull(queue, slot)
       type(queue_t), intent(inout) :: queue
-      integer, intent(inout) :: slot(:)
-      !! out: the first n
-      integer, intent(out) :: n
+      integer, intent(out) :: slot(:)
+      !! no more than wait
       integer :: i
 
-      n = min(size(slot), queue%n)
-      do i = 1, n
+      do i = 1, size(slot)
          slot(i) = queue%slot(i)
       end do
-      do i = n + 1, queue%n
-         queue%slot(i - n) = queue%slot(i)
+      do i = size(slot) + 1, queue%n
+         queue%slot(i - size(slot)) = queue%slot(i)
       end do
-      queue%n = queue%n - n
+      queue%n = queue%n - size(slot)
    end subroutine pull
 
    !> The last one of a queue whose order does not matter; 0: nobody waits.
