@@ -30,14 +30,19 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: text
 
+      !$omp critical (rwmf_text)
       call read_file(path, text, error)
       if (.not. allocated(error)) then
-         call read_case_text(text, path(:index(path, '/', back=.true.)), case, error)
+         call parse_case(text, path(:index(path, '/', back=.true.)), case, error)
       end if
       if (allocated(error)) call add_context(error, path)
+      !$omp end critical (rwmf_text)
    end subroutine read_case_file
 
    !> Read and validate a case, the record that it names included.
+   !>
+   !> One thread at a time: gfortran keeps the length of every text that a function returns in a
+   !> static variable, so that two threads at once could read each other's lengths.
    !>
    !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
    !> allowed, groups that contradict each other, a record that is missing or damaged.
@@ -46,6 +51,17 @@ contains
       !! namelist text
       character(*), intent(in) :: folder
       !! what a relative path in the text starts from; '' is the current folder
+      type(case_t), intent(out) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      !$omp critical (rwmf_text)
+      call parse_case(text, folder, case, error)
+      !$omp end critical (rwmf_text)
+   end subroutine read_case_text
+
+   subroutine parse_case(text, folder, case, error)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: folder
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
       type(group_t), allocatable :: groups(:)
@@ -74,7 +90,7 @@ contains
          call add_record(groups, 'vertical', folder, case%vertical, case%vertical_record, case, &
             error)
       end if
-   end subroutine read_case_text
+   end subroutine parse_case
 
    !> Wall, frame, cable, impact and initial state.
    subroutine fill_structure(groups, case)

@@ -3,7 +3,6 @@
 module rwmf_handles
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_int8_t, c_loc, &
       c_null_ptr
-   use rwmf_atomic_file, only: folder_of
    use rwmf_case, only: case_t
    use rwmf_case_reader, only: read_case_text
    use rwmf_control, only: control_t
@@ -124,9 +123,6 @@ contains
    end function join_status
 
    !> Read and validate a case; messages begin with the name of its file.
-   !>
-   !> One thread at a time: gfortran keeps the length of every text that a function returns in a
-   !> static variable, so that two threads at once could read each other's lengths.
    subroutine read_source(text, source, case, error)
       character(*), intent(in) :: text
       !! namelist text
@@ -135,8 +131,8 @@ contains
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
 
+      call read_case_text(text, source(:index(source, '/', back=.true.)), case, error)
       !$omp critical (rwmf_text)
-      call read_case_text(text, folder_of(source), case, error)
       if (allocated(error) .and. len(source) > 0) call add_context(error, source)
       !$omp end critical (rwmf_text)
    end subroutine read_source

@@ -32,6 +32,19 @@ contains
       character(*), intent(in) :: name
       !! of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
+
+      ! texts: one thread at a time, see `read_case_text`
+      !$omp critical (rwmf_text)
+      call put_result(case, result, folder, name, error)
+      !$omp end critical (rwmf_text)
+   end subroutine write_result
+
+   subroutine put_result(case, result, folder, name, error)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: folder
+      character(*), intent(in) :: name
+      type(error_t), allocatable, intent(out) :: error
       type(atomic_file_t) :: summary
       type(atomic_file_t) :: history
 
@@ -44,7 +57,7 @@ contains
       end if
       if (.not. allocated(error)) call publish(summary, error)
       call discard(summary)
-   end subroutine write_result
+   end subroutine put_result
 
    !> Write a spectrum: one line an ordinate, T_s fastest, then gamma, then b.
    subroutine write_spectrum(case, spectrum, path, error, part)
@@ -54,6 +67,18 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
+
+      !$omp critical (rwmf_text)
+      call put_spectrum(case, spectrum, path, error, part)
+      !$omp end critical (rwmf_text)
+   end subroutine write_spectrum
+
+   subroutine put_spectrum(case, spectrum, path, error, part)
+      type(case_t), intent(in) :: case
+      type(spectrum_t), intent(in) :: spectrum
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: part
       type(atomic_file_t) :: file
 
       call open_atomic(file, path, error)
@@ -67,7 +92,7 @@ contains
       call write_ordinates(file, spectrum)
       call finish(file, error)
       if (.not. allocated(error)) call publish(file, error)
-   end subroutine write_spectrum
+   end subroutine put_spectrum
 
    !> Name of a case: its file's name without folder and without '.nml'; 'case' when it has none.
    pure function case_name(source) result(name)

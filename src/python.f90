@@ -92,7 +92,7 @@ contains
 
       length = 0_c_int
       call read_source(text, source, the_case, error)
-      ! texts: one thread at a time, see `read_source`
+      ! texts: one thread at a time, see `read_case_text`
       !$omp critical (rwmf_text)
       if (.not. allocated(error)) call put_text(describe_case(the_case), buffer, length)
       !$omp end critical (rwmf_text)
@@ -135,7 +135,7 @@ contains
       length = 0_c_int
       call read_source(text, source, the_case, error)
       if (.not. allocated(error)) call inventory_text(the_case, lines, error)
-      ! texts: one thread at a time, see `read_source`
+      ! texts: one thread at a time, see `read_case_text`
       !$omp critical (rwmf_text)
       if (.not. allocated(error)) call put_text(lines, buffer, length)
       !$omp end critical (rwmf_text)
