@@ -10,8 +10,8 @@ module rwmf_fast_deck
    integer, parameter :: most_teams = 16
    !! of a thread; more do not stay in the cache
    integer, parameter :: enough_teams = 4
-   !! that may be all in the beginning, and stay in the innermost cache; of more a third is, and the
-   !! others are drawn, to keep those company that take longest
+   !! that stay in the innermost cache; more only where the end, when teams are not full any more,
+   !! is a small part of all
 
    !> Tasks in the order in which they are begun.
    type :: deck_t
@@ -43,7 +43,7 @@ contains
          deck%last(kind) = size(deck%task)
          deck%teams = deck%teams + chunks_of(deck, kind)
       end do
-      deck%teams = min(deck%teams, max(enough_teams, deck%teams/3), most_teams)
+      deck%teams = min(deck%teams, max(enough_teams, deck%teams/16), most_teams)
       left = deck%teams
       do kind = 1, kinds
          chunks = min(chunks_of(deck, kind), left)

@@ -43,7 +43,7 @@ contains
          associate (law => scope%law(one%law), grid => scope%grid(one%grid))
             wake = number
             wake_x = x
-            call find_wake(law, grid, scope%loud(one%law, one%grid)%next, wake, wake_x, one%side)
+            call find_wake(law, grid, scope%loud(one%pair, one%grid)%next, wake, wake_x, one%side)
             call stop_lane(slot, pool)
             if (wake > size(grid%step)) then
                call push(slot, pool%finished)
@@ -408,7 +408,7 @@ contains
       rests = .false.
       if (row%may_rest(k) > 0) then
          rests = comes_to_rest(scope%law(one%law), scope%grid(one%grid), &
-            scope%loud(one%law, one%grid)%next, one%number, one%x, row%f_hit(k), one%w, one)
+            scope%loud(one%pair, one%grid)%next, one%number, one%x, row%f_hit(k), one%w, one)
       end if
       ! Not at rest yet, but nothing larger will come.
       if (one%number >= one%quiet) rests = rests .or. is_over(scope%law(one%law), one, one%w)

@@ -65,7 +65,7 @@ contains
 
       h_max = [(merge(min(base_step/2.0_wp**i, pulse_step(case, motion)), 0.0_wp, &
          any(levels(T_s) == i)), i=0, halvings)]
-      call build_grids(case, motion, h_max, ground, grid)
+      call build_grids(case, motion, threads, h_max, ground, grid)
       group = list_groups(T_s, levels(T_s), halvings)
       instructions = best_level()
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)

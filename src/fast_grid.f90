@@ -44,9 +44,10 @@ contains
    !> When that makes more steps than the case allows, or than memory should hold, there is no such
    !> grid. The steps of all grids follow each other in one array, which is large: it is written
    !> once and not copied.
-   pure subroutine build_grids(case, motion, h_max, ground, grid)
+   subroutine build_grids(case, motion, threads, h_max, ground, grid)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
+      integer, intent(in) :: threads
       real(wp), intent(in) :: h_max(:)
       !! (grids) [s]; 0: not asked for
       type(step_t), allocatable, target, intent(out) :: ground(:)
@@ -62,7 +63,10 @@ contains
          if (number(i) > min(most_steps, case%solver%max_steps)) number(i) = 0
       end do
       allocate (ground(sum(number)))
-      do i = 1, size(h_max)
+      ! those with the shortest steps are last, and take longest
+      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
+      !$omp if (count(number > 0) > 1)
+      do i = size(h_max), 1, -1
          if (number(i) == 0) cycle
          grid(i)%first = sum(number(:i - 1)) + 1
          grid(i)%step => ground(grid(i)%first:grid(i)%first + number(i) - 1)
@@ -72,6 +76,7 @@ contains
          call count_alike(grid(i))
          grid(i)%longest = maxval(grid(i)%step%h)
       end do
+      !$omp end parallel do
    end subroutine build_grids
 
    !> Longest step for which a cubic is as good as the pulse of a case [s].

@@ -11,7 +11,8 @@ module rwmf_fast_ordinate
       integer :: task = 0
       !! its number in the list of tasks; 0: nobody is there
       integer :: law
-      !! numbers of its law, its grid in the scope
+      !! numbers of its law, its pair of mass ratio and width, its grid in the scope
+      integer :: pair
       integer :: grid
       integer :: offset
       !! steps of other grids before those of its own

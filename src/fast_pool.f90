@@ -8,14 +8,16 @@
 module rwmf_fast_pool
    use rwmf_control, only: count_done, is_cancelled
    use rwmf_fast_deck, only: deal, deck_t, draw
+   use rwmf_fast_fit, only: widen
    use rwmf_fast_flight, only: depart_row, enter_step, fall_asleep, follow_row
    use rwmf_fast_gather, only: gather_up
    use rwmf_fast_lanes, only: c_3, fast_law_t, seats, step_t, team_t, weights, width
    use rwmf_fast_machine, only: advance
    use rwmf_fast_ordinate, only: ordinate_t
-   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, kind_of, kinds, most_stages
+   use rwmf_fast_scope, only: fast_scope_t, fast_task_t, kind_of, kinds, most_stages, &
+      pair_of
    use rwmf_fast_series, only: step_weights
-   use rwmf_fast_slots, only: is_empty, lane_of, new_pool, pool_t, pop, push, team_of
+   use rwmf_fast_slots, only: append, is_empty, lane_of, new_pool, pool_t, pop, push, team_of
    use rwmf_kinds, only: pi, wp
    implicit none
    private
@@ -55,9 +57,10 @@ contains
 
    !> Compute tasks until none is left; each thread runs a pool.
    subroutine run_pool(scope, task, thread, deck, result)
-      type(fast_scope_t), intent(in) :: scope
-      type(fast_task_t), intent(in) :: task(:)
-      !! (n)
+      type(fast_scope_t), intent(inout) :: scope
+      !! shared
+      type(fast_task_t), intent(inout) :: task(:)
+      !! (n) shared; one that leaves the range of its law gets a wider one
       integer, intent(in) :: thread
       !! its number
       type(deck_t), intent(inout) :: deck
@@ -69,7 +72,7 @@ contains
       integer :: k
       logical :: stands
 
-      call new_pool(deck%teams, size(task), pool)
+      call new_pool(deck%teams, pool)
       call take_places(scope, task, thread, deck, pool)
       sweep = 0
       do
@@ -115,8 +118,8 @@ contains
 
    !> Enter the results of those that are at the end, and give their places to others.
    subroutine refill(scope, task, deck, pool, result)
-      type(fast_scope_t), intent(in) :: scope
-      type(fast_task_t), intent(in) :: task(:)
+      type(fast_scope_t), intent(inout) :: scope
+      type(fast_task_t), intent(inout) :: task(:)
       type(deck_t), intent(inout) :: deck
       type(pool_t), intent(inout) :: pool
       type(fast_result_t), intent(inout) :: result(:)
@@ -126,32 +129,40 @@ contains
       do
          call pop(pool%finished, slot)
          if (slot == 0) exit
-         call finish(scope, slot, pool, result)
+         call finish(scope, slot, task, pool, result)
          call choose_task(pool%kind(team_of(slot)), deck, pool, number)
          if (number > 0) call begin(scope, task, number, slot, pool)
       end do
    end subroutine refill
 
-   !> An ordinate leaves its place; if its error is too large it will be repeated with more
-   !> evaluations of N.
-   subroutine finish(scope, slot, pool, result)
-      type(fast_scope_t), intent(in) :: scope
+   !> An ordinate leaves its place. It will be repeated if it has left the range of its law, and
+   !> with all evaluations of N if its error is too large.
+   subroutine finish(scope, slot, task, pool, result)
+      type(fast_scope_t), intent(inout) :: scope
       integer, intent(in) :: slot
+      type(fast_task_t), intent(inout) :: task(:)
       type(pool_t), intent(inout) :: pool
       type(fast_result_t), intent(inout) :: result(:)
+      integer :: number, stages
+      logical :: again
 
-      associate (one => pool%ordinate(slot), kind => pool%kind(team_of(slot)))
-         associate (found => result(one%task), scheme => scope%scheme(kind))
-            found = result_of(scheme%stages, one, lane_of(slot), pool%team(team_of(slot)))
-            if (found%error > scope%rtol .and. scheme%stages < most_stages &
-               .and. .not. found%failed .and. found%v_max <= scope%law(one%law)%v_high) then
-               call push(one%task, pool%again(kind_of(most_stages, scheme%is_short)))
-            else
-               call count_done(scope%control)
-            end if
-         end associate
-         one%task = 0
+      number = pool%ordinate(slot)%task
+      stages = scope%scheme(pool%kind(team_of(slot)))%stages
+      associate (found => result(number))
+         found = result_of(stages, pool%ordinate(slot), lane_of(slot), pool%team(team_of(slot)))
+         if (found%failed .or. .not. found%v_max <= scope%law(task(number)%law)%v_high) then
+            call widen(scope, task(number), again)
+         else
+            again = found%error > scope%rtol .and. stages < most_stages
+            stages = most_stages
+         end if
       end associate
+      if (again) then
+         call append(number, pool%again(kind_of(stages, scope%law(task(number)%law)%is_short)))
+      else
+         call count_done(scope%control)
+      end if
+      pool%ordinate(slot)%task = 0
    end subroutine finish
 
    !> What is begun next with steps of a kind; 0: nothing.
@@ -162,7 +173,7 @@ contains
       integer, intent(out) :: number
 
       number = 0
-      if (kind <= size(pool%again)) call pop(pool%again(kind), number)
+      call pop(pool%again(kind), number)
       if (number == 0) call draw(deck, kind, number)
    end subroutine choose_task
 
@@ -226,7 +237,8 @@ contains
       associate (team => pool%team(team_of(slot)), law => scope%law(task(number)%law))
          associate (grid => scope%grid(task(number)%grid))
             pool%ordinate(slot) = ordinate_t(task=number, law=task(number)%law, &
-               grid=task(number)%grid, offset=grid%first - 1, quiet=grid%quiet, &
+               pair=pair_of(scope, task(number)%law), grid=task(number)%grid, &
+               offset=grid%first - 1, quiet=grid%quiet, &
                stages=stages_of_flights(stages, omega_s*grid%longest), &
                damping=2*scope%xi_s*omega_s, stiffness=omega_s**2, rtol=scope%rtol)
          end associate

@@ -1,5 +1,6 @@
 !> What all ordinates of a fast spectrum share: the ground motion in steps and the laws of motion.
 module rwmf_fast_scope
+   use rwmf_case, only: case_t
    use rwmf_control, only: control_t
    use rwmf_fast_grid, only: fast_grid_t, loud_steps
    use rwmf_fast_lanes, only: fast_law_t, scheme_t, step_t
@@ -7,7 +8,8 @@ module rwmf_fast_scope
    implicit none
    private
 
-   public :: fast_task_t, fast_scope_t, most_stages, kinds, kind_of, describe_kinds, list_loud_steps
+   public :: fast_task_t, fast_scope_t, most_stages, kinds, kind_of, pair_of, describe_kinds, &
+      list_loud_steps
 
    integer, parameter :: most_stages = 3
    !! evaluations of N in a step
@@ -19,7 +21,7 @@ module rwmf_fast_scope
       real(wp) :: T_s
       !! [s]
       integer :: law
-      !! its number in the scope
+      !! its number in the scope; a wider one once it has left the range of the first
       integer :: grid
       !! its number in the scope
       integer :: kind
@@ -41,12 +43,21 @@ module rwmf_fast_scope
       !! [-]
       real(wp) :: rtol
       !! requested relative tolerance [-]
+      integer :: pairs = 1
+      !! of a mass ratio and a width
+      type(case_t), allocatable :: scene(:)
+      !! (pairs)
       type(fast_law_t), allocatable :: law(:)
+      !! (pairs*ranges) of all pairs on the narrowest range of v, on the next one ...
+      logical, allocatable :: is_fitted(:)
+      !! (pairs*ranges) there is such a law
+      logical, allocatable :: holds(:)
+      !! (pairs*ranges) and it may be used
       type(fast_grid_t), allocatable :: grid(:)
       type(step_t), allocatable :: ground(:)
       !! steps of all grids, one after the other, to which the grids point
       type(loud_t), allocatable :: loud(:, :)
-      !! (laws, grids), where a task needs them
+      !! (pairs, grids), where a task needs them
    end type fast_scope_t
 
 contains
@@ -60,6 +71,14 @@ contains
 
       kind_of = 2*(most_stages - stages) + merge(2, 1, is_short)
    end function kind_of
+
+   !> The pair of mass ratio and width that a law belongs to.
+   pure integer function pair_of(scope, law)
+      type(fast_scope_t), intent(in) :: scope
+      integer, intent(in) :: law
+
+      pair_of = mod(law - 1, scope%pairs) + 1
+   end function pair_of
 
    !> What the steps of each kind are like.
    pure subroutine describe_kinds(scope)
@@ -75,19 +94,30 @@ contains
       end do
    end subroutine describe_kinds
 
-   !> The steps that can lift a resting wall, for the laws and grids of the tasks.
-   pure subroutine list_loud_steps(task, scope)
+   !> The steps that can lift a resting wall, for the pairs and grids of the tasks.
+   subroutine list_loud_steps(task, threads, scope)
       type(fast_task_t), intent(in) :: task(:)
+      integer, intent(in) :: threads
       type(fast_scope_t), intent(inout) :: scope
-      integer :: i
+      integer :: law(scope%pairs, size(scope%grid))
+      !! of one of the tasks; 0: there is none
+      integer :: i, pair, grid
 
-      allocate (scope%loud(size(scope%law), size(scope%grid)))
+      law = 0
       do i = 1, size(task)
-         associate (loud => scope%loud(task(i)%law, task(i)%grid))
-            if (allocated(loud%next)) cycle
-            loud%next = loud_steps(scope%grid(task(i)%grid), scope%law(task(i)%law)%threshold)
-         end associate
+         law(pair_of(scope, task(i)%law), task(i)%grid) = task(i)%law
       end do
+      allocate (scope%loud(scope%pairs, size(scope%grid)))
+      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) private(pair, grid) &
+      !$omp if (count(law > 0) > 2)
+      do i = 1, size(law)
+         pair = pair_of(scope, i)
+         grid = (i - 1)/scope%pairs + 1
+         if (law(pair, grid) == 0) cycle
+         scope%loud(pair, grid)%next = loud_steps(scope%grid(grid), &
+            scope%law(law(pair, grid))%threshold)
+      end do
+      !$omp end parallel do
    end subroutine list_loud_steps
 
 end module rwmf_fast_scope

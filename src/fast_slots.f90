@@ -3,10 +3,11 @@ module rwmf_fast_slots
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_intptr_t, c_loc
    use rwmf_fast_lanes, only: flights_t, seats, team_t, tried_step_t, width
    use rwmf_fast_ordinate, only: ordinate_t
+   use rwmf_fast_scope, only: kinds
    implicit none
    private
 
-   public :: pool_t, queue_t, new_pool, is_empty, push, pull, pop, team_of, lane_of
+   public :: pool_t, queue_t, new_pool, is_empty, push, append, pull, pop, team_of, lane_of
 
    !> Slots that wait for a row of flights.
    type :: queue_t
@@ -37,18 +38,16 @@ module rwmf_fast_slots
       type(queue_t) :: starts
       !! a flight begins on the base
       type(queue_t) :: finished
-      type(queue_t) :: again(2)
-      !! by the kind of their steps: tasks, not slots, to be repeated with all evaluations of N
+      type(queue_t) :: again(kinds)
+      !! by the kind of their steps: tasks, not slots, to be repeated
       integer(c_int8_t), allocatable :: store(:)
    end type pool_t
 
 contains
 
    !> Nobody is there yet; all numbers are finite.
-   subroutine new_pool(teams, tasks, pool)
+   subroutine new_pool(teams, pool)
       integer, intent(in) :: teams
-      integer, intent(in) :: tasks
-      !! that there are
       type(pool_t), target, intent(out) :: pool
       integer :: k
 
@@ -56,7 +55,9 @@ contains
       allocate (pool%present(teams), pool%is_called(teams), pool%kind(teams), &
          pool%ordinate(teams*seats))
       allocate (pool%starts%slot(teams*seats), pool%finished%slot(teams*seats))
-      allocate (pool%again(1)%slot(tasks), pool%again(2)%slot(tasks))
+      do k = 1, kinds
+         allocate (pool%again(k)%slot(seats))
+      end do
       pool%present = 0
       pool%is_called = .false.
       pool%kind = 1
@@ -115,6 +116,15 @@ contains
       queue%n = queue%n + 1
       queue%slot(queue%n) = slot
    end subroutine push
+
+   !> As `push`, for a queue that grows.
+   pure subroutine append(number, queue)
+      integer, intent(in) :: number
+      type(queue_t), intent(inout) :: queue
+
+      if (queue%n == size(queue%slot)) queue%slot = [queue%slot, queue%slot]
+      call push(number, queue)
+   end subroutine append
 
    !> The first ones of a queue: nobody waits while others overtake.
    pure subroutine pull(queue, slot)

@@ -7,8 +7,7 @@ module rwmf_fast_spectrum
    use rwmf_control, only: control_t, is_cancelled
    use rwmf_fast_deck, only: deck_t, new_deck
    use rwmf_fast_grid, only: build_grids, pulse_step
-   use rwmf_fast_lanes, only: fast_law_t
-   use rwmf_fast_law, only: build_law
+   use rwmf_fast_fit, only: fit_laws, ranges
    use rwmf_fast_machine, only: best_level
    use rwmf_fast_order, only: order_by_cost
    use rwmf_fast_pool, only: fast_result_t, run_pool
@@ -25,27 +24,21 @@ module rwmf_fast_spectrum
    !! mass ratio below which N is no small remainder [-]
    integer, parameter :: halvings = 5
    !! step sizes: the longest one halved up to so often
-   integer, parameter :: most_laws = 32
+   integer, parameter :: most_pairs = 32
    !! that are worked on at a time: each needs a number for every step
-   real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
-   !! of |u_s|/(2R) [-]
    real(wp), parameter :: enough_for_one = 220
    !! mass ratio from which on one evaluation of N in a step does at rtol = 1e-7, where the step is
    !! longest [-]: the share of N is 1/gamma
    real(wp), parameter :: enough_for_two(2) = [5.0_wp, 25.0_wp]
    !! two evaluations; the second where the levers are the published ones, which makes N larger [-]
-   real(wp), parameter :: fit_share = 0.1_wp
-   !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
-   !! (g/R)/(omega_s**2 v), about 10 for flexible frames
-
    !> An ordinate that is not done yet, and how it is tried.
    type :: trial_t
       integer :: i
       !! indices of the period, the mass ratio, the width
       integer :: j
       integer :: k
-      integer :: range
-      !! of the fit
+      integer :: law
+      !! its number among those of the pairs that are worked on
       integer :: level
       !! halvings of the step
       integer :: stages
@@ -57,6 +50,10 @@ module rwmf_fast_spectrum
    !> What is given.
    type :: inquiry_t
       type(case_t) :: case
+      integer :: first = 1
+      !! the first one of the pairs that are worked on, the mass ratio running fastest
+      integer :: last = 1
+      !! the last one
       type(control_t) :: control
       integer :: threads
       real(wp), allocatable :: T_s(:)
@@ -98,9 +95,10 @@ contains
       inquiry%T_s = T_s
       inquiry%gamma = gamma
       inquiry%b = b
-      do pair = 1, size(gamma)*size(b), most_laws
-         trial = first_trials(inquiry, motion, pair, min(pair + most_laws - 1, &
-            size(gamma)*size(b)))
+      do pair = 1, size(gamma)*size(b), most_pairs
+         inquiry%first = pair
+         inquiry%last = min(pair + most_pairs - 1, size(gamma)*size(b))
+         trial = first_trials(inquiry, motion)
          do while (size(trial) > 0)
             if (is_cancelled(control)) exit
             call run_trials(inquiry, motion, trial, u_s_max, is_done)
@@ -109,12 +107,9 @@ contains
    end subroutine run_fast
 
    !> All periods of some pairs of mass ratio and width.
-   pure function first_trials(inquiry, motion, first, last) result(trial)
+   pure function first_trials(inquiry, motion) result(trial)
       type(inquiry_t), intent(in) :: inquiry
       type(motion_t), intent(in) :: motion
-      integer, intent(in) :: first
-      !! number of the pair, the mass ratio running fastest
-      integer, intent(in) :: last
       type(trial_t), allocatable :: trial(:)
       integer, allocatable :: level(:)
       integer, allocatable :: order(:)
@@ -122,20 +117,30 @@ contains
 
       level = levels(inquiry%case, motion, inquiry%T_s)
       order = order_by_cost(inquiry%T_s, level, halvings)
-      allocate (trial(size(order)*(last - first + 1)))
+      allocate (trial(size(order)*(inquiry%last - inquiry%first + 1)))
       n = 0
-      do pair = first, last
-         j = mod(pair - 1, size(inquiry%gamma)) + 1
-         k = (pair - 1)/size(inquiry%gamma) + 1
+      do pair = inquiry%first, inquiry%last
+         call split_pair(inquiry, pair, j, k)
          if (inquiry%gamma(j) < least_gamma) cycle
          do i = 1, size(order)
             n = n + 1
-            trial(n) = trial_t(order(i), j, k, 1, level(order(i)), &
+            trial(n) = trial_t(order(i), j, k, pair - inquiry%first + 1, level(order(i)), &
                stages_for(inquiry%case, inquiry%gamma(j)), .false.)
          end do
       end do
       trial = trial(:n)
    end function first_trials
+
+   !> Indices of the mass ratio and the width of a pair.
+   pure subroutine split_pair(inquiry, pair, j, k)
+      type(inquiry_t), intent(in) :: inquiry
+      integer, intent(in) :: pair
+      integer, intent(out) :: j
+      integer, intent(out) :: k
+
+      j = mod(pair - 1, size(inquiry%gamma)) + 1
+      k = (pair - 1)/size(inquiry%gamma) + 1
+   end subroutine split_pair
 
    !> Evaluations of N that a mass ratio calls for.
    pure integer function stages_for(case, gamma)
@@ -180,8 +185,8 @@ contains
       levels = min(levels, halvings + 1)
    end function levels
 
-   !> Try the ordinates; those that leave the fit are tried again on a wider one, those whose
-   !> estimated error is too large with all evaluations of N on the halved step.
+   !> Try the ordinates; those whose estimated error is too large with all evaluations of N are
+   !> tried again on the halved step.
    subroutine run_trials(inquiry, motion, trial, u_s_max, is_done)
       type(inquiry_t), intent(in) :: inquiry
       type(motion_t), intent(in) :: motion
@@ -214,82 +219,56 @@ contains
       type(fast_scope_t), target, intent(out) :: scope
       type(fast_task_t), allocatable, intent(out) :: task(:)
       real(wp) :: h_max(halvings + 2)
-      integer, allocatable :: law_of(:)
-      logical, allocatable :: is_usable(:)
       integer :: i
 
       scope%control = inquiry%control
       scope%instructions = best_level()
       scope%xi_s = inquiry%case%frame%xi_s
       scope%rtol = inquiry%case%solver%rtol
-      call build_laws(inquiry, trial, scope%law, law_of)
+      call prepare_laws(inquiry, trial, scope)
       allocate (scope%grid(halvings + 2))
       h_max = [(merge(longest_step(inquiry%case, motion)/2.0_wp**i, 0.0_wp, &
          any(trial%level == i)), i=0, halvings + 1)]
-      call build_grids(inquiry%case, motion, h_max, scope%ground, scope%grid)
-      allocate (is_usable(size(trial)))
-      do i = 1, size(trial)
-         is_usable(i) = holds(inquiry%case, inquiry%b(trial(i)%k), scope%law(law_of(i))) &
-            .and. associated(scope%grid(trial(i)%level + 1)%step)
-      end do
-      trial = pack(trial, is_usable)
-      law_of = pack(law_of, is_usable)
+      call build_grids(inquiry%case, motion, inquiry%threads, h_max, scope%ground, scope%grid)
+      trial = pack(trial, [(scope%holds(trial(i)%law) &
+         .and. associated(scope%grid(trial(i)%level + 1)%step), i=1, size(trial))])
       call describe_kinds(scope)
-      task = [(task_of(inquiry%T_s(trial(i)%i), trial(i), law_of(i), scope), i=1, size(trial))]
-      call list_loud_steps(task, scope)
+      task = [(task_of(inquiry%T_s(trial(i)%i), trial(i), scope), i=1, size(trial))]
+      call list_loud_steps(task, inquiry%threads, scope)
    end subroutine prepare
 
-   pure type(fast_task_t) function task_of(T_s, trial, law, scope) result(task)
+   !> The scenes of the pairs, and the laws that the trials begin with.
+   subroutine prepare_laws(inquiry, trial, scope)
+      type(inquiry_t), intent(in) :: inquiry
+      type(trial_t), intent(in) :: trial(:)
+      type(fast_scope_t), intent(inout) :: scope
+      logical, allocatable :: wanted(:)
+      integer :: i, j, k
+
+      scope%pairs = inquiry%last - inquiry%first + 1
+      allocate (scope%scene(scope%pairs))
+      do i = 1, scope%pairs
+         call split_pair(inquiry, inquiry%first + i - 1, j, k)
+         scope%scene(i) = scene_of(inquiry%case, inquiry%gamma(j), inquiry%b(k))
+      end do
+      allocate (wanted(scope%pairs*ranges))
+      wanted = .false.
+      wanted(trial%law) = .true.
+      call fit_laws(inquiry%threads, wanted, scope)
+   end subroutine prepare_laws
+
+   pure type(fast_task_t) function task_of(T_s, trial, scope) result(task)
       real(wp), intent(in) :: T_s
       !! [s]
       type(trial_t), intent(in) :: trial
-      integer, intent(in) :: law
       type(fast_scope_t), intent(in) :: scope
       integer :: stages
 
       ! After a jump of the acceleration the slope of N would swing about its value for long.
       stages = max(trial%stages, merge(2, 1, scope%scheme(1)%has_jumps))
-      task = fast_task_t(T_s, law, trial%level + 1, kind_of(stages, scope%law(law)%is_short))
+      task = fast_task_t(T_s, trial%law, trial%level + 1, &
+         kind_of(stages, scope%law(trial%law)%is_short))
    end function task_of
-
-   !> The law of each trial; trials of the same pair and range follow each other.
-   subroutine build_laws(inquiry, trial, law, law_of)
-      type(inquiry_t), intent(in) :: inquiry
-      type(trial_t), intent(in) :: trial(:)
-      type(fast_law_t), allocatable, intent(out) :: law(:)
-      integer, allocatable, intent(out) :: law_of(:)
-      !! (trials) index of the law
-      integer, allocatable :: first(:)
-      !! (laws) trial that calls for it
-      integer :: i
-
-      allocate (law_of(size(trial)), first(0))
-      do i = 1, size(trial)
-         if (size(first) == 0) then
-            first = [i]
-         else if (.not. is_same_law(trial(first(size(first))), trial(i))) then
-            first = [first, i]
-         end if
-         law_of(i) = size(first)
-      end do
-      allocate (law(size(first)))
-      !$omp parallel do num_threads(inquiry%threads) schedule(dynamic) default(shared) &
-      !$omp if (size(law) > 2)
-      do i = 1, size(law)
-         associate (one => trial(first(i)))
-            call build_law(scene_of(inquiry%case, inquiry%gamma(one%j), inquiry%b(one%k)), &
-               fit_range(one%range), fit_share*inquiry%case%solver%rtol, law(i))
-         end associate
-      end do
-      !$omp end parallel do
-   end subroutine build_laws
-
-   pure logical function is_same_law(one, other)
-      type(trial_t), intent(in) :: one
-      type(trial_t), intent(in) :: other
-
-      is_same_law = one%j == other%j .and. one%k == other%k .and. one%range == other%range
-   end function is_same_law
 
    !> Enter what is done; list what is to be tried again.
    subroutine conclude(inquiry, scope, task, result, trial, u_s_max, is_done)
@@ -307,12 +286,11 @@ contains
       again = .false.
       do n = 1, size(trial)
          associate (one => trial(n), law => scope%law(task(n)%law), found => result(n))
-            if (found%failed .or. .not. found%v_max <= law%v_high) then
-               one%range = one%range + 1
-               again(n) = one%range <= size(fit_range)
-            else if (found%error > inquiry%case%solver%rtol) then
+            if (found%failed .or. .not. found%v_max <= law%v_high) cycle
+            if (found%error > inquiry%case%solver%rtol) then
                again(n) = .not. one%is_finer
                one%is_finer = .true.
+               one%law = task(n)%law
                one%level = one%level + 1
                one%stages = most_stages
             else
@@ -323,20 +301,6 @@ contains
       end do
       trial = pack(trial, again)
    end subroutine conclude
-
-   !> Does the fit hold what the tolerance asks, and end before the wall overturns?
-   pure logical function holds(case, b, law)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: b
-      !! [m]
-      type(fast_law_t), intent(in) :: law
-      real(wp) :: alpha
-      !! slenderness [rad]
-
-      alpha = atan2(b, case%wall%h)
-      holds = law%fit_error < fit_share*case%solver%rtol .and. law%e > 0 &
-         .and. law%v_high < sin(min(case%model%overturning_angle, 1.0_wp)/2)*cos(alpha)
-   end function holds
 
    !> The scene of one mass ratio and one width.
    pure function scene_of(case, gamma, b) result(scene)

@@ -41,6 +41,7 @@ program test_fast
    call check_company()
    call check_levels()
    call check_repetition()
+   call check_wide_motion()
    call check_kinks()
    call checks%finish()
 
@@ -228,6 +229,33 @@ contains
       end do
    end subroutine check_company
 
+   !> Ordinates that leave the range of the polynomials are repeated on wider ones: as accurate, and
+   !> with the same bits alone and in two threads.
+   subroutine check_wide_motion()
+      real(wp), parameter :: narrow = 0.1_wp
+      !! the first range ends there
+      type(case_t) :: case
+      type(spectrum_t) :: together, alone
+      type(error_t), allocatable :: error
+      integer :: i
+
+      case = shaken_scene('exact')
+      call shake_harder(case, 2.0_wp)
+      call compute_spectrum(case, 2, together, error)
+      call checks%no_error(error, 'wide motion')
+      associate (length => 2*hypot(case%wall%h, 0.5_wp))
+         call checks%that(maxval(together%u_s_max(:, :, 1)) > narrow*length, 'wide motion: is wide')
+      end associate
+      do i = 1, size(periods)
+         case%spectrum%T_s = [periods(i)]
+         call compute_spectrum(case, 1, alone, error)
+         call checks%that(all(abs(alone%u_s_max(1, :, :) - together%u_s_max(i, :, :)) <= 0), &
+            'wide motion: same bits')
+      end do
+      case%spectrum%T_s = periods
+      call compare(case, 'wide motion')
+   end subroutine check_wide_motion
+
    !> Every instruction set gives the same bits, whatever the number of evaluations.
    subroutine check_levels()
       integer, parameter :: levels(3) = [1, 3, 4]
@@ -298,17 +326,17 @@ contains
       scope%xi_s = case%frame%xi_s
       scope%rtol = case%solver%rtol
       allocate (scope%grid(1), scope%law(1))
-      call build_grids(case, motion_from_case(case), [0.005_wp], scope%ground, scope%grid)
+      call build_grids(case, motion_from_case(case), 1, [0.005_wp], scope%ground, scope%grid)
       call build_law(case, 0.2_wp, 0.0_wp, scope%law(1))
       call describe_kinds(scope)
       task = [(fast_task_t(periods(i), 1, 1, kind_of(stages, .false.)), i=1, size(periods))]
-      call list_loud_steps(task, scope)
+      call list_loud_steps(task, 1, scope)
    end subroutine lay_out
 
    !> One pool, on one thread.
    subroutine run_tasks(scope, task, found)
-      type(fast_scope_t), intent(in) :: scope
-      type(fast_task_t), intent(in) :: task(:)
+      type(fast_scope_t), intent(inout) :: scope
+      type(fast_task_t), intent(inout) :: task(:)
       type(fast_result_t), intent(inout) :: found(:)
       type(deck_t) :: deck
 
