@@ -150,17 +150,19 @@ contains
       stages = scope%scheme(pool%kind(team_of(slot)))%stages
       associate (found => result(number))
          found = result_of(stages, pool%ordinate(slot), lane_of(slot), pool%team(team_of(slot)))
+         again = .false.
          if (found%failed .or. .not. found%v_max <= scope%law(task(number)%law)%v_high) then
             call widen(scope, task(number), again)
-         else
-            again = found%error > scope%rtol .and. stages < most_stages
+         else if (found%error > scope%rtol) then
+            again = stages < most_stages
             stages = most_stages
+         else
+            ! The others are counted where they are done in the end.
+            call count_done(scope%control)
          end if
       end associate
       if (again) then
          call append(number, pool%again(kind_of(stages, scope%law(task(number)%law)%is_short)))
-      else
-         call count_done(scope%control)
       end if
       pool%ordinate(slot)%task = 0
    end subroutine finish

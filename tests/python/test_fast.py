@@ -163,6 +163,20 @@ def test_what_the_lanes_do_not_know_falls_back() -> None:
         assert rwmf.spectrum(changed).attrs["rhs_evaluations"] > 0, group
 
 
+def test_progress_counts_every_ordinate_once(folder: Path) -> None:
+    """Those that are repeated, and those that the general kernel takes over, included."""
+    case = _record("fig13_elcentro_slender_wall", folder).replace(motion={"scale": 12.0})
+    reports: list[tuple[int, int]] = []
+    found = rwmf.spectrum(
+        case,
+        T_s=np.linspace(0.3, 3.0, 24),
+        gamma=[5.0, 1800.0],
+        progress=lambda done, total: reports.append((done, total)),
+    )
+    assert found.attrs["rhs_evaluations"] > 0
+    assert max(reports) == reports[-1] == (48, 48)
+
+
 def test_peak_of_a_flight_that_begins_in_its_step(tmp_path: Path) -> None:
     """A wall that lifts off at rest and turns back within one step of the lanes."""
     path = tmp_path / "short.txt"
