@@ -19,6 +19,9 @@ module rwmf_fast_grid
    real(wp), parameter :: round_off = 1.0e-11_wp
    !! of differences of accelerations over the largest one, with much to spare [-]
 
+   real(wp), parameter :: vanishing = 1.0e-9_wp
+   !! length of a step over the longest one that is left out: what happens in it is a jump [-]
+
    !> Steps from 0 to the end of the simulation.
    type :: fast_grid_t
       type(step_t), pointer, contiguous :: step(:) => null()
@@ -93,6 +96,9 @@ contains
    end function pulse_step
 
    !> Count the steps, and store them once there is room for them.
+   !>
+   !> A pulse may end at an extremum, which round-off puts before the end. There is no step between
+   !> the two: over so short a time rates are round-off.
    pure subroutine walk(motion, t_end, h_max, grid, number)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t_end
@@ -112,8 +118,9 @@ contains
       do while (t < t_end)
          t_next = min(turning_point(motion, interval, t), t_end)
          parts = max(1, ceiling((t_next - t)/h_max*(1 - 1.0e-9_wp)))
+         if (t_next - t < vanishing*h_max) parts = 0
          if (associated(grid%step)) then
-            h = (t_next - t)/parts
+            h = (t_next - t)/max(1, parts)
             do i = 1, parts
                call store(motion, interval, t + (i - 1)*h, h, number + i, grid)
             end do

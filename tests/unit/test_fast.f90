@@ -34,6 +34,7 @@ program test_fast
    call check_against_general('exact', 'truss')
    call check_jumps('published')
    call check_jumps('exact')
+   call check_end_at_extremum()
    call check_near_fault_pulses()
    call check_tiny_response()
    call check_perfect_restitution()
@@ -162,6 +163,31 @@ contains
       motion = case%motion
       motion%kind = kind
    end function pulse_of
+
+   !> A pulse that ends with a jump at its extremum, which round-off puts a little before the end.
+   subroutine check_end_at_extremum()
+      integer :: i, k
+      real(wp), parameter :: T_p(12) = [1.4047591485346191_wp, 1.1_wp, 1.7_wp, &
+         (0.4_wp + 0.13_wp*k, k=1, 9)]
+      !! [s]
+      type(case_t) :: case
+      type(fast_scope_t), target :: scope
+
+      allocate (scope%grid(1))
+      do i = 1, size(T_p)
+         case = shaken_scene('exact')
+         case%motion = pulse_of('sine')
+         case%motion%cycles = 1.25_wp
+         case%motion%a_max_g = 0.2_wp
+         case%motion%t_0 = 0.37_wp
+         case%motion%omega_p = 2*acos(-1.0_wp)/T_p(i)
+         case%solver%t_end = 5
+         call build_grids(case, motion_from_case(case), 1, [0.02_wp], scope%ground, scope%grid)
+         call checks%that(minval(scope%grid(1)%step%h) > 1.0e-9_wp, &
+            'end at an extremum, no vanishing step: '//real_to_text(T_p(i)))
+         if (i <= 3) call compare(case, 'end at an extremum, '//real_to_text(T_p(i)))
+      end do
+   end subroutine check_end_at_extremum
 
    !> A motion that barely lifts the wall: no absolute tolerance hides in the method.
    subroutine check_tiny_response()
