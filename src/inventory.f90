@@ -31,9 +31,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: instant
       type(result_t) :: result
-      type(summary_item_t), allocatable :: items(:)
-      character(:), allocatable :: scalars
-      integer :: i
 
       instant = case
       instant%solver%t_end = 0
@@ -43,6 +40,23 @@ contains
       end if
       call simulate(instant, result, error)
       if (allocated(error)) return
+      ! texts: one thread at a time, see `read_case_text`
+      !$omp critical (rwmf_text)
+      call compose(case, instant, result, text)
+      !$omp end critical (rwmf_text)
+   end subroutine inventory_text
+
+   subroutine compose(case, instant, result, text)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(in) :: instant
+      !! without any duration
+      type(result_t), intent(in) :: result
+      !! of it
+      character(:), allocatable, intent(out) :: text
+      type(summary_item_t), allocatable :: items(:)
+      character(:), allocatable :: scalars
+      integer :: i
+
       call summarise(instant, result, items)
       scalars = ''
       do i = 1, size(items)
@@ -53,7 +67,7 @@ contains
          //line('states', joined(list_states(case)))//line('events', joined(list_events(case))) &
          //'scalars'//scalars//new_line('a')
       if (allocated(result%history)) text = text//line('columns', joined(result%history%names))
-   end subroutine inventory_text
+   end subroutine compose
 
    pure function line(word, names) result(text)
       character(*), intent(in) :: word

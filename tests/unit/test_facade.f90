@@ -1,8 +1,8 @@
 !> The public interface as a host program uses it: `use rwmf` alone.
 program test_facade
    use check, only: checks_t
-   use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, error_t, i8, &
-      read_case_text, result_t, simulate, spectrum_t, version, wp
+   use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
+      error_t, i8, read_case_text, result_t, simulate, spectrum_t, version, wp
    implicit none
 
    character(*), parameter :: nl = new_line('a')
@@ -23,6 +23,7 @@ program test_facade
    call test_history_changes_nothing()
    call test_spectrum_is_simulate()
    call test_bad_case()
+   call test_bad_modes()
    call test_cancel()
    call test_threads()
    call checks%finish()
@@ -84,6 +85,19 @@ contains
       call read_case_text('&wall h = -2.0, b = 0.5 /', '', case, error)
       call checks%has_error(error, err_input, '&wall: h = -2', 'negative height')
    end subroutine test_bad_case
+
+   !> What is found out while a case is read comes back as its error (it once waited for itself).
+   subroutine test_bad_modes()
+      character(*), parameter :: storeys = '&frame xi_s = 0.05 /'//nl &
+         //'&storeys m_over_m_w = 1.0 1.0 1.0 1.0 1.0, '//nl &
+         //'   k_over_m_w = 1e9 1e-9 1e9 1e-9 1e-9, '//nl &
+         //'   height = 0.8 0.8 0.8 0.8 0.8, coupling = "full" /'//nl
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(scene//storeys, '', case, error)
+      call checks%has_error(error, err_numerical, 'DSYGV', 'modes that cannot be found')
+   end subroutine test_bad_modes
 
    !> A set flag stops a run and a spectrum.
    subroutine test_cancel()
