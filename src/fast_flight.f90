@@ -16,7 +16,7 @@ module rwmf_fast_flight
    implicit none
    private
 
-   public :: enter_step, follow_row, depart_row, fall_asleep
+   public :: most_impacts, enter_step, follow_row, depart_row, fall_asleep
 
    integer, parameter :: most_impacts = 200000
    !! of one ordinate: beyond, the general kernel has the better rules
@@ -182,6 +182,7 @@ contains
       row%stiffness(k) = ordinate%stiffness
       row%stages(k) = ordinate%stages
       row%w_begin(k) = ordinate%w
+      ! of the impacts so far; `comes_to_rest` knows the last one too
       row%idle(k) = negligible*ordinate%rtol*ordinate%w_max
       row%v_max(k) = ordinate%v_max
       if (row%law(k) == ordinate%law) return

@@ -31,8 +31,8 @@ module rwmf_fast_lanes
    integer, parameter :: terms = 12
    !! highest power of a Taylor series: with an angle of 0.7 in a step the next one is 1e-12
    integer, parameter :: weights = 36
-   !! of a lane: for each of the nodes c2, c3, 1 what v0, v0', and the four modes of the forcing
-   !! contribute to v and to v'
+   !! of a lane: for each of the nodes c2, c3, 1 (1/2 in place of c3 with two evaluations) what v0,
+   !! v0', and the four modes of the forcing contribute to v and to v'
    real(wp), parameter :: c_2 = 0.276393202250021030359_wp
    !! (1 - 1/sqrt(5))/2
    real(wp), parameter :: c_3 = 1 - c_2
@@ -257,9 +257,9 @@ module rwmf_fast_lanes
       integer :: curve(width)
       !! whose polynomials are in `coef`: number of the law, negative for theta < 0; 0: none
       integer :: used
-      !! how many; the others are padding
+      !! how many whole steps have been entered, one after the other
       integer :: filled
-      !! the others are nobody's
+      !! places from the first one to the last one that has been anybody's; beyond they are empty
    end type flights_t
 
 end module rwmf_fast_lanes

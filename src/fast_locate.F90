@@ -41,7 +41,7 @@ contains
             flights%is_odd(i) = merge(1.0_wp, 0.0_wp, &
                min(at_end(i), min(-p(i, first + 1), slope)) > 0)
             flights%is_odd(i) = merge(flights%is_odd(i), 1.0_wp, p(i, first) > 0)
-            ! v' may change its sign twice: see `mark_events` of rwmf_fast_step.
+            ! v' may change its sign twice: see `happens` of rwmf_fast_node.
             slope = flights%h(i)*flights%finish%w(i)
             both = p(i, 1) + slope
             flights%is_odd(i) = max(flights%is_odd(i), merge(1.0_wp, 0.0_wp, min(p(i, 1)*slope, &

@@ -1,7 +1,7 @@
 !> A pool of ordinates, each at its own time, on one thread.
 !>
 !> Sixteen form a team, which steps together. An ordinate in whose step something may happen leaves
-!> its team and waits until there are enough of its kind to fill a row; the others go on without it.
+!> its team and waits until there are enough to fill a row; the others go on without it.
 !> Whoever rests goes straight to the step in which it lifts off, and who is at the end gives its
 !> place to the next one. So rows and teams are full whatever periods, mass ratios and steps are. No
 !> operation mixes two ordinates: the company changes no bit of a result.
@@ -9,7 +9,7 @@ module rwmf_fast_pool
    use rwmf_control, only: count_done, is_cancelled
    use rwmf_fast_deck, only: deal, deck_t, draw
    use rwmf_fast_fit, only: widen
-   use rwmf_fast_flight, only: depart_row, enter_step, fall_asleep, follow_row
+   use rwmf_fast_flight, only: depart_row, enter_step, fall_asleep, follow_row, most_impacts
    use rwmf_fast_gather, only: gather_up
    use rwmf_fast_lanes, only: c_3, fast_law_t, seats, step_t, team_t, weights, width
    use rwmf_fast_machine, only: advance
@@ -151,7 +151,9 @@ contains
       associate (found => result(number))
          found = result_of(stages, pool%ordinate(slot), lane_of(slot), pool%team(team_of(slot)))
          again = .false.
-         if (found%failed .or. .not. found%v_max <= scope%law(task(number)%law)%v_high) then
+         if (pool%ordinate(slot)%impacts > most_impacts) then
+            found%failed = .true.
+         else if (found%failed .or. .not. found%v_max <= scope%law(task(number)%law)%v_high) then
             call widen(scope, task(number), again)
          else if (found%error > scope%rtol) then
             again = stages < most_stages

@@ -38,7 +38,8 @@ module rwmf_fast_spectrum
       integer :: j
       integer :: k
       integer :: law
-      !! its number among those of the pairs that are worked on
+      !! its number in the scope: that of the pair among those that are worked on, on the narrowest
+      !! range; a higher one after it has left that
       integer :: level
       !! halvings of the step
       integer :: stages

@@ -12,7 +12,7 @@ def main() -> None:
     module uses another.
     """
     target, *sources = sys.argv[1:]
-    parts = [f'# 1 "{name}"\n{Path(name).read_text(encoding="utf-8")}' for name in sources]
+    parts = [f'# 1 "{name}"\n{Path(name).read_text(encoding="utf-8")}\n' for name in sources]
     Path(target).write_text("".join(parts), encoding="utf-8")
 
 
