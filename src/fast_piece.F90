@@ -1,7 +1,7 @@
 !> Exponential collocation over parts of a step: loops to be vectorised.
 !>
-!> The scheme is that of `rwmf_fast_step`, with other nodes for two evaluations of N (c3 and 1); here
-!> the linear equation is solved by its Taylor series, on which events are then located
+!> The scheme is that of `rwmf_fast_step`, with other nodes for two evaluations of N (c3 and 1);
+!> here the linear equation is solved by its Taylor series, on which events are then located
 !> (`rwmf_fast_locate`). Compiled once for each instruction set,
 !> like that module: no operation mixes two flights, and all instruction sets give the same bits.
 #ifndef FAST_PIECE
