@@ -50,16 +50,18 @@ contains
       call load_ground(ground, scheme, team%at, trial%ground)
       if (scheme%has_jumps .or. .not. scheme%is_straight) then
          if (scheme%has_jumps) call pass_jumps(team, trial)
-         call advance_curved(scheme%stages, team, trial, marks, is_called)
+         call advance_alike(.false., .false., scheme%stages, team, trial, marks, is_called)
       else if (scheme%is_short) then
-         call advance_short(scheme%stages, team, trial, marks, is_called)
+         call advance_alike(.true., .true., scheme%stages, team, trial, marks, is_called)
       else
-         call advance_long(scheme%stages, team, trial, marks, is_called)
+         call advance_alike(.true., .false., scheme%stages, team, trial, marks, is_called)
       end if
    end subroutine advance_team
 
-   !> Any ground motion.
-   pure subroutine advance_curved(stages, team, trial, marks, is_called)
+   !> What the lanes have in common is literal in the calls.
+   pure subroutine advance_alike(is_plain, is_short, stages, team, trial, marks, is_called)
+      logical, value :: is_plain
+      logical, value :: is_short
       integer, intent(in) :: stages
       type(team_t), intent(inout) :: team
       type(tried_step_t), intent(inout) :: trial
@@ -68,49 +70,13 @@ contains
 
       select case (stages)
       case (1)
-         call take_one(.false., .false., team, trial, marks, is_called)
+         call take_one(is_plain, is_short, team, trial, marks, is_called)
       case (2)
-         call take_two(.false., .false., team, trial, marks, is_called)
+         call take_two(is_plain, is_short, team, trial, marks, is_called)
       case default
-         call take_three(.false., .false., team, trial, marks, is_called)
+         call take_three(is_plain, is_short, team, trial, marks, is_called)
       end select
-   end subroutine advance_curved
-
-   !> A plain record, polynomials of `short_degree`.
-   pure subroutine advance_short(stages, team, trial, marks, is_called)
-      integer, intent(in) :: stages
-      type(team_t), intent(inout) :: team
-      type(tried_step_t), intent(inout) :: trial
-      integer, intent(out) :: marks
-      logical, intent(out) :: is_called
-
-      select case (stages)
-      case (1)
-         call take_one(.true., .true., team, trial, marks, is_called)
-      case (2)
-         call take_two(.true., .true., team, trial, marks, is_called)
-      case default
-         call take_three(.true., .true., team, trial, marks, is_called)
-      end select
-   end subroutine advance_short
-
-   !> A plain record.
-   pure subroutine advance_long(stages, team, trial, marks, is_called)
-      integer, intent(in) :: stages
-      type(team_t), intent(inout) :: team
-      type(tried_step_t), intent(inout) :: trial
-      integer, intent(out) :: marks
-      logical, intent(out) :: is_called
-
-      select case (stages)
-      case (1)
-         call take_one(.true., .false., team, trial, marks, is_called)
-      case (2)
-         call take_two(.true., .false., team, trial, marks, is_called)
-      case default
-         call take_three(.true., .false., team, trial, marks, is_called)
-      end select
-   end subroutine advance_long
+   end subroutine advance_alike
 
    !> The ground motion in the step of each lane.
    pure subroutine load_ground(ground, scheme, at, loaded)
