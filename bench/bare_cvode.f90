@@ -16,7 +16,7 @@ program bare_cvode
    use fsundials_nvector_mod, only: FN_VDestroy, FN_VGetArrayPointer, N_Vector
    use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
    use rwmf, only: case_t, error_t, i8, read_case_file, result_t, simulate, wp
-   use rwmf_kinds, only: pi
+   use rwmf_core_kinds, only: pi
    implicit none
 
    integer, parameter :: repeats = 40

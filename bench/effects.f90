@@ -11,10 +11,10 @@ program effects
    use effects_by_hand, only: choose, follow_by_hand => follow_course, hand_i, hand_t, mark, &
       prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
-   use rwmf_bouc_wen, only: follow_course
-   use rwmf_equation, only: build_equation, enter_interval, equation_t, rhs
-   use rwmf_memory, only: pass_window, renew_window
-   use rwmf_motion, only: acceleration, interval_at, motion_from_case, motion_t
+   use rwmf_model_hysteresis_bouc_wen, only: follow_course
+   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, rhs
+   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
+   use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
    implicit none
 
    integer, parameter :: n_states = 64

@@ -6,8 +6,8 @@
 !> digits of a small rotation that the kernel keeps.
 module effects_by_hand
    use rwmf, only: case_t, wp
-   use rwmf_kinds, only: pi
-   use rwmf_shear_frame, only: damping_matrix, roof_factor
+   use rwmf_core_kinds, only: pi
+   use rwmf_problem_shear_frame, only: damping_matrix, roof_factor
    implicit none
    private
 

@@ -30,7 +30,7 @@ from peers.problem import case, read_record
 from peers.recursion import build
 from spectra import RECORD, ROOT
 
-BATCH = ROOT / "build" / "src" / "rwmf-batch"
+BATCH = ROOT / ".venv" / "bin" / "rwmf-batch"
 RTOL = 1e-7
 # the modules of the method
 PREFIX = "fast_"

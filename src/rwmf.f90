@@ -20,35 +20,34 @@
 !> effect that is not simulated, an absent component of `result_t` one that does not apply.
 module rwmf
    ! a case: from namelist text or file to validated components
-   use rwmf_case, only: case_t
-   use rwmf_case_reader, only: read_case_file, read_case_text
+   use rwmf_problem_case, only: case_t
+   use rwmf_input_reader, only: read_case_file, read_case_text
    ! one simulation: maxima, counts, history and events
-   use rwmf_result, only: energy_t, event_impact, event_lift_off, event_name, event_overturned, &
-      event_peak, event_rest, event_branch, event_rupture, event_t, history_t, &
+   use rwmf_simulation_result, only: energy_t, event_impact, event_lift_off, event_name, &
+      event_overturned, event_peak, event_rest, event_branch, event_rupture, event_t, history_t, &
       reaction_extremes_t, result_t
-   use rwmf_simulation, only: simulate
+   use rwmf_simulation_simulate, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
-   use rwmf_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    ! a wall inside the time loop of a host program
-   use rwmf_motion, only: ground_t
-   use rwmf_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
-      restore_stepping, save_stepping, snapshot_t, stepping_t
-   use rwmf_stepping_query, only: query_events, query_forces, query_state, wall_forces_t, &
-      wall_state_t
+   use rwmf_motion_ground_motion, only: ground_t
+   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      restore_stepping, save_stepping, snapshot_t, stepping_t, query_events, query_forces, &
+      query_state, wall_forces_t, wall_state_t
    ! the wall as an element of a host program that owns the frame
-   use rwmf_element, only: create_element, element_response_t, lift_off_drive_of, respond, &
-      velocity_factor, wall_element_t
-   use rwmf_element_events, only: next_impact, next_lift_off, settles
+   use rwmf_embedding_element, only: create_element, element_response_t, lift_off_drive_of, &
+      respond, velocity_factor, wall_element_t
+   use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
    ! CSV files, written completely or not at all
-   use rwmf_output, only: write_result, write_spectrum
+   use rwmf_output_csv, only: write_result, write_spectrum
    ! stop a computation from another thread, count its finished parts
-   use rwmf_control, only: control_t
+   use rwmf_core_control, only: control_t
    ! failures as values
-   use rwmf_errors, only: err_input, err_interrupt, err_numerical, error_t
+   use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t
    ! kinds of the real and integer components
-   use rwmf_kinds, only: i8, wp
-   use rwmf_fast_machine, only: instruction_set
-   use rwmf_version, only: version
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_spectrum_fast_simd_dispatch, only: instruction_set
+   use rwmf_core_version, only: version
    implicit none
    private
 

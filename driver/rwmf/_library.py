@@ -14,9 +14,15 @@ from typing import Any, Self, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._kernel import rwmf_python as _kernel
-from rwmf._kernel import rwmf_python_cost as cost_kernel  # noqa: F401 (for _measure)
-from rwmf._reference import rwmf_reference as reference_kernel  # noqa: F401 (for _measure)
+from rwmf._kernel import (
+    rwmf_bindings_python_kernel as _kernel,
+)
+from rwmf._kernel import (
+    rwmf_bindings_python_cost as cost_kernel,  # noqa: F401 (for _measure)
+)
+from rwmf._reference import (
+    rwmf_bindings_python_reference as reference_kernel,  # noqa: F401 (for _measure)
+)
 from rwmf._wire import (
     FIRST_BUFFER,
     decode,

@@ -13,7 +13,7 @@ _INTRODUCTION = """\
 # Namelist reference
 
 Made by `python -m rwmf.key_reference` from the one table that also validates a case
-(`src/schema.f90`).
+(`src/rwmf/input/schema.f90`).
 
 One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
 and keys may be written in small or capital letters, texts stand in quotes, `!` begins a comment. An

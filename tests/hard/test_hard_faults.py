@@ -14,7 +14,7 @@ import rwmf
 from hard_scenes import METHODS, Groups, Hard, quiet
 
 _BATCH = Path(
-    os.environ.get("RWMF_BATCH", Path(__file__).parents[2] / "build" / "src" / "rwmf-batch")
+    os.environ.get("RWMF_BATCH", Path(__file__).parents[2] / ".venv" / "bin" / "rwmf-batch")
 )
 _ENDLESS: Groups = {
     "impact": {"e": 1.0},

@@ -21,7 +21,7 @@ FIRST = int(os.environ.get("RWMF_FUZZ_FIRST", "0"))
 _CHUNK = 200
 _SECONDS = 300
 _BATCH = Path(
-    os.environ.get("RWMF_BATCH", Path(__file__).parents[2] / "build" / "src" / "rwmf-batch")
+    os.environ.get("RWMF_BATCH", Path(__file__).parents[2] / ".venv" / "bin" / "rwmf-batch")
 )
 _STARTS = range(FIRST, FIRST + ATTACKS, _CHUNK)
 

@@ -54,7 +54,7 @@ def solve(case: rwmf.Case, loose: float = RTOL_LOOSE, tight: float = RTOL) -> di
     message = np.zeros(4096, dtype=np.int8)
     control = np.zeros(2, dtype=np.int64)
     room = (np.zeros(1), np.zeros(1))
-    _, counts, status, length = _reference.rwmf_reference.solve(
+    _, counts, status, length = _reference.rwmf_bindings_python_reference.solve(
         case.text.encode(), case.kernel_source().encode(), loose, tight, control, values,
         differences, *room, message,
     )  # fmt: skip

@@ -45,7 +45,7 @@ def pacoima(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def batch_program() -> Path:
     """Find the batch program of the build; RWMF_BATCH names another one."""
-    path = Path(os.environ.get("RWMF_BATCH", ROOT / "build" / "src" / "rwmf-batch"))
+    path = Path(os.environ.get("RWMF_BATCH", ROOT / ".venv" / "bin" / "rwmf-batch"))
     assert path.is_file(), f"{path} is missing: run tools/test, or set RWMF_BATCH"
     return path
 

@@ -4,8 +4,8 @@
 !> and ends with `call checks%finish()`, which prints 'N passed, N failed' and stops with a
 !> non-zero status when a check failed or when none was made.
 module check
-   use rwmf_errors, only: error_t
-   use rwmf_kinds, only: wp
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
    implicit none
    private
 

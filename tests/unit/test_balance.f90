@@ -5,18 +5,17 @@ program test_balance
    use reaction_scenes, only: damped, fused, hysteretic, linked, linked_pinned, linked_storeys, &
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
-   use rwmf_bouc_wen, only: bouc_wen_residual
-   use rwmf_case, only: case_t
-   use rwmf_equation, only: build_equation, enter_interval, equation_t, kinematics_at, &
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_problem_case, only: case_t
+   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
-   use rwmf_kinds, only: pi, wp
-   use rwmf_kinematics, only: kinematics_t
-   use rwmf_memory, only: load_to
-   use rwmf_memory_query, only: frame_residuals
-   use rwmf_motion, only: interval_at, motion_from_case, motion_t
-   use rwmf_reactions, only: cable_force, link_force, reactions_at, reactions_t
-   use rwmf_scene, only: ground
-   use rwmf_shear_frame, only: damping_matrix
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_hysteresis_spring_set, only: load_to, frame_residuals
+   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_model_reactions, only: cable_force, link_force, reactions_at, reactions_t
+   use rwmf_model_equation, only: ground
+   use rwmf_problem_shear_frame, only: damping_matrix
    implicit none
 
    real(wp), parameter :: t = 0.3_wp

@@ -2,13 +2,13 @@
 program test_bouc_wen
    use check, only: checks_t
    use hosts, only: repeats_the_bits
-   use rwmf_case, only: case_t
-   use rwmf_case_reader, only: read_case_text
-   use rwmf_errors, only: err_input, error_t
-   use rwmf_first_loading, only: first_loading
-   use rwmf_kinds, only: wp
-   use rwmf_result, only: result_t
-   use rwmf_simulation, only: simulate
+   use rwmf_problem_case, only: case_t
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: first_loading
+   use rwmf_core_kinds, only: wp
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

@@ -5,7 +5,7 @@ program test_element
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
       lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
-   use rwmf_case, only: fuse_t, inerter_t
+   use rwmf_problem_case, only: fuse_t, inerter_t
    use scenes, only: rwmf_scene
    implicit none
 

@@ -1,21 +1,21 @@
 !> Method 'fast': the same peaks as the general kernel, the same bits in every company.
 program test_fast
    use check, only: checks_t
-   use rwmf_case, only: case_t
-   use rwmf_control, only: control_t
-   use rwmf_errors, only: error_t
-   use rwmf_fast_deck, only: deck_t, new_deck
-   use rwmf_fast_grid, only: build_grids
-   use rwmf_fast_law, only: build_law
-   use rwmf_fast_machine, only: best_level
-   use rwmf_fast_pool, only: fast_result_t, run_pool
-   use rwmf_fast_scope, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_control, only: control_t
+   use rwmf_core_error, only: error_t
+   use rwmf_spectrum_fast_task_queue, only: deck_t, new_deck
+   use rwmf_spectrum_fast_time_grid, only: build_grids
+   use rwmf_spectrum_fast_reduced_equation, only: build_law
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_fast_lane_scheduler, only: fast_result_t, run_pool
+   use rwmf_spectrum_fast_shared_data, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
       list_loud_steps, most_stages
-   use rwmf_fast_spectrum, only: run_fast
-   use rwmf_kinds, only: wp
-   use rwmf_motion, only: motion_from_case, motion_t
-   use rwmf_spectrum, only: compute_spectrum, spectrum_t
-   use rwmf_text, only: real_to_text
+   use rwmf_spectrum_fast_driver, only: run_fast
+   use rwmf_core_kinds, only: wp
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_text_strings, only: real_to_text
    use scenes, only: rwmf_scene
    implicit none
 
@@ -154,7 +154,7 @@ contains
 
    !> Pulse of the scenes of the other tests.
    function pulse_of(kind) result(motion)
-      use rwmf_case, only: motion_spec_t
+      use rwmf_problem_case, only: motion_spec_t
       character(*), intent(in) :: kind
       type(motion_spec_t) :: motion
       type(case_t) :: case

@@ -3,17 +3,17 @@ program test_memory
    use check, only: checks_t
    use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, query_state, &
       restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
-   use rwmf_case, only: case_t, fuse_t
-   use rwmf_equation, only: build_equation, enter_interval, equation_t, second_derivative
-   use rwmf_errors, only: err_input, error_t
-   use rwmf_hybrid, only: begin_hybrid, hybrid_t
-   use rwmf_jacobian, only: jacobian
-   use rwmf_kinds, only: pi, wp
-   use rwmf_motion, only: motion_from_case, motion_t
-   use rwmf_result, only: result_t
-   use rwmf_simulation, only: simulate
-   use rwmf_spring, only: is_broken, new_spring, pass_limit, spring_energy, spring_force, &
-      spring_limits, spring_plastic, spring_power, spring_t, turn_spring
+   use rwmf_problem_case, only: case_t, fuse_t
+   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_simulation_hybrid_loop, only: begin_hybrid, hybrid_t
+   use rwmf_model_jacobian, only: jacobian
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
+   use rwmf_model_hysteresis_bilinear, only: is_broken, new_spring, pass_limit, spring_energy, &
+      spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

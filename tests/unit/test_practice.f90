@@ -1,12 +1,12 @@
 !> Today's procedures tend to the kernel's answer, each with its order.
 program test_practice
    use check, only: checks_t
-   use rwmf_case, only: case_t
-   use rwmf_errors, only: err_input, error_t
-   use rwmf_kinds, only: pi, wp
-   use rwmf_practice, only: ode45_atol, ode45_rtol, practice_t, run_practice, usual_interval
-   use rwmf_result, only: result_t
-   use rwmf_simulation, only: simulate
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_baseline_run, only: ode45_atol, ode45_rtol, practice_t, run_practice, usual_interval
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
    use scenes, only: block_scene, frame_scene, rwmf_scene
    implicit none
 

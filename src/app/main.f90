@@ -1,0 +1,253 @@
+!> `rwmf-batch`: runs the cases of namelist files and writes CSV files.
+program rwmf_batch
+   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
+      error_t, instruction_set, read_case_file, result_t, simulate, spectrum_t, version, &
+      write_result, write_spectrum
+   use rwmf_text_atomic_file, only: check_folder, join_path
+   use rwmf_app_cli, only: command_line_t, path_t, read_command_line, usage
+   use rwmf_core_error, only: add_context, fail
+   use rwmf_app_signals, only: is_interrupted, watch_interrupts
+   use rwmf_core_kinds, only: wp
+   use rwmf_output_csv, only: case_name
+   use rwmf_spectrum_spectrum, only: spectrum_periods
+   use rwmf_text_strings, only: integer_to_text
+   implicit none
+
+   type(command_line_t) :: command_line
+   type(error_t), allocatable :: error
+   integer :: status
+
+   call read_command_line(command_line, error)
+   if (allocated(error)) then
+      call report(error)
+      status = error%stat
+   else if (command_line%help) then
+      write (output_unit, '(a)') usage()
+      status = 0
+   else if (command_line%version) then
+      write (output_unit, '(a)') 'rwmf '//version//' ('//trim(instruction_set())//')'
+      status = 0
+   else
+      call run_batch(command_line, status)
+   end if
+   ! quiet: the status is for the shell, not a message
+   stop status, quiet=.true.
+
+contains
+
+   !> Check everything, then run case after case.
+   subroutine run_batch(command_line, status)
+      type(command_line_t), intent(in) :: command_line
+      integer, intent(out) :: status
+      !! 0, or the status of the last case that failed
+      type(case_t), allocatable :: cases(:)
+      type(control_t) :: control
+      integer :: i
+
+      call read_cases(command_line, cases, status)
+      if (status /= 0) return
+      call watch_interrupts(control)
+      do i = 1, size(cases)
+         call run_case(cases(i), command_line%cases(i)%text, command_line, control, status)
+         if (is_interrupted()) status = err_interrupt
+         if (status == err_interrupt) return
+      end do
+   end subroutine run_batch
+
+   !> Read and validate all files; every one that is not acceptable is reported.
+   subroutine read_cases(command_line, cases, status)
+      type(command_line_t), intent(in) :: command_line
+      type(case_t), allocatable, intent(out) :: cases(:)
+      !! (files)
+      integer, intent(out) :: status
+      type(error_t), allocatable :: error
+      integer :: i
+
+      status = 0
+      allocate (cases(size(command_line%cases)))
+      do i = 1, size(cases)
+         call read_case_file(command_line%cases(i)%text, cases(i), error)
+         if (.not. allocated(error)) call check_name(command_line%cases(:i), error)
+         if (.not. allocated(error)) call take_part(command_line, i, cases(i), error)
+         if (allocated(error)) then
+            call report(error)
+            status = error%stat
+         end if
+      end do
+      call check_folder(command_line%folder, error)
+      if (allocated(error)) then
+         call report(error)
+         status = error%stat
+      end if
+   end subroutine read_cases
+
+   !> Would the last of these files write to the names of an earlier one?
+   subroutine check_name(paths, error)
+      type(path_t), intent(in) :: paths(:)
+      !! (files up to the one that is checked)
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+      integer :: n
+
+      n = size(paths)
+      do i = 1, n - 1
+         if (case_name(paths(i)%text) /= case_name(paths(n)%text)) cycle
+         call fail(error, err_input, paths(n)%text//': writes to the same names as ' &
+            //paths(i)%text//'; give one of them another name or run them apart')
+         return
+      end do
+   end subroutine check_name
+
+   !> Leave a case only its share of the periods: every N-th one, so that all parts cost the same.
+   subroutine take_part(command_line, number, case, error)
+      type(command_line_t), intent(in) :: command_line
+      integer, intent(in) :: number
+      !! of the case
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: T_s(:)
+
+      if (command_line%parts == 1) return
+      associate (path => command_line%cases(number)%text)
+         if (.not. allocated(case%spectrum)) then
+            call fail(error, err_input, path//': --part needs &spectrum: nothing to share out')
+            return
+         end if
+         T_s = spectrum_periods(case%spectrum)
+         if (command_line%part > size(T_s)) then
+            call fail(error, err_input, path//': --part '//part_name(command_line, '/') &
+               //': there are more parts than periods')
+            return
+         end if
+      end associate
+      case%spectrum%T_s = T_s(command_line%part::command_line%parts)
+   end subroutine take_part
+
+   !> Which part, for messages and names of files.
+   pure function part_name(command_line, between) result(text)
+      type(command_line_t), intent(in) :: command_line
+      character(*), intent(in) :: between
+      !! the two numbers
+      character(:), allocatable :: text
+
+      text = integer_to_text(command_line%part)//between//integer_to_text(command_line%parts)
+   end function part_name
+
+   !> Run what the case asks for: one simulation, a spectrum, or both. A part is of a spectrum only.
+   subroutine run_case(case, path, command_line, control, status)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: path
+      type(command_line_t), intent(in) :: command_line
+      type(control_t), intent(in) :: control
+      integer, intent(inout) :: status
+      !! unchanged when all went well
+      type(error_t), allocatable :: error
+
+      if (has_period(case) .and. command_line%parts == 1) then
+         call run_simulation(case, path, command_line%folder, control, error)
+      end if
+      if (.not. allocated(error) .and. allocated(case%spectrum)) then
+         call run_spectrum(case, path, command_line, control, error)
+      end if
+      if (allocated(error)) then
+         call add_context(error, path)
+         call report(error)
+         status = error%stat
+      end if
+   end subroutine run_case
+
+   !> Does the case describe one structure? A frame without T_s takes its periods from `&spectrum`.
+   logical function has_period(case)
+      type(case_t), intent(in) :: case
+
+      has_period = .true.
+      if (allocated(case%frame)) has_period = allocated(case%frame%T_s)
+   end function has_period
+
+   !> One simulation: summary and history.
+   subroutine run_simulation(case, path, folder, control, error)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: path
+      character(*), intent(in) :: folder
+      type(control_t), intent(in) :: control
+      type(error_t), allocatable, intent(out) :: error
+      type(result_t) :: result
+
+      call simulate(case, result, error, control)
+      if (allocated(error)) return
+      call report_warnings(path, result)
+      call write_result(case, result, folder, case_name(path), error)
+      if (allocated(error)) return
+      write (output_unit, '(a, f0.3, a)') path//': summary' &
+         //trim(merge(', history', '         ', allocated(result%history))) &
+         //' written (', result%seconds, ' s)'
+   end subroutine run_simulation
+
+   !> The spectrum. Ordinates that fail are NaN with a reason; they do not stop the others.
+   subroutine run_spectrum(case, path, command_line, control, error)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: path
+      type(command_line_t), intent(in) :: command_line
+      type(control_t), intent(in) :: control
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: all_threads = 0
+      type(spectrum_t) :: spectrum
+      character(80) :: counts
+      integer :: failed
+
+      call compute_spectrum(case, all_threads, spectrum, error, control)
+      if (allocated(error)) return
+      call save_spectrum(case, spectrum, path, command_line, error)
+      if (allocated(error)) return
+      failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned')
+      write (output_unit, '(a, i0, a, f0.3, a, i0, a)') path//': spectrum written (', &
+         size(spectrum%status), ' ordinates, ', spectrum%seconds, ' s, ', spectrum%threads, &
+         ' threads)'
+      if (failed > 0) then
+         write (counts, '(i0, " of ", i0)') failed, size(spectrum%status)
+         call fail(error, err_numerical, &
+            trim(counts)//' ordinates failed; the spectrum gives their reasons')
+      end if
+   end subroutine run_spectrum
+
+   !> Write a spectrum or a part of one.
+   subroutine save_spectrum(case, spectrum, path, command_line, error)
+      type(case_t), intent(in) :: case
+      type(spectrum_t), intent(in) :: spectrum
+      character(*), intent(in) :: path
+      type(command_line_t), intent(in) :: command_line
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: name
+
+      name = case_name(path)
+      if (command_line%parts == 1) then
+         call write_spectrum(case, spectrum, &
+            join_path(command_line%folder, name//'.spectrum.csv'), error)
+      else
+         name = name//'.part-'//part_name(command_line, '-of-')//'.spectrum.csv'
+         call write_spectrum(case, spectrum, join_path(command_line%folder, name), error, &
+            part_name(command_line, '/'))
+      end if
+   end subroutine save_spectrum
+
+   !> Tell the user what to keep in mind about a result.
+   subroutine report_warnings(path, result)
+      character(*), intent(in) :: path
+      type(result_t), intent(in) :: result
+      integer :: i
+
+      if (.not. allocated(result%warnings)) return
+      do i = 1, size(result%warnings)
+         write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(result%warnings(i))
+      end do
+   end subroutine report_warnings
+
+   !> Tell the user what went wrong.
+   subroutine report(error)
+      type(error_t), intent(in) :: error
+
+      write (error_unit, '(a)') 'rwmf-batch: '//error%message
+   end subroutine report
+
+end program rwmf_batch

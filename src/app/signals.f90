@@ -1,0 +1,59 @@
+!> Ctrl-C and the queue's termination signal in the batch program: the running computation is told
+!> to stop, so that no temporary file stays behind.
+!>
+!> Part of the program, not of the library: a signal handler receives nothing but the number of the
+!> signal, so that the flag has to be a variable of the module.
+module rwmf_app_signals
+   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+   use rwmf_core_control, only: control_t
+   use rwmf_core_kinds, only: i8
+   implicit none
+   private
+
+   public :: watch_interrupts, is_interrupted
+
+   integer(i8), target :: interrupted = 0_i8
+   !! non-zero after a signal
+
+   interface
+      function c_signal(number, handler) bind(c, name='signal') result(previous)
+         import :: c_funptr, c_int
+         implicit none
+         integer(c_int), intent(in), value :: number
+         type(c_funptr), intent(in), value :: handler
+         type(c_funptr) :: previous
+      end function c_signal
+   end interface
+
+contains
+
+   !> From now on a signal sets the cancel flag of this control instead of ending the program.
+   subroutine watch_interrupts(control)
+      type(control_t), intent(inout) :: control
+      integer(c_int), parameter :: sigint = 2_c_int, sigterm = 15_c_int
+      type(c_funptr) :: previous
+
+      control%cancel => interrupted
+      ! without a handler (an exotic system) a signal ends the program as it always did
+      previous = c_signal(sigint, c_funloc(handle_signal))
+      previous = c_signal(sigterm, c_funloc(handle_signal))
+   end subroutine watch_interrupts
+
+   !> Has there been a signal?
+   logical function is_interrupted()
+      integer(i8) :: flag
+
+      !$omp atomic read
+      flag = interrupted
+      is_interrupted = flag /= 0_i8
+   end function is_interrupted
+
+   !> The handler: sets the flag and nothing else.
+   subroutine handle_signal(number) bind(c)
+      integer(c_int), intent(in), value :: number
+
+      !$omp atomic write
+      interrupted = int(number, i8)
+   end subroutine handle_signal
+
+end module rwmf_app_signals

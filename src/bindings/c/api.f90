@@ -1,0 +1,374 @@
+!> C binding of the stepping walls and of a whole simulation: include/rwmf.h.
+!>
+!> Handles are addresses on the heap. A function that fails returns the number of its error, puts
+!> the message into the caller's buffer and changes nothing.
+module rwmf_bindings_c_api
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, &
+      c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_bindings_c_strings, only: put_message, put_text, read_case
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_motion_ground_motion, only: ground_t
+   use rwmf_simulation_result, only: event_t, result_t
+   use rwmf_simulation_simulate, only: simulate
+   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      require, restore_stepping, save_stepping, snapshot_t, stepping_t, query_events, &
+      query_forces, query_state, wall_forces_t, wall_state_t
+   use rwmf_core_version, only: version
+   implicit none
+   private
+
+   public :: c_version, c_run, c_create, c_destroy, c_advance, c_advance_samples
+   public :: c_advance_ground, c_query_state, c_query_forces, c_query_events
+   public :: c_save, c_restore, c_destroy_snapshot
+
+   !> `rwmf_result` of the header.
+   type, bind(c) :: c_result_t
+      real(c_double) :: u_s_max
+      real(c_double) :: theta_max
+      real(c_double) :: theta_dot_max
+      real(c_double) :: cable_increment_max
+      real(c_double) :: t_end
+      integer(c_int64_t) :: impacts
+      integer(c_int64_t) :: lift_offs
+      integer(c_int64_t) :: steps
+      integer(c_int32_t) :: overturned
+   end type c_result_t
+
+   !> `rwmf_state` of the header.
+   type, bind(c) :: c_state_t
+      real(c_double) :: t
+      real(c_double) :: theta
+      real(c_double) :: theta_dot
+      real(c_double) :: theta_ddot
+      real(c_double) :: u_s
+      real(c_double) :: u_s_dot
+      real(c_double) :: u_s_ddot
+      real(c_double) :: u_s_max
+      real(c_double) :: theta_max
+      integer(c_int64_t) :: impacts
+      integer(c_int64_t) :: lift_offs
+      integer(c_int64_t) :: steps
+      integer(c_int32_t) :: at_rest
+      integer(c_int32_t) :: overturned
+   end type c_state_t
+
+   !> `rwmf_forces` of the header.
+   type, bind(c) :: c_forces_t
+      real(c_double) :: link
+      real(c_double) :: frame_shear
+      real(c_double) :: cable
+   end type c_forces_t
+
+   !> `rwmf_event` of the header.
+   type, bind(c) :: c_event_t
+      real(c_double) :: t
+      real(c_double) :: theta
+      real(c_double) :: theta_dot
+      integer(c_int32_t) :: kind
+   end type c_event_t
+
+   abstract interface
+      !> Acceleration that the host computes [m/s2].
+      pure function c_ground_i(t, data) result(a) bind(c)
+         import :: c_double, c_ptr
+         implicit none
+         real(c_double), value :: t
+         !! [s]
+         type(c_ptr), value :: data
+         real(c_double) :: a
+      end function c_ground_i
+   end interface
+
+   !> A function of the host as a ground motion.
+   type, extends(ground_t) :: c_ground_t
+      procedure(c_ground_i), pointer, nopass :: compute => null()
+      type(c_ptr) :: data
+   contains
+      procedure :: acceleration_at
+   end type c_ground_t
+
+contains
+
+   pure real(c_double) function acceleration_at(self, t)
+      class(c_ground_t), intent(in) :: self
+      real(c_double), intent(in) :: t
+
+      acceleration_at = self%compute(t, self%data)
+   end function acceleration_at
+
+   !> `rwmf_version`.
+   subroutine c_version(text, size) bind(c, name='rwmf_version')
+      type(c_ptr), value :: text
+      integer(c_size_t), value :: size
+
+      call put_text(version, text, size)
+   end subroutine c_version
+
+   !> `rwmf_run`.
+   integer(c_int) function c_run(namelist, result, message, size) bind(c, name='rwmf_run')
+      type(c_ptr), value :: namelist
+      type(c_result_t), intent(inout) :: result
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t) :: case
+      type(result_t) :: found
+      type(error_t), allocatable :: error
+
+      call read_case(namelist, case, error)
+      if (.not. allocated(error)) call simulate(case, found, error)
+      if (.not. allocated(error)) call fill_result(found, result)
+      c_run = put_message(error, message, size)
+   end function c_run
+
+   subroutine fill_result(found, result)
+      type(result_t), intent(in) :: found
+      type(c_result_t), intent(out) :: result
+      real(c_double) :: nan
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      result = c_result_t(nan, nan, nan, nan, found%t_end, found%impacts, found%lift_offs, &
+         found%steps, merge(1_c_int32_t, 0_c_int32_t, found%overturned))
+      if (allocated(found%u_s_max)) result%u_s_max = found%u_s_max
+      if (allocated(found%theta_max)) result%theta_max = max(found%theta_max, -found%theta_min)
+      if (allocated(found%theta_dot_max)) result%theta_dot_max = found%theta_dot_max
+      if (allocated(found%cable_increment_max)) then
+         result%cable_increment_max = found%cable_increment_max
+      end if
+   end subroutine fill_result
+
+   !> The wall behind a handle; an empty one for NULL, which every procedure refuses.
+   function wall_of(handle) result(wall)
+      type(c_ptr), intent(in) :: handle
+      type(stepping_t) :: wall
+      type(stepping_t), pointer :: kept
+
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, kept)
+      wall = kept
+   end function wall_of
+
+   !> `rwmf_create`.
+   integer(c_int) function c_create(namelist, t_begin, peak, handle, message, size) &
+      bind(c, name='rwmf_create')
+      type(c_ptr), value :: namelist
+      real(c_double), value :: t_begin
+      real(c_double), value :: peak
+      type(c_ptr), intent(inout) :: handle
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t) :: case
+      type(stepping_t), pointer :: wall
+      type(error_t), allocatable :: error
+
+      if (c_associated(handle)) then
+         call fail(error, err_input, 'the handle is not NULL: destroy its wall first')
+      else
+         call read_case(namelist, case, error)
+      end if
+      if (.not. allocated(error)) then
+         allocate (wall)
+         if (peak > 0) then
+            call create_stepping(wall, case, error, t_begin, peak)
+         else
+            call create_stepping(wall, case, error, t_begin)
+         end if
+         if (allocated(error)) then
+            deallocate (wall)
+         else
+            handle = c_loc(wall)
+         end if
+      end if
+      c_create = put_message(error, message, size)
+   end function c_create
+
+   !> `rwmf_destroy`.
+   subroutine c_destroy(handle) bind(c, name='rwmf_destroy')
+      type(c_ptr), intent(inout) :: handle
+      type(stepping_t), pointer :: wall
+
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, wall)
+      call destroy_stepping(wall)
+      deallocate (wall)
+      handle = c_null_ptr
+   end subroutine c_destroy
+
+   !> `rwmf_advance`.
+   integer(c_int) function c_advance(handle, t, message, size) bind(c, name='rwmf_advance')
+      type(c_ptr), value :: handle
+      real(c_double), value :: t
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(stepping_t) :: wall
+      type(error_t), allocatable :: error
+
+      wall = wall_of(handle)
+      call advance_stepping(wall, t, error)
+      c_advance = put_message(error, message, size)
+   end function c_advance
+
+   !> `rwmf_advance_samples`.
+   integer(c_int) function c_advance_samples(handle, n, t, a, message, size) &
+      bind(c, name='rwmf_advance_samples')
+      type(c_ptr), value :: handle
+      integer(c_size_t), value :: n
+      real(c_double), intent(in) :: t(n)
+      real(c_double), intent(in) :: a(n)
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(stepping_t) :: wall
+      type(error_t), allocatable :: error
+
+      wall = wall_of(handle)
+      call advance_stepping(wall, t, a, error)
+      c_advance_samples = put_message(error, message, size)
+   end function c_advance_samples
+
+   !> `rwmf_advance_ground`.
+   integer(c_int) function c_advance_ground(handle, t, compute, data, message, size) &
+      bind(c, name='rwmf_advance_ground')
+      type(c_ptr), value :: handle
+      real(c_double), value :: t
+      type(c_funptr), value :: compute
+      type(c_ptr), value :: data
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(stepping_t) :: wall
+      type(c_ground_t) :: ground
+      type(error_t), allocatable :: error
+
+      wall = wall_of(handle)
+      if (.not. c_associated(compute)) then
+         call fail(error, err_input, 'the function for the ground acceleration is NULL')
+      else
+         call c_f_procpointer(compute, ground%compute)
+         ground%data = data
+         call advance_stepping(wall, t, ground, error)
+      end if
+      c_advance_ground = put_message(error, message, size)
+   end function c_advance_ground
+
+   !> `rwmf_query_state`.
+   integer(c_int) function c_query_state(handle, state, message, size) &
+      bind(c, name='rwmf_query_state')
+      type(c_ptr), value :: handle
+      type(c_state_t), intent(inout) :: state
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(wall_state_t) :: found
+      type(error_t), allocatable :: error
+
+      call query_state(wall_of(handle), found, error)
+      if (.not. allocated(error)) then
+         state = c_state_t(found%t, found%theta, found%theta_dot, found%theta_ddot, found%u_s, &
+            found%u_s_dot, found%u_s_ddot, found%u_s_max, found%theta_max, found%impacts, &
+            found%lift_offs, found%steps, merge(1_c_int32_t, 0_c_int32_t, found%at_rest), &
+            merge(1_c_int32_t, 0_c_int32_t, found%overturned))
+      end if
+      c_query_state = put_message(error, message, size)
+   end function c_query_state
+
+   !> `rwmf_query_forces`.
+   integer(c_int) function c_query_forces(handle, forces, message, size) &
+      bind(c, name='rwmf_query_forces')
+      type(c_ptr), value :: handle
+      type(c_forces_t), intent(inout) :: forces
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(wall_forces_t) :: found
+      type(error_t), allocatable :: error
+
+      call query_forces(wall_of(handle), found, error)
+      if (.not. allocated(error)) then
+         forces = c_forces_t(found%link, found%frame_shear, found%cable)
+      end if
+      c_query_forces = put_message(error, message, size)
+   end function c_query_forces
+
+   !> `rwmf_query_events`.
+   integer(c_int) function c_query_events(handle, capacity, events, count, message, size) &
+      bind(c, name='rwmf_query_events')
+      type(c_ptr), value :: handle
+      integer(c_size_t), value :: capacity
+      type(c_event_t), intent(inout) :: events(capacity)
+      integer(c_size_t), intent(inout) :: count
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(event_t), allocatable :: found(:)
+      type(error_t), allocatable :: error
+      integer(c_size_t) :: i
+
+      call query_events(wall_of(handle), found, error)
+      if (.not. allocated(error)) then
+         count = storage_count(found)
+         do i = 1, min(capacity, count)
+            events(i) = c_event_t(found(i)%t, found(i)%theta, found(i)%theta_dot, &
+               int(found(i)%kind, c_int32_t))
+         end do
+      end if
+      c_query_events = put_message(error, message, size)
+   end function c_query_events
+
+   pure integer(c_size_t) function storage_count(events)
+      type(event_t), intent(in) :: events(:)
+
+      storage_count = size(events, kind=c_size_t)
+   end function storage_count
+
+   !> `rwmf_save`.
+   integer(c_int) function c_save(handle, snapshot, message, size) bind(c, name='rwmf_save')
+      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout) :: snapshot
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(stepping_t) :: wall
+      type(snapshot_t), pointer :: kept
+      type(error_t), allocatable :: error
+
+      wall = wall_of(handle)
+      call require(wall, error)
+      if (.not. allocated(error)) then
+         if (.not. c_associated(snapshot)) then
+            allocate (kept)
+            snapshot = c_loc(kept)
+         end if
+         call c_f_pointer(snapshot, kept)
+         call save_stepping(wall, kept, error)
+      end if
+      c_save = put_message(error, message, size)
+   end function c_save
+
+   !> `rwmf_restore`.
+   integer(c_int) function c_restore(handle, snapshot, message, size) bind(c, name='rwmf_restore')
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: snapshot
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(stepping_t) :: wall
+      type(snapshot_t), pointer :: kept
+      type(error_t), allocatable :: error
+
+      wall = wall_of(handle)
+      if (.not. c_associated(snapshot)) then
+         call fail(error, err_input, 'the snapshot is NULL')
+      else
+         call c_f_pointer(snapshot, kept)
+         call restore_stepping(wall, kept, error)
+      end if
+      c_restore = put_message(error, message, size)
+   end function c_restore
+
+   !> `rwmf_destroy_snapshot`.
+   subroutine c_destroy_snapshot(snapshot) bind(c, name='rwmf_destroy_snapshot')
+      type(c_ptr), intent(inout) :: snapshot
+      type(snapshot_t), pointer :: kept
+
+      if (.not. c_associated(snapshot)) return
+      call c_f_pointer(snapshot, kept)
+      deallocate (kept)
+      snapshot = c_null_ptr
+   end subroutine c_destroy_snapshot
+
+end module rwmf_bindings_c_api

@@ -1,0 +1,164 @@
+!> C binding of the wall as an element: include/rwmf.h.
+module rwmf_bindings_c_element
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
+      c_loc, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_bindings_c_strings, only: put_message, read_case
+   use rwmf_problem_case, only: case_t
+   use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
+      wall_element_t
+   use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
+   use rwmf_core_error, only: err_input, error_t, fail
+   implicit none
+   private
+
+   public :: c_create_element, c_destroy_element, c_respond, c_velocity_factor
+   public :: c_next_impact, c_next_lift_off, c_settles
+
+   !> `rwmf_response` of the header.
+   type, bind(c) :: c_response_t
+      real(c_double) :: force
+      real(c_double) :: stiffness
+      real(c_double) :: damping
+      real(c_double) :: mass
+      real(c_double) :: theta
+      real(c_double) :: theta_dot
+      real(c_double) :: theta_ddot
+      real(c_double) :: cable
+   end type c_response_t
+
+contains
+
+   !> `rwmf_create_element`.
+   integer(c_int) function c_create_element(namelist, handle, message, size) &
+      bind(c, name='rwmf_create_element')
+      type(c_ptr), value :: namelist
+      type(c_ptr), intent(inout) :: handle
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t) :: case
+      type(wall_element_t), pointer :: element
+      type(error_t), allocatable :: error
+
+      if (c_associated(handle)) then
+         call fail(error, err_input, 'the handle is not NULL: destroy its element first')
+      else
+         call read_case(namelist, case, error)
+      end if
+      if (.not. allocated(error)) then
+         allocate (element)
+         call create_element(element, case, error)
+         if (allocated(error)) then
+            deallocate (element)
+         else
+            handle = c_loc(element)
+         end if
+      end if
+      c_create_element = put_message(error, message, size)
+   end function c_create_element
+
+   !> `rwmf_destroy_element`.
+   subroutine c_destroy_element(handle) bind(c, name='rwmf_destroy_element')
+      type(c_ptr), intent(inout) :: handle
+      type(wall_element_t), pointer :: element
+
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, element)
+      deallocate (element)
+      handle = c_null_ptr
+   end subroutine c_destroy_element
+
+   !> `rwmf_respond`.
+   integer(c_int) function c_respond(handle, side, u, u_dot, u_ddot, u_g_ddot, response, message, &
+      size) bind(c, name='rwmf_respond')
+      type(c_ptr), value :: handle
+      integer(c_int), value :: side
+      real(c_double), value :: u
+      real(c_double), value :: u_dot
+      real(c_double), value :: u_ddot
+      real(c_double), value :: u_g_ddot
+      type(c_response_t), intent(inout) :: response
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(wall_element_t), pointer :: element
+      type(element_response_t) :: found
+      type(error_t), allocatable :: error
+
+      if (.not. c_associated(handle)) then
+         call fail(error, err_input, 'no element: the handle is NULL')
+      else
+         call c_f_pointer(handle, element)
+         call respond(element, int(side), u, u_dot, u_ddot, u_g_ddot, found, error)
+      end if
+      if (.not. allocated(error)) then
+         response = c_response_t(found%force, found%stiffness, found%damping, found%mass, &
+            found%theta, found%theta_dot, found%theta_ddot, found%cable)
+      end if
+      c_respond = put_message(error, message, size)
+   end function c_respond
+
+   !> `rwmf_velocity_factor`.
+   real(c_double) function c_velocity_factor(handle) bind(c, name='rwmf_velocity_factor')
+      type(c_ptr), value :: handle
+      type(wall_element_t), pointer :: element
+
+      c_velocity_factor = ieee_value(c_velocity_factor, ieee_quiet_nan)
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, element)
+      c_velocity_factor = velocity_factor(element)
+   end function c_velocity_factor
+
+   !> `rwmf_next_impact`.
+   integer(c_int) function c_next_impact(side, dt, u_0, u_dot_0, u_1, u_dot_1, tau) &
+      bind(c, name='rwmf_next_impact')
+      integer(c_int), value :: side
+      real(c_double), value :: dt
+      real(c_double), value :: u_0
+      real(c_double), value :: u_dot_0
+      real(c_double), value :: u_1
+      real(c_double), value :: u_dot_1
+      real(c_double), intent(inout) :: tau
+      logical :: found
+
+      call next_impact(int(side), dt, u_0, u_dot_0, u_1, u_dot_1, found, tau)
+      c_next_impact = merge(1_c_int, 0_c_int, found)
+   end function c_next_impact
+
+   !> `rwmf_next_lift_off`; 0 without an element.
+   integer(c_int) function c_next_lift_off(handle, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, &
+      tau) bind(c, name='rwmf_next_lift_off')
+      type(c_ptr), value :: handle
+      real(c_double), value :: dt
+      real(c_double), value :: push_0
+      real(c_double), value :: push_1
+      real(c_double), value :: u_g_ddot_0
+      real(c_double), value :: u_g_ddot_1
+      real(c_double), intent(inout) :: tau
+      type(wall_element_t), pointer :: element
+      integer :: side
+
+      c_next_lift_off = 0_c_int
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, element)
+      call next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau)
+      c_next_lift_off = int(side, c_int)
+   end function c_next_lift_off
+
+   !> `rwmf_settles`; 0 without an element.
+   integer(c_int) function c_settles(handle, dt, u_dot, push, u_g_ddot, host_mass) &
+      bind(c, name='rwmf_settles')
+      type(c_ptr), value :: handle
+      real(c_double), value :: dt
+      real(c_double), value :: u_dot
+      real(c_double), value :: push
+      real(c_double), value :: u_g_ddot
+      real(c_double), value :: host_mass
+      type(wall_element_t), pointer :: element
+
+      c_settles = 0_c_int
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, element)
+      if (settles(element, dt, u_dot, push, u_g_ddot, host_mass)) c_settles = 1_c_int
+   end function c_settles
+
+end module rwmf_bindings_c_element

@@ -1,0 +1,82 @@
+!> Text and failures between C and Fortran.
+module rwmf_bindings_c_strings
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, &
+      c_ptr, c_size_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_core_error, only: err_input, error_t, fail
+   implicit none
+   private
+
+   public :: put_text, put_message, read_case
+
+   interface
+      !> Length of a text of C without its null.
+      pure function c_length(text) result(length) bind(c, name='strlen')
+         import :: c_ptr, c_size_t
+         implicit none
+         type(c_ptr), value :: text
+         integer(c_size_t) :: length
+      end function c_length
+   end interface
+
+contains
+
+   !> Copy a text with its terminating null, as much of it as there is room for.
+   subroutine put_text(text, buffer, size)
+      character(*), intent(in) :: text
+      type(c_ptr), intent(in) :: buffer
+      !! NULL: nobody asks
+      integer(c_size_t), intent(in) :: size
+      !! bytes of the buffer
+      character(kind=c_char), pointer :: bytes(:)
+      integer(c_size_t) :: i
+      integer(c_size_t) :: n
+
+      if (size < 1_c_size_t .or. .not. c_associated(buffer)) return
+      call c_f_pointer(buffer, bytes, [size])
+      n = min(len(text, c_size_t), size - 1_c_size_t)
+      do i = 1, n
+         bytes(i) = text(i:i)
+      end do
+      bytes(n + 1) = c_null_char
+   end subroutine put_text
+
+   !> Number of a failure, 0 without one; its message into the caller's buffer.
+   integer(c_int) function put_message(error, message, size) result(status)
+      type(error_t), allocatable, intent(in) :: error
+      type(c_ptr), intent(in) :: message
+      !! NULL: nobody asks
+      integer(c_size_t), intent(in) :: size
+      !! bytes of the message
+
+      status = 0_c_int
+      if (.not. allocated(error)) return
+      status = int(error%stat, c_int)
+      call put_text(error%message, message, size)
+   end function put_message
+
+   !> A case from namelist text of C; paths in it are relative to the working folder.
+   subroutine read_case(namelist, case, error)
+      type(c_ptr), intent(in) :: namelist
+      type(case_t), intent(out) :: case
+      type(error_t), allocatable, intent(out) :: error
+      character(kind=c_char), pointer :: bytes(:)
+      character(:), allocatable :: text
+      integer :: n
+      integer :: i
+
+      if (.not. c_associated(namelist)) then
+         call fail(error, err_input, 'the namelist text is NULL')
+         return
+      end if
+      n = int(c_length(namelist))
+      call c_f_pointer(namelist, bytes, [n])
+      allocate (character(n) :: text)
+      do i = 1, n
+         text(i:i) = bytes(i)
+      end do
+      call read_case_text(text, '', case, error)
+   end subroutine read_case
+
+end module rwmf_bindings_c_strings

@@ -1,0 +1,105 @@
+!> Measurements of methods and of today's procedures as flat procedures for f2py, in the extension
+!> `rwmf._kernel` beside `rwmf_bindings_python_kernel`, whose conventions they follow.
+module rwmf_bindings_python_cost
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: error_t
+   use rwmf_bindings_python_handles, only: make_control, put_error, put_text, read_source
+   use rwmf_baseline_timed_run, only: empty_measured, measure_method, measured_t, &
+      names_of_values => value_names, put_measured, repeat_practice
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_baseline_run, only: usual_interval
+   implicit none
+   public
+
+contains
+
+   !> Names of the values of a measurement, one a line.
+   subroutine value_names(n, buffer, length)
+      integer(c_int), intent(in) :: n
+      integer(c_int8_t), intent(inout) :: buffer(n)
+      ! f2py declares the C type of int8 only when it is written this way at least once
+      !f2py integer*1 :: buffer
+      integer(c_int), intent(out) :: length
+
+      call put_text(names_of_values(), buffer, length)
+   end subroutine value_names
+
+   !> Run a case with a method and tolerance, again and again until the budget (s) is spent.
+   !>
+   !> `counts` is (steps, right-hand sides, impacts, overturned, repeats); impact times beyond the
+   !> room for them are left out.
+   subroutine measure(text, source, method, rtol, budget, control, n, values, seconds, counts, &
+      n_room, impact_times, status, n_message, message, message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      character(*), intent(in) :: method
+      real(c_double), intent(in) :: rtol
+      real(c_double), intent(in) :: budget
+      integer(c_int64_t), intent(inout), target :: control(2)
+      integer(c_int), intent(in) :: n
+      real(c_double), intent(inout) :: values(n)
+      real(c_double), intent(out) :: seconds
+      integer(c_int64_t), intent(out) :: counts(5)
+      integer(c_int), intent(in) :: n_room
+      real(c_double), intent(inout) :: impact_times(n_room)
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(in) :: n_message
+      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int), intent(out) :: message_length
+      type(case_t) :: the_case
+      type(motion_t) :: motion
+      type(measured_t) :: measured
+      type(error_t), allocatable :: error
+      !f2py threadsafe
+
+      measured = empty_measured()
+      call read_source(text, source, the_case, error)
+      if (.not. allocated(error)) then
+         motion = motion_from_case(the_case)
+         call measure_method(the_case, motion, method, rtol, budget, make_control(control), &
+            measured, error)
+      end if
+      seconds = measured%seconds
+      call put_measured(measured, values, counts, impact_times)
+      call put_error(error, status, message, message_length)
+   end subroutine measure
+
+   !> The same with one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
+   !> interval of such a case over a divisor; `dt` returns it (s).
+   subroutine measure_practice(text, source, name, divisor, budget, n, values, seconds, dt, &
+      counts, n_room, impact_times, status, n_message, message, message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      character(*), intent(in) :: name
+      real(c_double), intent(in) :: divisor
+      real(c_double), intent(in) :: budget
+      integer(c_int), intent(in) :: n
+      real(c_double), intent(inout) :: values(n)
+      real(c_double), intent(out) :: seconds
+      real(c_double), intent(out) :: dt
+      integer(c_int64_t), intent(out) :: counts(5)
+      integer(c_int), intent(in) :: n_room
+      real(c_double), intent(inout) :: impact_times(n_room)
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(in) :: n_message
+      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int), intent(out) :: message_length
+      type(case_t) :: the_case
+      type(measured_t) :: measured
+      type(error_t), allocatable :: error
+      !f2py threadsafe
+
+      measured = empty_measured()
+      dt = 0.0_c_double
+      call read_source(text, source, the_case, error)
+      if (.not. allocated(error)) then
+         dt = usual_interval(the_case)/divisor
+         call repeat_practice(the_case, name, dt, budget, measured, error)
+      end if
+      seconds = measured%seconds
+      call put_measured(measured, values, counts, impact_times)
+      call put_error(error, status, message, message_length)
+   end subroutine measure_practice
+
+end module rwmf_bindings_python_cost

@@ -1,0 +1,83 @@
+!> The kernel in quadruple precision as a flat procedure for f2py: the extension `rwmf._reference`,
+!> against which the errors of all methods are measured.
+!>
+!> Compiled from the kernel's own sources with `RWMF_QUAD`, into a library of its own, so that
+!> nothing of it meets the double-precision kernel in the same process. The case is read as
+!> everywhere: its numbers are those of double precision.
+module rwmf_bindings_python_reference
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: error_t
+   use rwmf_bindings_python_handles, only: make_control, put_error, read_source
+   use rwmf_core_kinds, only: wp
+   use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, measured_t, &
+      put_differences, put_measured
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   implicit none
+   public
+
+contains
+
+   !> Run a case at two tolerances, the second time with the intervals of a record halved as well;
+   !> return the results of the second run and how much those of the first differ: a bound of their
+   !> error, because it shrinks with tolerance and interval. An impact differs from the nearest one.
+   !>
+   !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
+   !> `control` is (finished runs, cancel).
+   subroutine solve(text, source, rtol_loose, rtol, control, n, values, differences, seconds, &
+      counts, n_room, impact_times, impact_differences, status, n_message, message, &
+      message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      real(c_double), intent(in) :: rtol_loose
+      real(c_double), intent(in) :: rtol
+      integer(c_int64_t), intent(inout), target :: control(2)
+      integer(c_int), intent(in) :: n
+      real(c_double), intent(inout) :: values(n)
+      real(c_double), intent(inout) :: differences(n)
+      real(c_double), intent(out) :: seconds
+      integer(c_int64_t), intent(out) :: counts(5)
+      integer(c_int), intent(in) :: n_room
+      real(c_double), intent(inout) :: impact_times(n_room)
+      real(c_double), intent(inout) :: impact_differences(n_room)
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(in) :: n_message
+      integer(c_int8_t), intent(inout) :: message(n_message)
+      ! f2py declares the C types of int8 and int64 only when they are written this way
+      !f2py integer*1 :: message
+      !f2py integer*8 :: control
+      integer(c_int), intent(out) :: message_length
+      character(*), parameter :: method = 'extrapolation'
+      real(wp), parameter :: once = 0
+      type(case_t) :: the_case
+      type(motion_t) :: motion
+      type(measured_t) :: loose
+      type(measured_t) :: tight
+      type(error_t), allocatable :: error
+      !f2py threadsafe
+
+      loose = empty_measured()
+      tight = empty_measured()
+      call read_source(text, source, the_case, error)
+      if (.not. allocated(error)) then
+         motion = motion_from_case(the_case)
+         call measure_method(the_case, motion, method, real(rtol_loose, wp), once, &
+            make_control(control), loose, error)
+         control(1) = control(1) + 1_c_int64_t
+      end if
+      if (.not. allocated(error)) then
+         if (allocated(the_case%record)) call halve_intervals(the_case%record)
+         if (allocated(the_case%vertical_record)) call halve_intervals(the_case%vertical_record)
+         motion = motion_from_case(the_case)
+         call measure_method(the_case, motion, method, real(rtol, wp), once, &
+            make_control(control), tight, error)
+         control(1) = control(1) + 1_c_int64_t
+      end if
+      seconds = real(loose%seconds + tight%seconds, c_double)
+      call put_measured(tight, values, counts, impact_times)
+      call put_differences(tight, loose, differences, impact_differences)
+      counts(5) = size(loose%impact_times, kind=c_int64_t)
+      call put_error(error, status, message, message_length)
+   end subroutine solve
+
+end module rwmf_bindings_python_reference

@@ -1,0 +1,73 @@
+!> What practitioners run today, for the same scenes: the measure of what accuracy is worth.
+!>
+!> | name      | procedure                                                                       |
+!> |-----------|---------------------------------------------------------------------------------|
+!> | `ode45`   | the paper's: MATLAB's ode45 with its default tolerances, restarted after impacts |
+!> | `rk4`     | Runge and Kutta's method with fixed steps                                       |
+!> | `newmark` | Newmark's method, average acceleration, with fixed steps                        |
+module rwmf_baseline_run
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: err_input, err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_baseline_fixed_step, only: follow_with_fixed_steps
+   use rwmf_baseline_ode45, only: follow_with_ode45
+   use rwmf_baseline_problem, only: create_scene, finish_scene, practice_t, scene_t, usual_interval
+   implicit none
+   private
+
+   public :: practice_t, run_practice, usual_interval
+   public :: ode45_rtol, ode45_atol
+
+   real(wp), parameter :: ode45_rtol = 1.0e-3_wp
+   !! MATLAB's default `RelTol` [-]
+   real(wp), parameter :: ode45_atol = 1.0e-6_wp
+   !! MATLAB's default `AbsTol` [rad] and [rad/s]
+
+contains
+
+   !> Compute the response of a scene in one of today's ways.
+   !>
+   !> Errors: an unknown name; a scene with further states or with springs that remember, which
+   !> these procedures have no place for; the numerical failures of the procedure.
+   subroutine run_practice(case, name, dt, rtol, atol, practice, error)
+      type(case_t), intent(in) :: case
+      !! valid, with the frame's T_s given
+      character(*), intent(in) :: name
+      !! 'ode45', 'rk4' or 'newmark'
+      real(wp), intent(in) :: dt
+      !! step, of ode45 the interval at which lift-off is looked for; see `usual_interval` [s]
+      real(wp), intent(in) :: rtol
+      !! of ode45 [-]
+      real(wp), intent(in) :: atol
+      !! of ode45 [rad] and [rad/s]
+      type(practice_t), intent(out) :: practice
+      type(error_t), allocatable, intent(out) :: error
+      type(motion_t), target :: motion
+      type(scene_t) :: scene
+      integer(i8) :: started
+      integer(i8) :: finished
+      integer(i8) :: rate
+
+      motion = motion_from_case(case)
+      call system_clock(started, rate)
+      call create_scene(case, motion, scene)
+      if (scene%equation%n > 2 .or. scene%equation%has_memory) then
+         call fail(error, err_numerical, 'today''s procedures know theta and its rate only: not ' &
+            //'&storeys with all modes, &yielding, &fuse, or a cable that yields', 'not_practised')
+         return
+      end if
+      select case (name)
+      case ('ode45')
+         call follow_with_ode45(scene, rtol, atol, dt, error)
+      case ('rk4', 'newmark')
+         call follow_with_fixed_steps(scene, name == 'newmark', dt, error)
+      case default
+         call fail(error, err_input, "practice '"//name//"': 'ode45', 'rk4' or 'newmark'")
+      end select
+      call system_clock(finished)
+      call finish_scene(scene, practice)
+      practice%seconds = real(finished - started, wp)/real(rate, wp)
+   end subroutine run_practice
+
+end module rwmf_baseline_run

@@ -1,0 +1,261 @@
+!> What a comparison of methods needs of one simulation: numbers, impact times and cost, in the same
+!> form for every method and for the reference.
+module rwmf_baseline_timed_run
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_baseline_run, only: ode45_atol, ode45_rtol, practice_t, run_practice
+   use rwmf_core_control, only: control_t
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: dp, i8, wp
+   use rwmf_problem_record, only: record_t
+   use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: event_impact, result_t
+   use rwmf_simulation_run, only: run_once
+   implicit none
+   private
+
+   public :: measured_t, measure_method, value_names, empty_measured
+   public :: put_measured, put_differences, halve_intervals
+   public :: n_values, at_u_s_max, at_theta_max, at_theta_end, at_theta_dot_end, at_t_end
+   public :: repeat_practice
+
+   integer, parameter :: n_values = 7
+   integer, parameter :: at_u_s_max = 1
+   integer, parameter :: at_t_u_s_max = 2
+   integer, parameter :: at_theta_max = 3
+   integer, parameter :: at_theta_dot_max = 4
+   integer, parameter :: at_theta_end = 5
+   integer, parameter :: at_theta_dot_end = 6
+   integer, parameter :: at_t_end = 7
+
+   !> One simulation in numbers.
+   type :: measured_t
+      real(wp) :: values(n_values)
+      !! in the order of `value_names`; NaN for what does not apply to the scene
+      real(wp), allocatable :: impact_times(:)
+      !! (impacts) [s]
+      integer(i8) :: steps
+      integer(i8) :: rhs_evaluations
+      logical :: overturned
+      real(wp) :: seconds
+      !! wall-clock time of one run that keeps nothing, the fastest of all repeats [s]
+      integer :: repeats
+   end type measured_t
+
+contains
+
+   !> Names of the values, one a line.
+   pure function value_names() result(names)
+      character(:), allocatable :: names
+      character(1), parameter :: feed = new_line('a')
+
+      names = 'u_s_max_m'//feed//'t_u_s_max_s'//feed//'theta_max_rad'//feed &
+         //'theta_dot_max_rad_s'//feed//'theta_end_rad'//feed//'theta_dot_end_rad_s'//feed &
+         //'t_end_s'//feed
+   end function value_names
+
+   !> Nothing measured yet.
+   type(measured_t) function empty_measured() result(measured)
+
+      measured%values = ieee_value(1.0_wp, ieee_quiet_nan)
+      allocate (measured%impact_times(0))
+      measured%steps = 0_i8
+      measured%rhs_evaluations = 0_i8
+      measured%overturned = .false.
+      measured%seconds = huge(1.0_wp)
+      measured%repeats = 0
+   end function empty_measured
+
+   !> Run a case with another method and tolerance.
+   !>
+   !> Errors: those of `run_once`.
+   subroutine measure_method(case, motion, method, rtol, budget, control, measured, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      !! of the case
+      character(*), intent(in) :: method
+      !! as `&solver method`
+      real(wp), intent(in) :: rtol
+      !! as `&solver rtol` [-]
+      real(wp), intent(in) :: budget
+      !! repeat the run for its time until this much is spent, or not at all for 0 [s]
+      type(control_t), intent(in) :: control
+      type(measured_t), intent(out) :: measured
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most_repeats = 1000, least_repeats = 3
+      type(case_t) :: trial
+      type(result_t) :: result
+      real(wp) :: spent
+
+      measured = empty_measured()
+      trial = plain_case(case, method, rtol)
+      ! two rows of history: events are kept together with a history
+      allocate (trial%output)
+      trial%output%dt = trial%solver%t_end
+      trial%output%energy = .false.
+      call run_once(trial, motion, control, result, error)
+      if (allocated(error)) return
+      call take_result(result, measured)
+      deallocate (trial%output)
+      spent = result%seconds
+      do while (budget > 0 .and. measured%repeats < most_repeats)
+         if (spent > budget .and. measured%repeats >= least_repeats) exit
+         if (spent > 3*budget .and. measured%repeats >= 1) exit
+         call run_once(trial, motion, control, result, error)
+         if (allocated(error)) return
+         measured%repeats = measured%repeats + 1
+         measured%seconds = min(measured%seconds, result%seconds)
+         spent = spent + result%seconds
+      end do
+   end subroutine measure_method
+
+   !> The case without what costs time besides the integration, with tolerances derived from rtol.
+   type(case_t) function plain_case(case, method, rtol) result(plain)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: method
+      real(wp), intent(in) :: rtol
+
+      plain = case
+      plain%solver%method = method
+      plain%solver%rtol = rtol
+      plain%solver%verify = .false.
+      if (allocated(plain%solver%accuracy)) deallocate (plain%solver%accuracy)
+      if (allocated(plain%solver%atol)) deallocate (plain%solver%atol)
+      if (allocated(plain%output)) deallocate (plain%output)
+   end function plain_case
+
+   subroutine take_result(result, measured)
+      type(result_t), intent(in) :: result
+      type(measured_t), intent(inout) :: measured
+
+      associate (values => measured%values)
+         if (allocated(result%u_s_max)) values(at_u_s_max) = result%u_s_max
+         if (allocated(result%t_u_s_max)) values(at_t_u_s_max) = result%t_u_s_max
+         if (allocated(result%theta_max)) then
+            values(at_theta_max) = max(result%theta_max, -result%theta_min)
+            values(at_theta_dot_max) = result%theta_dot_max
+         end if
+         values(at_theta_end) = result%final_state(1)
+         values(at_theta_dot_end) = result%final_state(2)
+         values(at_t_end) = result%t_end
+      end associate
+      measured%impact_times = pack(result%events%t, result%events%kind == event_impact)
+      if (.not. result%has_impacts) measured%impact_times = [real(wp) ::]
+      measured%steps = result%steps
+      measured%rhs_evaluations = result%rhs_evaluations
+      measured%overturned = result%overturned
+      measured%seconds = result%seconds
+   end subroutine take_result
+
+   !> Copy a measurement into a caller's arrays in double precision, as much as there is room for.
+   pure subroutine put_measured(measured, values, counts, impact_times)
+      type(measured_t), intent(in) :: measured
+      real(dp), intent(inout) :: values(:)
+      !! in the order of `value_names`
+      integer(i8), intent(out) :: counts(5)
+      !! steps, right-hand sides, impacts, overturned, repeats
+      real(dp), intent(inout) :: impact_times(:)
+      !! [s]
+      integer :: n
+
+      n = min(size(values), n_values)
+      values(:n) = real(measured%values(:n), dp)
+      n = min(size(impact_times), size(measured%impact_times))
+      impact_times(:n) = real(measured%impact_times(:n), dp)
+      counts = [measured%steps, measured%rhs_evaluations, size(measured%impact_times, kind=i8), &
+         merge(1_i8, 0_i8, measured%overturned), int(measured%repeats, i8)]
+   end subroutine put_measured
+
+   !> How far two measurements are apart: values, and for each impact of the first the nearest one
+   !> of the other (in chatter their numbers differ).
+   pure subroutine put_differences(one, other, differences, impact_differences)
+      type(measured_t), intent(in) :: one
+      type(measured_t), intent(in) :: other
+      real(dp), intent(inout) :: differences(:)
+      !! in the order of `value_names`
+      real(dp), intent(inout) :: impact_differences(:)
+      !! (impacts of `one`, or fewer) [s]
+      integer :: i
+      integer :: k
+      integer :: n
+
+      n = min(size(differences), n_values)
+      differences(:n) = real(abs(other%values(:n) - one%values(:n)), dp)
+      impact_differences = huge(1.0_dp)
+      if (size(other%impact_times) == 0) return
+      k = 1
+      do i = 1, min(size(impact_differences), size(one%impact_times))
+         associate (t => one%impact_times(i), times => other%impact_times)
+            do while (k < size(times))
+               if (abs(times(k + 1) - t) > abs(times(k) - t)) exit
+               k = k + 1
+            end do
+            impact_differences(i) = real(abs(times(k) - t), dp)
+         end associate
+      end do
+   end subroutine put_differences
+
+   !> The record with a sample in the middle of each interval: the same motion in twice as many
+   !> pieces. A method that stops at every sample then takes other steps, so that the results of
+   !> both differ by its error even where the samples, not the tolerance, determine the steps.
+   pure subroutine halve_intervals(record)
+      type(record_t), intent(inout) :: record
+      real(wp), allocatable :: t(:)
+      real(wp), allocatable :: a(:)
+      integer :: n
+
+      n = record%n
+      allocate (t(2*n - 1), a(2*n - 1))
+      t(1::2) = record%t
+      a(1::2) = record%a
+      t(2::2) = (record%t(:n - 1) + record%t(2:))/2
+      a(2::2) = (record%a(:n - 1) + record%a(2:))/2
+      call move_alloc(t, record%t)
+      call move_alloc(a, record%a)
+      record%n = 2*n - 1
+   end subroutine halve_intervals
+
+   !> Run one of today's procedures again and again until the budget is spent.
+   !>
+   !> Errors: those of `run_practice`.
+   subroutine repeat_practice(the_case, name, dt, budget, measured, error)
+      type(case_t), intent(in) :: the_case
+      character(*), intent(in) :: name
+      !! 'ode45', 'rk4' or 'newmark'
+      real(wp), intent(in) :: dt
+      !! [s]
+      real(wp), intent(in) :: budget
+      !! [s]
+      type(measured_t), intent(out) :: measured
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most_repeats = 1000
+      type(practice_t) :: practice
+      real(wp) :: spent
+
+      measured = empty_measured()
+      spent = 0
+      do while (measured%repeats < most_repeats .and. (measured%repeats < 1 .or. spent < budget))
+         call run_practice(the_case, name, dt, ode45_rtol, ode45_atol, practice, error)
+         if (allocated(error)) return
+         measured%repeats = measured%repeats + 1
+         measured%seconds = min(measured%seconds, practice%seconds)
+         spent = spent + practice%seconds
+      end do
+      call take_practice(practice, measured)
+   end subroutine repeat_practice
+
+   subroutine take_practice(practice, measured)
+      type(practice_t), intent(in) :: practice
+      type(measured_t), intent(inout) :: measured
+
+      if (allocated(practice%u_s_max)) measured%values(at_u_s_max) = practice%u_s_max
+      if (allocated(practice%theta_max)) measured%values(at_theta_max) = practice%theta_max
+      measured%values([at_theta_end, at_theta_dot_end]) = practice%final_state
+      measured%values(at_t_end) = practice%t_end
+      measured%impact_times = practice%impact_times
+      measured%steps = practice%steps
+      measured%rhs_evaluations = practice%rhs_evaluations
+      measured%overturned = practice%overturned
+   end subroutine take_practice
+
+end module rwmf_baseline_timed_run

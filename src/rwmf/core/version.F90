@@ -1,0 +1,11 @@
+!> Version of the package; the build system knows the number and hands it over as a macro.
+module rwmf_core_version
+   implicit none
+   private
+
+   public :: version
+
+   character(*), parameter :: version = RWMF_VERSION
+   !! as in the package's metadata, for example '0.1.0'
+
+end module rwmf_core_version

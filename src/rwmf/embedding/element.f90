@@ -1,0 +1,359 @@
+!> The rocking wall as an element of a host program that owns the frame.
+!>
+!> The host's equation of motion at the link reads m u'' + c u' + k u + f(u, u', u'') = -m u_g'',
+!> and f is what the wall resists with. From the balance of moments about the pivot, without the
+!> frame, with phi = |theta|, w = sigma u = R u_phi(phi), w' = R j phi' and
+!> w'' = R (k phi'**2 + j phi''):
+!>
+!>    sigma f = m_w/lever [inertia R phi'' + c sigma u_g'' + g (s + q r)]
+!>
+!> Dampers and inerters at the corners of the base add R (I phi'' + I' phi'**2/2 + D phi') to the
+!> bracket, with I and D in the proportion of cos(phi/2)**2; vertical motion adds v_g'' s.
+!>
+!> An element is a value: it holds no state, needs no destruction, and may be used by any number of
+!> threads. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and
+!> its rates, and asks `rwmf_embedding_element_events` when they change their course.
+module rwmf_embedding_element
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_model_assembly, only: build_equation
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
+   use rwmf_simulation_run, only: restitution
+   use rwmf_model_equation, only: equation_t
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: wall_element_t, element_response_t
+   public :: create_element, respond, velocity_factor, lift_off_drive_of, resting_inertia
+
+   !> Wall and cable without frame. Plain values: assignment copies it.
+   type :: wall_element_t
+      private
+      type(equation_t) :: equation
+      real(wp) :: m_w = 0
+      !! mass of the wall [kg]; 0: never created
+      real(wp) :: vertical_ratio = 0
+      !! of the vertical to the horizontal ground acceleration [-]
+      real(wp) :: e = 1
+      !! velocity factor at impact [-]
+      real(wp) :: largest_angle = 0
+      !! rotation at which the wall counts as overturned [rad]
+   end type wall_element_t
+
+   !> What the wall answers to a motion of the link.
+   type :: element_response_t
+      real(wp) :: force
+      !! resisting force f on the host's degree of freedom [N]
+      real(wp) :: stiffness
+      !! df/du [N/m]
+      real(wp) :: damping
+      !! df/du' [N s/m]
+      real(wp) :: mass
+      !! df/du'' [kg]
+      real(wp) :: theta
+      !! rotation [rad]
+      real(wp) :: theta_dot
+      !! [rad/s]
+      real(wp) :: theta_ddot
+      !! [rad/s2]
+      real(wp) :: cable
+      !! tension [N]
+   end type element_response_t
+
+contains
+
+   !> Make an element from a case with `&wall`; `&cable`, `&link`, `&damper`, `&inerter`, `&impact`,
+   !> `&vertical ratio`, `&model` as wanted.
+   !>
+   !> `&frame` serves only the rule 'coupled', which wants the mass ratio. Fails with `err_input`.
+   subroutine create_element(element, case, error)
+      type(wall_element_t), intent(out) :: element
+      type(case_t), intent(in) :: case
+      !! valid
+      type(error_t), allocatable, intent(out) :: error
+      type(case_t) :: wall_alone
+      type(motion_t), target :: none
+      character(*), parameter :: no_memory = 'what yields has to be remembered, and an element ' &
+         //'holds no state; a wall that steps with the host (create_stepping) does'
+
+      if (.not. allocated(case%wall)) then
+         call fail(error, err_input, 'an element needs the group &wall')
+      else if (allocated(case%storeys)) then
+         call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
+      else if (allocated(case%fuse)) then
+         call fail(error, err_input, 'an element has no &fuse: '//no_memory)
+      else if (allocated(case%yielding)) then
+         call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
+      else if (allocated(case%vertical_record)) then
+         call fail(error, err_input, 'an element has no &vertical file: the host hands over the ' &
+            //'motion, and &vertical ratio follows it')
+      else if (has_table(case)) then
+         call fail(error, err_input, 'an element has no &impact ' &
+            //"rule = 'table': the host applies the velocity factor, and can look it up")
+      else if (allocated(case%cable)) then
+         if (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain)) then
+            call fail(error, err_input, 'an element has no &cable eta_y or rupture_strain: ' &
+               //no_memory)
+         end if
+      end if
+      if (allocated(error)) return
+      wall_alone = case
+      if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
+      if (allocated(wall_alone%vertical)) then
+         if (allocated(case%vertical%ratio)) element%vertical_ratio = case%vertical%ratio
+         deallocate (wall_alone%vertical)
+      end if
+      none = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+      call build_equation(wall_alone, none, element%equation)
+      element%equation%motion => null()
+      element%m_w = 1
+      if (allocated(case%wall%m_w)) element%m_w = case%wall%m_w
+      element%e = restitution(case, element%equation%p%alpha)
+      element%largest_angle = case%model%overturning_angle
+   end subroutine create_element
+
+   !> Does the velocity factor come from a table?
+   pure logical function has_table(case)
+      type(case_t), intent(in) :: case
+
+      has_table = .false.
+      if (allocated(case%impact)) has_table = case%impact%rule == 'table'
+   end function has_table
+
+   !> Force and tangents at the motion of the link.
+   !>
+   !> The displacement may lie a little on the wrong side of zero, as the trial states of a host do
+   !> before it has located the impact. Fails with `err_input` when the wall cannot get there, and
+   !> leaves `response` at zero.
+   subroutine respond(element, side, u, u_dot, u_ddot, u_g_ddot, response, error)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      !! +1 or -1: the side on which the wall rocks; a hinged wall: +1
+      real(wp), intent(in) :: u
+      !! displacement of the link relative to the ground [m]
+      real(wp), intent(in) :: u_dot
+      !! [m/s]
+      real(wp), intent(in) :: u_ddot
+      !! [m/s2]
+      real(wp), intent(in) :: u_g_ddot
+      !! ground acceleration [m/s2]
+      type(element_response_t), intent(out) :: response
+      type(error_t), allocatable, intent(out) :: error
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      real(wp) :: phi
+      real(wp) :: rates(2)
+      !! phi' [rad/s], phi'' [rad/s2]
+
+      response = element_response_t(0, 0, 0, 0, 0, 0, 0, 0)
+      call check_motion(element, side, [u, u_dot, u_ddot, u_g_ddot], error)
+      if (allocated(error)) return
+      call find_rotation(element, side, side*u, phi, kin, error)
+      if (allocated(error)) return
+      call element%equation%cable_law(element%equation%cable, element%equation%sin_alpha, phi, &
+         side, cable)
+      associate (R => element%equation%p%R)
+         rates(1) = side*u_dot/(R*kin%j)
+         rates(2) = (side*u_ddot/R - kin%k*rates(1)**2)/kin%j
+      end associate
+      call fill_force(element, kin, cable, rates, side*u_g_ddot, response)
+      call add_effects(element, kin, rates, element%vertical_ratio*u_g_ddot, response)
+      response%force = side*response%force
+      response%theta = side*phi
+      response%theta_dot = side*rates(1)
+      response%theta_ddot = side*rates(2)
+   end subroutine respond
+
+   subroutine check_motion(element, side, motion, error)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      real(wp), intent(in) :: motion(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. element%m_w > 0) then
+         call fail(error, err_input, 'no element: it was never created')
+      else if (abs(side) /= 1) then
+         call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
+      else if (.not. all(ieee_is_finite(motion))) then
+         call fail(error, err_input, 'the motion of link or ground is not a finite number')
+      end if
+   end subroutine check_motion
+
+   !> Force and tangents in the direction of the motion (sigma f against sigma u).
+   pure subroutine fill_force(element, kin, cable, rates, ground, response)
+      type(wall_element_t), intent(in) :: element
+      type(kinematics_t), intent(in) :: kin
+      type(cable_state_t), intent(in) :: cable
+      real(wp), intent(in) :: rates(2)
+      !! phi' [rad/s], phi'' [rad/s2]
+      real(wp), intent(in) :: ground
+      !! sigma u_g'' [m/s2]
+      type(element_response_t), intent(inout) :: response
+      real(wp) :: inertia
+      !! of the wall about its pivot over m_w R [m]
+      real(wp) :: unit
+      !! [kg]
+      real(wp) :: by_phi
+      !! derivative of phi'' by phi at fixed w', w'' [1/s2]
+
+      associate (p => element%equation%p, phi_dot => rates(1), phi_ddot => rates(2))
+         inertia = element%equation%inertia*p%R
+         unit = element%m_w/kin%lever
+         response%force = unit*(inertia*phi_ddot + kin%c*ground + p%g*(kin%s + cable%moment))
+         by_phi = slope_of_phi_ddot(kin, rates)
+         response%stiffness = (unit*(inertia*by_phi + kin%s*ground + p%g*(cable%moment_1 - kin%c)) &
+            - kin%lever_1/kin%lever*response%force)/(p%R*kin%j)
+         response%damping = -unit*inertia*2*kin%k*phi_dot/(p%R*kin%j**2)
+         response%mass = unit*inertia/(p%R*kin%j)
+         response%cable = element%m_w*p%g*cable%force
+      end associate
+   end subroutine fill_force
+
+   !> Derivative of phi'' by phi at fixed w', w'' [1/s2].
+   pure real(wp) function slope_of_phi_ddot(kin, rates) result(slope)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(in) :: rates(2)
+      !! phi' [rad/s], phi'' [rad/s2]
+
+      slope = ((2*kin%k**2/kin%j - kin%k_1)*rates(1)**2 - kin%k*rates(2))/kin%j
+   end function slope_of_phi_ddot
+
+   !> Add vertical motion, dampers and inerters: B and c times the square of the stroke's rate
+   !> d(4b sin(phi/2))/dphi, which is (2b)**2 cos(phi/2)**2, and its derivatives.
+   pure subroutine add_effects(element, kin, rates, vertical, response)
+      type(wall_element_t), intent(in) :: element
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(in) :: rates(2)
+      !! phi' [rad/s], phi'' [rad/s2]
+      real(wp), intent(in) :: vertical
+      !! v_g'' [m/s2]
+      type(element_response_t), intent(inout) :: response
+      real(wp) :: gain(0:2)
+      !! that square over R**2, and its derivatives by phi [-]
+      real(wp) :: unit
+      !! [kg m]
+      real(wp) :: moment
+      !! [1/s2]
+      real(wp) :: moment_1
+      !! its derivative by phi at fixed w', w''
+
+      associate (p => element%equation%p, phi_dot => rates(1), phi_ddot => rates(2), &
+                 beta => element%equation%inertance, c => element%equation%damper_c)
+         if (.not. max(beta, c, abs(vertical)) > 0) return
+         unit = element%m_w*p%R/kin%lever
+         gain = 4*element%equation%sin_alpha**2*[kin%half_cosine**2, &
+            -kin%half_sine*kin%half_cosine, kin%half_sine**2 - 0.5_wp]
+         moment = beta*(gain(0)*phi_ddot + gain(1)*phi_dot**2/2) + c*gain(0)*phi_dot &
+            + vertical*kin%s/p%R
+         moment_1 = beta*(gain(0)*slope_of_phi_ddot(kin, rates) + gain(1)*phi_ddot &
+            + (gain(2)/2 - gain(1)*kin%k/kin%j)*phi_dot**2) &
+            + c*(gain(1) - gain(0)*kin%k/kin%j)*phi_dot - vertical*kin%c/p%R
+         response%force = response%force + unit*moment
+         response%stiffness = response%stiffness + unit*(moment_1 - kin%lever_1/kin%lever*moment) &
+            /(p%R*kin%j)
+         response%damping = response%damping + unit*(beta*(gain(1) - 2*gain(0)*kin%k/kin%j) &
+            *phi_dot + c*gain(0))/(p%R*kin%j)
+         response%mass = response%mass + unit*beta*gain(0)/(p%R*kin%j)
+      end associate
+   end subroutine add_effects
+
+   !> Rotation that belongs to a displacement: Newton's method inside a bracket.
+   subroutine find_rotation(element, side, w, phi, kin, error)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      real(wp), intent(in) :: w
+      !! sigma u [m]
+      real(wp), intent(out) :: phi
+      !! [rad]
+      type(kinematics_t), intent(out) :: kin
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most_iterations = 100
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: rest
+      real(wp) :: step
+      integer :: i
+
+      high = element%largest_angle
+      low = -high
+      if (element%equation%has_impacts) low = -min(element%equation%p%alpha, high)
+      phi = 0
+      do i = 1, most_iterations
+         kin = kinematics_of(element, side, phi)
+         rest = w/element%equation%p%R - kin%u
+         if (rest > 0) then
+            low = phi
+         else
+            high = phi
+         end if
+         step = rest/kin%j
+         if (abs(step) <= 2*spacing(phi) .or. abs(rest) <= tiny(rest)) return
+         if (.not. (phi + step > low .and. phi + step < high)) step = (low + high)/2 - phi
+         phi = phi + step
+         if (high - low <= 4*spacing(max(abs(low), abs(high)))) exit
+      end do
+      if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > low) return
+      !$omp critical (rwmf_text)
+      call fail(error, err_input, 'a displacement of '//real_to_text(w) &
+         //' m is more than the wall can follow', 'overturned')
+      !$omp end critical (rwmf_text)
+   end subroutine find_rotation
+
+   type(kinematics_t) function kinematics_of(element, side, phi) result(kin)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      real(wp), intent(in) :: phi
+      !! [rad]
+
+      if (side > 0) then
+         call element%equation%kinematics_positive(element%equation%geometry, phi, kin)
+      else
+         call element%equation%kinematics_negative(element%equation%geometry, phi, kin)
+      end if
+   end function kinematics_of
+
+   !> Factor that the host applies to the velocity of the link at an impact: the kinematics of both
+   !> sides agree at u = 0, so that it is that of the rotation [-].
+   pure real(wp) function velocity_factor(element)
+      type(wall_element_t), intent(in) :: element
+
+      velocity_factor = element%e
+   end function velocity_factor
+
+   !> By how much the host's push exceeds what holds the resting wall on one side [N]; positive:
+   !> the wall lifts off to that side.
+   real(wp) function lift_off_drive_of(element, side, push, u_g_ddot) result(drive)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: push
+      !! force of the host on the resting wall, positive towards positive u [N]
+      real(wp), intent(in) :: u_g_ddot
+      !! ground acceleration [m/s2]
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+
+      kin = kinematics_of(element, side, 0.0_wp)
+      call element%equation%cable_law(element%equation%cable, element%equation%sin_alpha, 0.0_wp, &
+         side, cable)
+      drive = side*push - element%m_w/kin%lever*(kin%c*side*u_g_ddot &
+         + element%equation%p%g*(kin%s + cable%moment))
+      drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s
+   end function lift_off_drive_of
+
+   !> Inertia that the wall adds to the link when it lifts off [kg].
+   real(wp) function resting_inertia(element)
+      type(wall_element_t), intent(in) :: element
+      type(kinematics_t) :: kin
+
+      kin = kinematics_of(element, 1, 0.0_wp)
+      resting_inertia = element%m_w*(element%equation%inertia &
+         + element%equation%inertance*(2*element%equation%sin_alpha)**2)/(kin%lever*kin%j)
+   end function resting_inertia
+
+end module rwmf_embedding_element

@@ -1,0 +1,170 @@
+!> When a wall that a host carries as an element hits its base, comes to rest and lifts off.
+!>
+!> The host knows its motion at both ends of a time step; these find the instant inside it.
+module rwmf_embedding_element_events
+   use rwmf_embedding_element, only: lift_off_drive_of, resting_inertia, velocity_factor, &
+      wall_element_t
+   use rwmf_core_kinds, only: wp
+   implicit none
+   private
+
+   public :: next_impact, next_lift_off, settles
+
+contains
+
+   !> First return of the wall to its base within a step of the host.
+   !>
+   !> The displacement between the ends is the cubic through values and velocities; the parabola of
+   !> Newmark's average acceleration is one. At the impact the host multiplies the velocity by
+   !> `velocity_factor` and changes the side.
+   pure subroutine next_impact(side, dt, u_0, u_dot_0, u_1, u_dot_1, found, tau)
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: dt
+      !! length of the step [s]
+      real(wp), intent(in) :: u_0
+      !! displacement of the link at its beginning [m]
+      real(wp), intent(in) :: u_dot_0
+      !! velocity there [m/s]
+      real(wp), intent(in) :: u_1
+      !! displacement at its end [m]
+      real(wp), intent(in) :: u_dot_1
+      !! velocity there [m/s]
+      logical, intent(out) :: found
+      real(wp), intent(out) :: tau
+      !! time since the beginning; dt when there is no impact [s]
+      real(wp) :: p(0:3)
+      !! sigma u as a polynomial of tau/dt [m]
+      real(wp) :: ends(0:3)
+      integer :: i
+
+      p(0) = side*u_0
+      p(1) = side*dt*u_dot_0
+      p(2) = side*(3*(u_1 - u_0) - dt*(2*u_dot_0 + u_dot_1))
+      p(3) = side*(2*(u_0 - u_1) + dt*(u_dot_0 + u_dot_1))
+      tau = dt
+      found = .false.
+      ends = monotone_pieces(p)
+      do i = 1, 3
+         if (value_at(p, ends(i)) < 0) then
+            tau = dt*falling_root(p, ends(i - 1), ends(i))
+            found = .true.
+            return
+         end if
+      end do
+   end subroutine next_impact
+
+   pure real(wp) function value_at(p, x)
+      real(wp), intent(in) :: p(0:)
+      real(wp), intent(in) :: x
+
+      value_at = p(0) + x*(p(1) + x*(p(2) + x*p(3)))
+   end function value_at
+
+   !> 0, the stationary points inside (or again an end), and 1.
+   pure function monotone_pieces(p) result(ends)
+      real(wp), intent(in) :: p(0:)
+      real(wp) :: ends(0:3)
+      real(wp) :: discriminant
+      real(wp) :: q
+      real(wp) :: x(2)
+
+      ends = [0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
+      discriminant = p(2)**2 - 3*p(3)*p(1)
+      if (discriminant <= 0) return
+      ! this form does not cancel, and keeps the one root of a parabola
+      q = -(p(2) + sign(sqrt(discriminant), p(2)))
+      x = 0
+      if (abs(q) > abs(p(1))) x(1) = p(1)/q
+      if (abs(q) < abs(3*p(3))) x(2) = q/(3*p(3))
+      x = max(0.0_wp, min(1.0_wp, x))
+      ends(1) = minval(x)
+      ends(2) = maxval(x)
+   end function monotone_pieces
+
+   !> Root of a falling piece, to the spacing of the numbers.
+   pure real(wp) function falling_root(p, begin, end) result(x)
+      real(wp), intent(in) :: p(0:)
+      real(wp), intent(in) :: begin
+      real(wp), intent(in) :: end
+      real(wp) :: low
+      real(wp) :: high
+
+      low = begin
+      high = end
+      do
+         x = low + (high - low)/2
+         if (x <= low .or. x >= high) exit
+         if (value_at(p, x) < 0) then
+            high = x
+         else
+            low = x
+         end if
+      end do
+      x = high
+   end function falling_root
+
+   !> First lift-off of a resting wall within a step of the host.
+   !>
+   !> The host's push on the wall and the ground acceleration vary linearly over the step.
+   subroutine next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau)
+      type(wall_element_t), intent(in) :: element
+      real(wp), intent(in) :: dt
+      !! [s]
+      real(wp), intent(in) :: push_0
+      !! force of the host on the wall at the beginning, positive towards positive u [N]
+      real(wp), intent(in) :: push_1
+      !! at the end [N]
+      real(wp), intent(in) :: u_g_ddot_0
+      !! ground acceleration at the beginning [m/s2]
+      real(wp), intent(in) :: u_g_ddot_1
+      !! at the end [m/s2]
+      integer, intent(out) :: side
+      !! to which the wall lifts off, 0 when it rests throughout
+      real(wp), intent(out) :: tau
+      !! time since the beginning; dt when it rests [s]
+      real(wp) :: drive_0
+      real(wp) :: drive_1
+      real(wp) :: root
+      integer :: s
+
+      side = 0
+      tau = dt
+      do s = -1, 1, 2
+         drive_0 = lift_off_drive_of(element, s, push_0, u_g_ddot_0)
+         drive_1 = lift_off_drive_of(element, s, push_1, u_g_ddot_1)
+         if (max(drive_0, drive_1) <= 0) cycle
+         root = 0
+         if (drive_0 < 0) root = dt*drive_0/(drive_0 - drive_1)
+         if (side /= 0 .and. root >= tau) cycle
+         side = s
+         tau = root
+      end do
+   end subroutine next_lift_off
+
+   !> May the host put the wall to rest after an impact?
+   !>
+   !> Flights of duration 2 v e**n/a follow each other when the wall is pressed down on both sides;
+   !> when all of them together are shorter than a step, the host cannot tell them from rest, and
+   !> what is dropped is of second order in the step.
+   logical function settles(element, dt, u_dot, push, u_g_ddot, host_mass)
+      type(wall_element_t), intent(in) :: element
+      real(wp), intent(in) :: dt
+      !! step of the host [s]
+      real(wp), intent(in) :: u_dot
+      !! velocity of the link after the impact [m/s]
+      real(wp), intent(in) :: push
+      !! force of the host on the wall if it rested [N]
+      real(wp), intent(in) :: u_g_ddot
+      !! [m/s2]
+      real(wp), intent(in) :: host_mass
+      !! of the host's degree of freedom at the link [kg]
+      real(wp) :: pull
+      !! towards the base [m/s2]
+
+      pull = -max(lift_off_drive_of(element, 1, push, u_g_ddot), &
+         lift_off_drive_of(element, -1, push, u_g_ddot))/(resting_inertia(element) + host_mass)
+      settles = pull > 0 .and. 2*abs(u_dot) <= pull*(1 - velocity_factor(element))*dt
+   end function settles
+
+end module rwmf_embedding_element_events

@@ -1,0 +1,500 @@
+!> One rocking wall-moment frame inside the time loop of a host program.
+!>
+!> The host creates it from a case, advances it under the ground acceleration that it hands over
+!> piece by piece, asks for state, forces and events (`query_state` and its like), saves and
+!> restores when it rejects a step, and destroys it. Any number may exist at once, each in any
+!> thread; nothing is read, written or kept anywhere else. A call that fails leaves everything as it
+!> was.
+!>
+!> With `dop853` and `extrapolation` the bits do not depend on how a motion is cut into calls as
+!> long as the cuts lie at knots. CVODE and ARKODE have a history that cannot be saved: with them
+!> both saving and restoring begin the integrator anew, so that a step that is repeated has the
+!> same bits as the step that was rejected.
+module rwmf_embedding_stepping
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_embedding_wall_instance, only: advance_machine, follow_host, hold_ground, identity_of, &
+      machine_t, put_back, snapshot_t, start_machine, take
+   use rwmf_integrator_factory, only: new_stepper
+   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
+      kinematics_at, second_derivative
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_storeys_shear_building, only: resistance
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_model_hysteresis_spring_set, only: foot_residual, frame_residual
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
+      motion_from_case
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_hybrid_loop, only: mode_overturned, mode_rest
+   use rwmf_simulation_result, only: event_t
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: stepping_t, snapshot_t
+   public :: create_stepping, destroy_stepping, advance_stepping, save_stepping, restore_stepping
+   public :: require
+   public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
+
+   !> Handle of a wall. A copy of it is another name of the same wall.
+   type :: stepping_t
+      type(machine_t), pointer :: machine => null()
+   end type stepping_t
+
+   !> Advance to a later time under the case's own motion, samples, or a motion that is computed.
+   interface advance_stepping
+      module procedure advance_own
+      module procedure advance_samples
+      module procedure advance_ground
+   end interface advance_stepping
+
+   !> Where the wall is. What the scene has not is zero.
+   type :: wall_state_t
+      real(wp) :: t
+      !! time of this state: that of the last advance, or of overturning [s]
+      logical :: at_rest
+      logical :: overturned
+      real(wp) :: theta
+      !! rotation [rad]
+      real(wp) :: theta_dot
+      !! [rad/s]
+      real(wp) :: theta_ddot
+      !! [rad/s2]
+      real(wp) :: u_s
+      !! displacement of the frame relative to the ground [m]
+      real(wp) :: u_s_dot
+      !! [m/s]
+      real(wp) :: u_s_ddot
+      !! [m/s2]
+      real(wp) :: u_s_max
+      !! largest |u_s| so far [m]
+      real(wp) :: theta_max
+      !! largest |theta| so far [rad]
+      integer(i8) :: impacts
+      !! so far
+      integer(i8) :: lift_offs
+      !! so far
+      integer(i8) :: steps
+      !! of the integrator so far
+   end type wall_state_t
+
+   !> Forces in N; in N per kg of the wall when the case has no m_w (bare frame: of the frame).
+   type :: wall_forces_t
+      real(wp) :: link
+      !! from the wall on the frame, positive towards positive u_s
+      real(wp) :: frame_shear
+      !! of spring and damper of the frame on its mass, with the sign of u_s
+      real(wp) :: cable
+      !! tension
+   end type wall_forces_t
+
+contains
+
+   !> Create a wall (or bare frame) from a case; it stands in the case's initial state.
+   !>
+   !> Fails with `err_input` when the case cannot be stepped.
+   subroutine create_stepping(stepping, case, error, t_begin, peak)
+      type(stepping_t), intent(inout) :: stepping
+      !! empty; not one that still holds a wall
+      type(case_t), intent(in) :: case
+      !! valid; `&output`, `&spectrum` and `t_end` play no part
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: t_begin
+      !! time of the initial state, 0 when absent [s]
+      real(wp), intent(in), optional :: peak
+      !! size of the ground acceleration to come, which sets the absolute tolerance unless
+      !! `&solver atol` does; by default that of the case's motion, else g/10 [m/s2]
+
+      call check_case(stepping, case, t_begin, peak, error)
+      if (allocated(error)) return
+      allocate (stepping%machine)
+      associate (machine => stepping%machine)
+         machine%case = case
+         machine%own_motion = motion_from_case(case)
+         if (allocated(machine%case%record)) deallocate (machine%case%record)
+         if (allocated(machine%case%vertical_record)) deallocate (machine%case%vertical_record)
+         if (allocated(machine%case%output)) deallocate (machine%case%output)
+         call build_equation(case, machine%own_motion, machine%equation)
+         call new_stepper(case%solver%method, machine%stepper)
+      end associate
+      call start_machine(stepping%machine, t_begin, peak, error)
+      if (allocated(error)) call destroy_stepping(stepping)
+   end subroutine create_stepping
+
+   subroutine check_case(stepping, case, t_begin, peak, error)
+      type(stepping_t), intent(in) :: stepping
+      type(case_t), intent(in) :: case
+      real(wp), intent(in), optional :: t_begin
+      real(wp), intent(in), optional :: peak
+      type(error_t), allocatable, intent(out) :: error
+
+      if (associated(stepping%machine)) then
+         call fail(error, err_input, 'this handle holds a wall already: destroy it first')
+      else if (allocated(case%solver%accuracy)) then
+         call fail(error, err_input, '&solver: accuracy needs the whole motion; give rtol')
+      else if (allocated(case%frame)) then
+         if (.not. allocated(case%frame%T_s)) then
+            call fail(error, err_input, '&frame: T_s is missing')
+         end if
+      end if
+      if (allocated(error)) return
+      if (present(t_begin)) call check_finite(t_begin, 't_begin', error)
+      if (allocated(error)) return
+      if (.not. present(peak)) return
+      call check_finite(peak, 'peak', error)
+      if (.not. allocated(error) .and. .not. peak > 0) then
+         !$omp critical (rwmf_text)
+         call fail(error, err_input, 'peak = '//real_to_text(peak)//', allowed are values > 0')
+         !$omp end critical (rwmf_text)
+      end if
+   end subroutine check_case
+
+   subroutine check_finite(x, name, error)
+      real(wp), intent(in) :: x
+      character(*), intent(in) :: name
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. ieee_is_finite(x)) call fail(error, err_input, name//' is not a finite number')
+   end subroutine check_finite
+
+   !> Give everything back. Safe to call twice.
+   subroutine destroy_stepping(stepping)
+      type(stepping_t), intent(inout) :: stepping
+
+      if (.not. associated(stepping%machine)) return
+      if (allocated(stepping%machine%stepper)) call stepping%machine%stepper%destroy()
+      deallocate (stepping%machine)
+      stepping%machine => null()
+   end subroutine destroy_stepping
+
+   !> Is there a wall behind the handle? Fails with `err_input`.
+   subroutine require(stepping, error)
+      type(stepping_t), intent(in) :: stepping
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. associated(stepping%machine)) then
+         call fail(error, err_input, 'no wall: it was never created, or it has been destroyed', &
+            'no_wall')
+      end if
+   end subroutine require
+
+   !> Advance under the motion of the case (none without `&motion`).
+   subroutine advance_own(stepping, t, error)
+      type(stepping_t), intent(inout) :: stepping
+      real(wp), intent(in) :: t
+      !! not before the present time [s]
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_target(stepping, t, error)
+      if (allocated(error)) return
+      associate (machine => stepping%machine)
+         if (machine%follows_host) then
+            machine%equation%motion => machine%own_motion
+            call enter_interval(machine%equation, interval_at(machine%own_motion, machine%t))
+            machine%hybrid%must_restart = .true.
+            machine%follows_host = .false.
+         end if
+         call advance_machine(machine, t, error)
+      end associate
+   end subroutine advance_own
+
+   !> Advance to the last of the times under straight lines through samples of the acceleration.
+   !>
+   !> A first value that differs from the last one of the call before is a jump of the ground.
+   subroutine advance_samples(stepping, t, a, error)
+      type(stepping_t), intent(inout) :: stepping
+      real(wp), intent(in) :: t(:)
+      !! (n >= 2) strictly increasing times, the first of them the present time [s]
+      real(wp), intent(in) :: a(:)
+      !! (n) ground accelerations [m/s2]
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_samples(stepping, t, a, error)
+      if (.not. allocated(error)) call refuse_vertical(stepping, error)
+      if (allocated(error)) return
+      associate (machine => stepping%machine)
+         call follow_samples(machine%given_motion, t, a)
+         call follow_host(machine, a(1))
+         call advance_machine(machine, t(size(t)), error)
+      end associate
+   end subroutine advance_samples
+
+   !> Advance under an acceleration that the host computes, smooth between now and t.
+   !>
+   !> A resting wall looks for lift-off at eighths of the way: a motion that turns more often asks
+   !> for shorter ones.
+   subroutine advance_ground(stepping, t, ground, error)
+      type(stepping_t), intent(inout) :: stepping
+      real(wp), intent(in) :: t
+      !! after the present time [s]
+      class(ground_t), intent(in), target :: ground
+      !! used during this call only
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_target(stepping, t, error)
+      if (.not. allocated(error)) call refuse_vertical(stepping, error)
+      if (allocated(error)) return
+      associate (machine => stepping%machine)
+         if (.not. t > machine%t) return
+         call check_finite(ground%acceleration_at(t), 'ground acceleration', error)
+         if (allocated(error)) return
+         call check_finite(ground%acceleration_at(machine%t), 'ground acceleration', error)
+         if (allocated(error)) return
+         call follow_ground(machine%given_motion, machine%t, t, ground)
+         call follow_host(machine, ground%acceleration_at(machine%t))
+         call advance_machine(machine, t, error)
+         ! what the host computes with may be gone by the next call
+         if (machine%follows_host) call hold_ground(machine)
+      end associate
+   end subroutine advance_ground
+
+   !> Is t a time to advance to?
+   subroutine check_target(stepping, t, error)
+      type(stepping_t), intent(in) :: stepping
+      real(wp), intent(in) :: t
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      call check_finite(t, 'the time to advance to', error)
+      if (allocated(error)) return
+      if (t < stepping%machine%t) then
+         !$omp critical (rwmf_text)
+         call fail(error, err_input, 'cannot advance to t = '//real_to_text(t)//' s from ' &
+            //real_to_text(stepping%machine%t)//' s: restore a saved state to go back', 'backwards')
+         !$omp end critical (rwmf_text)
+      end if
+   end subroutine check_target
+
+   !> What a host hands over is the horizontal motion: a vertical one that is a multiple of it
+   !> follows, a record of its own does not.
+   subroutine refuse_vertical(stepping, error)
+      type(stepping_t), intent(in) :: stepping
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. allocated(stepping%machine%case%vertical)) return
+      if (allocated(stepping%machine%case%vertical%ratio)) return
+      call fail(error, err_input, 'a host hands over the horizontal motion: a case with ' &
+         //'&vertical takes a ratio to it, or advances under its own motion')
+   end subroutine refuse_vertical
+
+   subroutine check_samples(stepping, t, a, error)
+      type(stepping_t), intent(in) :: stepping
+      real(wp), intent(in) :: t(:)
+      real(wp), intent(in) :: a(:)
+      type(error_t), allocatable, intent(out) :: error
+      integer :: n
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      n = size(t)
+      if (n < 2 .or. size(a) /= n) then
+         call fail(error, err_input, 'times and accelerations must be two or more, and as many ' &
+            //'of the one as of the other', 'wrong_length')
+      else if (.not. (all(ieee_is_finite(t)) .and. all(ieee_is_finite(a)))) then
+         call fail(error, err_input, 'a time or an acceleration is not a finite number', &
+            'not_finite')
+      else if (any(t(2:) <= t(:n - 1))) then
+         call fail(error, err_input, 'the times do not increase strictly', 'backwards')
+      else if (abs(t(1) - stepping%machine%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then
+         !$omp critical (rwmf_text)
+         call fail(error, err_input, 'the first time is '//real_to_text(t(1)) &
+            //' s, expected is the present time, '//real_to_text(stepping%machine%t)//' s', &
+            'wrong_time')
+         !$omp end critical (rwmf_text)
+      end if
+   end subroutine check_samples
+
+   !> Remember the present state.
+   !>
+   !> CVODE and ARKODE begin anew in the next call (see above).
+   subroutine save_stepping(stepping, snapshot, error)
+      type(stepping_t), intent(inout) :: stepping
+      type(snapshot_t), intent(out) :: snapshot
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      call take(stepping%machine, snapshot)
+      if (snapshot%is_one_step) return
+      stepping%machine%hybrid%must_restart = .true.
+      snapshot%must_restart = .true.
+   end subroutine save_stepping
+
+   !> Return to a state that `save_stepping` remembered of this wall (or of one made alike).
+   !> The events of the last call are forgotten.
+   subroutine restore_stepping(stepping, snapshot, error)
+      type(stepping_t), intent(inout) :: stepping
+      type(snapshot_t), intent(in) :: snapshot
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      if (.not. snapshot%is_filled) then
+         call fail(error, err_input, 'nothing was saved in this snapshot', 'empty_snapshot')
+      else if (any(abs(snapshot%identity - identity_of(stepping%machine%equation)) > 0)) then
+         call fail(error, err_input, 'the snapshot is that of another wall', 'other_wall')
+      end if
+      if (allocated(error)) return
+      call put_back(stepping%machine, snapshot)
+      if (snapshot%follows_host) call hold_ground(stepping%machine)
+      stepping%machine%observer%n_events = 0
+   end subroutine restore_stepping
+
+   !> State at the present time.
+   subroutine query_state(stepping, state, error)
+      type(stepping_t), intent(in) :: stepping
+      type(wall_state_t), intent(out) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      associate (hybrid => stepping%machine%hybrid, observer => stepping%machine%observer)
+         state%t = hybrid%t
+         state%at_rest = hybrid%mode == mode_rest
+         state%overturned = hybrid%mode == mode_overturned
+         state%impacts = observer%impacts
+         state%lift_offs = observer%lift_offs
+         state%steps = stepping%machine%steps
+         state%u_s_max = 0
+         state%theta_max = 0
+         if (stepping%machine%equation%has_wall) then
+            state%theta_max = max(abs(hybrid%y(1)), observer%theta_max, -observer%theta_min)
+         end if
+      end associate
+      call fill_motion(stepping%machine, state)
+   end subroutine query_state
+
+   !> Rotation and displacement with their rates.
+   subroutine fill_motion(machine, state)
+      type(machine_t), intent(in) :: machine
+      type(wall_state_t), intent(inout) :: state
+      type(kinematics_t) :: kin
+      real(wp) :: y_ddot
+
+      associate (equation => machine%equation, y => machine%hybrid%y)
+         y_ddot = 0
+         if (.not. state%at_rest) y_ddot = second_derivative(equation, machine%hybrid%t, y)
+         state%theta = 0
+         state%theta_dot = 0
+         state%theta_ddot = 0
+         state%u_s = 0
+         state%u_s_dot = 0
+         state%u_s_ddot = 0
+         if (.not. equation%has_wall) then
+            state%u_s = y(1)
+            state%u_s_dot = y(2)
+            state%u_s_ddot = y_ddot
+         else
+            state%theta = y(1)
+            state%theta_dot = y(2)
+            state%theta_ddot = y_ddot
+            kin = kinematics_at(equation, y(1))
+            if (equation%has_frame) then
+               state%u_s = frame_displacement(equation, y(1))
+               state%u_s_dot = equation%p%R*kin%j*y(2)
+               state%u_s_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+            end if
+         end if
+         if (equation%has_frame) state%u_s_max = max(abs(state%u_s), machine%observer%u_max)
+      end associate
+   end subroutine fill_motion
+
+   !> Forces at the present time.
+   !>
+   !> The link carries what the frame's mass needs beyond its own spring and damper, also at rest.
+   subroutine query_forces(stepping, forces, error)
+      type(stepping_t), intent(in) :: stepping
+      type(wall_forces_t), intent(out) :: forces
+      type(error_t), allocatable, intent(out) :: error
+      type(wall_state_t) :: state
+      type(cable_state_t) :: cable
+      real(wp) :: frame_mass
+      !! [kg]
+      real(wp) :: restoring
+      !! force of spring and damper on the mass at the link [N]
+      real(wp), allocatable :: floor_forces(:)
+      !! (floors) of `&storeys` with all modes [N]
+
+      call query_state(stepping, state, error)
+      if (allocated(error)) return
+      forces = wall_forces_t(0, 0, 0)
+      associate (machine => stepping%machine, p => stepping%machine%equation%p)
+         frame_mass = machine%mass
+         if (machine%equation%has_wall) frame_mass = p%gamma*machine%mass
+         if (machine%equation%has_frame) then
+            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(machine)) &
+               + 2*p%xi_s*state%u_s_dot)
+            forces%frame_shear = machine%equation%foot*(restoring + frame_mass*p%omega_squared &
+               *uneven_part(machine))
+         end if
+         if (allocated(machine%equation%floors%m)) then
+            floor_forces = machine%mass*resistance(machine%equation, machine%hybrid%y)
+            forces%frame_shear = sum(floor_forces)
+            restoring = floor_forces(size(floor_forces))
+         end if
+         if (machine%equation%has_frame .and. machine%equation%has_wall) then
+            forces%link = frame_mass*(state%u_s_ddot + machine%equation%push*machine%ground) &
+               + restoring
+            if (machine%equation%links_floors) forces%link = link_of_floors(machine, state) &
+               + forces%frame_shear
+         end if
+         if (machine%equation%has_cable) then
+            cable = cable_at(machine%equation, machine%hybrid%y(1))
+            forces%cable = machine%mass*p%g*cable%force
+         end if
+      end associate
+   end subroutine query_forces
+
+   !> What the floors' momentum takes from links at every floor, beyond the shear of the lowest
+   !> storey [N].
+   real(wp) function link_of_floors(machine, state) result(force)
+      type(machine_t), intent(in) :: machine
+      type(wall_state_t), intent(in) :: state
+
+      associate (equation => machine%equation)
+         force = machine%mass*(equation%p%gamma*(equation%push*state%u_s_ddot + machine%ground) &
+            + equation%floor_mass*machine%ground)
+      end associate
+   end function link_of_floors
+
+   !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
+   real(wp) function plastic_part(machine)
+      type(machine_t), intent(in) :: machine
+
+      plastic_part = 0
+      if (machine%equation%has_course) then
+         plastic_part = bouc_wen_residual(machine%equation, machine%hybrid%y)
+      else if (machine%equation%has_memory) then
+         plastic_part = frame_residual(machine%equation, machine%hybrid%y(1))
+      end if
+   end function plastic_part
+
+   !> How far it differs from that of the lowest storey, where storeys yield one by one [m].
+   real(wp) function uneven_part(machine)
+      type(machine_t), intent(in) :: machine
+
+      uneven_part = 0
+      if (machine%equation%has_course .or. .not. machine%equation%has_memory) return
+      associate (equation => machine%equation, theta => machine%hybrid%y(1))
+         uneven_part = frame_residual(equation, theta) - foot_residual(equation, theta)
+      end associate
+   end function uneven_part
+
+   !> Events of the last advance, in the order of time.
+   subroutine query_events(stepping, events, error)
+      type(stepping_t), intent(in) :: stepping
+      type(event_t), allocatable, intent(out) :: events(:)
+      !! (events)
+      type(error_t), allocatable, intent(out) :: error
+
+      call require(stepping, error)
+      if (allocated(error)) return
+      associate (observer => stepping%machine%observer)
+         events = observer%events(:observer%n_events)
+      end associate
+   end subroutine query_events
+
+end module rwmf_embedding_stepping

@@ -1,0 +1,226 @@
+!> Numbers in one column (accelerations) or two columns (times and accelerations).
+module rwmf_input_record_columns
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_text_strings, only: integer_to_text, next_line, next_word, parse_real, real_to_text, &
+      shown, to_lower
+   implicit none
+   private
+
+   public :: read_columns, append_real, fail_at_word
+
+contains
+
+   !> Read the columns of a file.
+   !>
+   !> Errors, each with its line: a word that is not a finite number, more than two columns, lines
+   !> of different lengths, times that do not increase; no numbers at all.
+   subroutine read_columns(bytes, t, a, error)
+      character(*), intent(in) :: bytes
+      !! text of the file
+      real(dp), allocatable, intent(out) :: t(:)
+      !! (n) times [s]; unallocated for one column
+      real(dp), allocatable, intent(out) :: a(:)
+      !! (n) accelerations in the unit of the file
+      type(error_t), allocatable, intent(out) :: error
+      real(dp), allocatable :: column(:, :)
+      integer :: n
+      integer :: n_columns
+
+      call read_table(bytes, column, n, n_columns, error)
+      if (allocated(error)) return
+      if (n == 0) then
+         call fail(error, err_input, 'the file has no numbers')
+      else if (n_columns == 1) then
+         a = column(1, :n)
+      else
+         t = column(1, :n)
+         a = column(2, :n)
+      end if
+   end subroutine read_columns
+
+   !> Read line by line.
+   subroutine read_table(bytes, table, n, n_columns, error)
+      character(*), intent(in) :: bytes
+      real(dp), allocatable, intent(out) :: table(:, :)
+      !! (2, capacity)
+      integer, intent(out) :: n
+      !! rows in use
+      integer, intent(out) :: n_columns
+      !! 1 or 2, 0 when there are no numbers
+      type(error_t), allocatable, intent(out) :: error
+      logical :: header_seen
+      integer :: first
+      integer :: last
+      integer :: line
+      integer :: position
+
+      allocate (table(2, 1024))
+      n = 0
+      n_columns = 0
+      line = 0
+      header_seen = .false.
+      position = first_byte(bytes)
+      do while (position <= len(bytes))
+         call next_line(bytes, position, first, last)
+         line = line + 1
+         if (is_empty(bytes(first:last))) cycle
+         if (n == 0 .and. .not. header_seen .and. is_header(bytes(first:last))) then
+            header_seen = .true.
+            cycle
+         end if
+         call make_room(table, n)
+         call read_row(bytes(first:last), line, table(:, n + 1), n_columns, error)
+         if (allocated(error)) return
+         n = n + 1
+         if (n_columns == 2 .and. n > 1) call check_order(table(1, n - 1), table(1, n), line, error)
+         if (allocated(error)) return
+      end do
+   end subroutine read_table
+
+   !> Read the one or two numbers of a line.
+   subroutine read_row(text, line, row, n_columns, error)
+      character(*), intent(in) :: text
+      integer, intent(in) :: line
+      !! its number, for messages
+      real(dp), intent(out) :: row(2)
+      integer, intent(inout) :: n_columns
+      !! columns of the lines before, 0 when this is the first
+      type(error_t), allocatable, intent(out) :: error
+      logical :: ok
+      integer :: first
+      integer :: found
+      integer :: last
+      integer :: position
+
+      row = 0
+      found = 0
+      position = 1
+      do
+         call next_word(text, position, first, last)
+         if (last < first) exit
+         found = found + 1
+         if (found > size(row)) then
+            call fail(error, err_input, 'line '//integer_to_text(line)//': more than two columns')
+            return
+         end if
+         call parse_real(text(first:last), row(found), ok)
+         if (.not. ok) then
+            call fail_at_word(line, text(first:last), error)
+            return
+         end if
+      end do
+      if (n_columns == 0) n_columns = found
+      if (found /= n_columns) then
+         call fail(error, err_input, 'line '//integer_to_text(line)//': '//integer_to_text(found) &
+            //' columns where the lines before have '//integer_to_text(n_columns))
+      end if
+   end subroutine read_row
+
+   !> Report a word that is not a number.
+   subroutine fail_at_word(line, word, error)
+      integer, intent(in) :: line
+      character(*), intent(in) :: word
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, 'line '//integer_to_text(line)//": '"//shown(word) &
+         //"' is not a finite number")
+   end subroutine fail_at_word
+
+   !> Times must increase.
+   subroutine check_order(t_before, t, line, error)
+      real(dp), intent(in) :: t_before
+      !! time of the line before [s]
+      real(dp), intent(in) :: t
+      !! time of this line [s]
+      integer, intent(in) :: line
+      type(error_t), allocatable, intent(out) :: error
+
+      if (t > t_before) return
+      call fail(error, err_input, 'line '//integer_to_text(line)//': the time ' &
+         //in_file(t)//' s follows '//in_file(t_before)//' s: times must increase strictly')
+   end subroutine check_order
+
+   !> A number of the file, for messages.
+   pure function in_file(x) result(text)
+      real(dp), intent(in) :: x
+      !! [any]
+      character(:), allocatable :: text
+
+      text = real_to_text(real(x, wp))
+   end function in_file
+
+   !> Nothing but blanks, or a comment.
+   pure logical function is_empty(text)
+      character(*), intent(in) :: text
+      integer :: first
+      integer :: last
+      integer :: position
+
+      position = 1
+      call next_word(text, position, first, last)
+      is_empty = last < first
+      if (.not. is_empty) is_empty = text(first:first) == '#'
+   end function is_empty
+
+   !> A line of names. What begins like a number is a damaged number instead, and so are NaN and
+   !> infinity.
+   pure logical function is_header(text)
+      character(*), intent(in) :: text
+      !! not empty
+      character(8) :: start
+      integer :: first
+      integer :: last
+      integer :: position
+
+      position = 1
+      call next_word(text, position, first, last)
+      start = to_lower(text(first:min(last, first + len(start) - 1)))
+      is_header = verify(start(1:1), '0123456789+-.*') > 0 .and. start /= 'nan' &
+         .and. start /= 'inf' .and. start /= 'infinity'
+   end function is_header
+
+   !> Where the text begins: behind the byte order mark of UTF-8, if there is one.
+   pure integer function first_byte(bytes)
+      character(*), intent(in) :: bytes
+      character(3), parameter :: mark = char(239)//char(187)//char(191)
+
+      first_byte = 1
+      if (len(bytes) < len(mark)) return
+      if (bytes(:len(mark)) == mark) first_byte = 1 + len(mark)
+   end function first_byte
+
+   !> Twice the room when the table is full, so that the work grows with the size only.
+   pure subroutine make_room(table, n)
+      real(dp), allocatable, intent(inout) :: table(:, :)
+      !! (2, capacity)
+      integer, intent(in) :: n
+      !! rows in use
+      real(dp), allocatable :: grown(:, :)
+
+      if (n < size(table, 2)) return
+      allocate (grown(size(table, 1), 2*n))
+      grown(:, :n) = table
+      call move_alloc(grown, table)
+   end subroutine make_room
+
+   !> Append to a list that doubles its room when full.
+   pure subroutine append_real(list, n, value)
+      real(dp), allocatable, intent(inout) :: list(:)
+      !! (capacity >= n)
+      integer, intent(inout) :: n
+      !! numbers in use
+      real(dp), intent(in) :: value
+      !! [any]
+      real(dp), allocatable :: grown(:)
+
+      if (n == size(list)) then
+         allocate (grown(2*n))
+         grown(:n) = list
+         call move_alloc(grown, list)
+      end if
+      n = n + 1
+      list(n) = value
+   end subroutine append_real
+
+end module rwmf_input_record_columns

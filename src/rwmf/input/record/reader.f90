@@ -1,0 +1,166 @@
+!> Recorded ground accelerations: one column, two columns or PEER's AT2 format.
+!>
+!> Words are separated by blanks or commas; lines that begin with `#` and one header line before
+!> the numbers are skipped. Sample 1 of one column and of AT2 is at t = 0.
+module rwmf_input_record_reader
+   use rwmf_input_record_at2, only: has_at2_header, read_at2
+   use rwmf_text_crc32, only: crc32
+   use rwmf_input_record_columns, only: read_columns
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_text_file, only: read_file
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_problem_record, only: record_t
+   implicit none
+   private
+
+   public :: read_record, parse_record
+
+contains
+
+   !> Read a record from a file.
+   !>
+   !> Errors: those of `read_file` and `parse_record`.
+   subroutine read_record(path, dt, unit, scale, g, record, error)
+      character(*), intent(in) :: path
+      real(wp), intent(in), optional :: dt
+      !! sampling interval of a one-column record [s]; must be absent for the other formats
+      character(*), intent(in), optional :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; must be absent for AT2, which is in g
+      real(wp), intent(in) :: scale
+      !! factor [-]
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
+      type(record_t), intent(out) :: record
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: bytes
+
+      call read_file(path, bytes, error)
+      if (.not. allocated(error)) then
+         call parse_record(bytes, dt, unit, scale, g, record, error)
+      end if
+   end subroutine read_record
+
+   !> Read a record from the text of its file.
+   !>
+   !> Errors: a line that is not understood, numbers that do not match NPTS, fewer than two samples,
+   !> times that do not increase, `dt` or `unit` missing or given without need.
+   subroutine parse_record(bytes, dt, unit, scale, g, record, error)
+      character(*), intent(in) :: bytes
+      real(wp), intent(in), optional :: dt
+      !! as in `read_record` [s]
+      character(*), intent(in), optional :: unit
+      real(wp), intent(in) :: scale
+      !! [-]
+      real(wp), intent(in) :: g
+      !! [m/s2]
+      type(record_t), intent(out) :: record
+      type(error_t), allocatable, intent(out) :: error
+      real(dp), allocatable :: t(:)
+      real(dp), allocatable :: a(:)
+      real(dp) :: dt_at2
+
+      if (has_at2_header(bytes)) then
+         record%format = 'AT2'
+         call read_at2(bytes, dt_at2, a, error)
+         if (.not. allocated(error)) record%dt = real(dt_at2, wp)
+      else
+         call read_columns(bytes, t, a, error)
+         record%format = 'one column'
+         if (allocated(t)) record%format = 'two columns'
+      end if
+      if (.not. allocated(error)) call check_keys(record%format, size(a), dt, unit, error)
+      if (allocated(error)) return
+      if (record%format == 'one column') record%dt = dt
+      call set_times(record, size(a), t)
+      call set_accelerations(record, a, factor(scale, g, unit), error)
+      record%crc32 = crc32(bytes)
+   end subroutine parse_record
+
+   !> Are exactly the keys given that the format needs?
+   subroutine check_keys(format, n, dt, unit, error)
+      character(*), intent(in) :: format
+      integer, intent(in) :: n
+      !! number of samples
+      real(wp), intent(in), optional :: dt
+      !! [s]
+      character(*), intent(in), optional :: unit
+      type(error_t), allocatable, intent(out) :: error
+
+      if (n < 2) then
+         call fail(error, err_input, 'a record needs at least 2 samples')
+      else if (format == 'one column' .and. .not. present(dt)) then
+         call fail(error, err_input, 'the record has one column: it needs the key dt [s]')
+      else if (format /= 'one column' .and. present(dt)) then
+         call fail(error, err_input, 'the record ('//format//') has its own times: dt must not ' &
+            //'be given')
+      else if (format == 'AT2' .and. present(unit)) then
+         call fail(error, err_input, 'the record (AT2) is in g: unit must not be given')
+      else if (format /= 'AT2' .and. .not. present(unit)) then
+         call fail(error, err_input, 'the record ('//format//") needs the key unit: 'g', 'm/s2' " &
+            //"or 'cm/s2'")
+      end if
+   end subroutine check_keys
+
+   !> Times of the samples, and their interval where it is uniform.
+   subroutine set_times(record, n, t)
+      type(record_t), intent(inout) :: record
+      !! its `dt` is set already for the formats without times
+      integer, intent(in) :: n
+      real(dp), allocatable, intent(in) :: t(:)
+      !! (n) [s], allocated when the file has times
+      real(wp), parameter :: printed_digits = 1e-4_wp
+      !! rounding of printed times that still counts as uniform, over dt [-]
+      real(wp) :: dt
+      integer :: i
+
+      record%n = n
+      allocate (record%t(n))
+      if (.not. allocated(t)) then
+         record%t(:) = [(real(i - 1, wp)*record%dt, i=1, n)]
+         return
+      end if
+      record%t(:) = real(t, wp)
+      dt = (record%t(n) - record%t(1))/real(n - 1, wp)
+      do i = 1, n
+         if (abs(record%t(i) - record%t(1) - real(i - 1, wp)*dt) > printed_digits*dt) return
+      end do
+      record%dt = dt
+   end subroutine set_times
+
+   !> Accelerations in m/s2 and their peak.
+   subroutine set_accelerations(record, a, factor, error)
+      type(record_t), intent(inout) :: record
+      real(dp), intent(in) :: a(:)
+      !! (n) as they stand in the file
+      real(wp), intent(in) :: factor
+      !! m/s2 per unit of the file
+      type(error_t), allocatable, intent(out) :: error
+      integer :: at
+
+      if (maxval(abs(a)) > huge(1.0_dp)/max(1.0_wp, abs(factor))) then
+         call fail(error, err_input, 'the accelerations overflow: check unit and scale')
+         return
+      end if
+      allocate (record%a(size(a)))
+      record%a(:) = factor*real(a, wp)
+      at = maxloc(abs(record%a), dim=1)
+      record%peak = abs(record%a(at))
+      record%t_peak = record%t(at)
+   end subroutine set_accelerations
+
+   !> What one unit of the file is in m/s2, scale included.
+   pure real(wp) function factor(scale, g, unit)
+      real(wp), intent(in) :: scale
+      !! [-]
+      real(wp), intent(in) :: g
+      !! [m/s2]
+      character(*), intent(in), optional :: unit
+      !! absent: 'g'
+
+      factor = scale*g
+      if (.not. present(unit)) return
+      if (unit == 'm/s2') factor = scale
+      if (unit == 'cm/s2') factor = scale/100
+   end function factor
+
+end module rwmf_input_record_reader

@@ -1,0 +1,204 @@
+!> Namelist text as a sequence of words, quoted strings and signs.
+module rwmf_input_scanner
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_text_strings, only: integer_to_text, shown, to_lower
+   implicit none
+   private
+
+   public :: scanner_t, token_t, next_token, skip_blanks, start_scanner
+   public :: token_end, token_word, token_string, token_equals, token_comma, token_slash
+   public :: token_group
+
+   integer, parameter :: token_end = 0
+   !! end of the text
+   integer, parameter :: token_word = 1
+   integer, parameter :: token_string = 2
+   integer, parameter :: token_equals = 3
+   integer, parameter :: token_comma = 4
+   integer, parameter :: token_slash = 5
+   integer, parameter :: token_group = 6
+   !! an ampersand with the name behind it
+
+   character(*), parameter :: line_feed = achar(10), carriage_return = achar(13), tab = achar(9)
+   character(*), parameter :: word_ends = " ,=/!&'"""//line_feed//carriage_return//tab
+
+   !> Where the reading stands.
+   type :: scanner_t
+      integer :: position
+      !! of the next character
+      integer :: line
+      !! its line
+   end type scanner_t
+
+   !> A piece of the text.
+   type :: token_t
+      integer :: kind
+      !! one of the `token_` numbers
+      integer :: line
+      !! where it begins
+      character(:), allocatable :: text
+      !! the word, the content of the string, the name of the group in small letters
+   end type token_t
+
+contains
+
+   !> Begin at the start of a text.
+   !>
+   !> Error: a control character, which no text file has.
+   subroutine start_scanner(text, scanner, error)
+      character(*), intent(in) :: text
+      type(scanner_t), intent(out) :: scanner
+      type(error_t), allocatable, intent(out) :: error
+      character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
+      integer :: i
+
+      scanner%position = 1
+      scanner%line = 1
+      if (index(text(:min(len(text), 3)), byte_order_mark) == 1) scanner%position = 4
+      do i = 1, len(text)
+         if (is_control(text(i:i))) then
+            call fail(error, err_input, 'byte '//integer_to_text(i)//' is a control character: ' &
+               //'this is not a text file')
+            return
+         end if
+      end do
+   end subroutine start_scanner
+
+   !> A character that does not belong to a text.
+   elemental logical function is_control(letter)
+      character(1), intent(in) :: letter
+
+      is_control = (iachar(letter) < 32 .or. iachar(letter) == 127) &
+         .and. letter /= tab .and. letter /= line_feed .and. letter /= carriage_return
+   end function is_control
+
+   !> The next piece of the text.
+   !>
+   !> Error: a string that is not closed on its line.
+   subroutine next_token(text, scanner, token, error)
+      character(*), intent(in) :: text
+      type(scanner_t), intent(inout) :: scanner
+      type(token_t), intent(out) :: token
+      type(error_t), allocatable, intent(out) :: error
+
+      call skip_blanks(text, scanner)
+      token%line = scanner%line
+      token%kind = token_end
+      token%text = ''
+      if (scanner%position > len(text)) return
+      select case (text(scanner%position:scanner%position))
+      case ("'", '"')
+         token%kind = token_string
+         call take_string(text, scanner, token, error)
+      case ('=')
+         call take_sign(text, scanner, token_equals, token)
+      case (',')
+         call take_sign(text, scanner, token_comma, token)
+      case ('/')
+         call take_sign(text, scanner, token_slash, token)
+      case ('&')
+         scanner%position = scanner%position + 1
+         call take_word(text, scanner, token)
+         token%kind = token_group
+         token%text = to_lower(token%text)
+      case default
+         token%kind = token_word
+         call take_word(text, scanner, token)
+      end select
+   end subroutine next_token
+
+   !> Go to the next character that is neither blank nor in a comment.
+   pure subroutine skip_blanks(text, scanner)
+      character(*), intent(in) :: text
+      type(scanner_t), intent(inout) :: scanner
+      logical :: in_comment
+
+      in_comment = .false.
+      do while (scanner%position <= len(text))
+         select case (text(scanner%position:scanner%position))
+         case (line_feed)
+            in_comment = .false.
+            scanner%line = scanner%line + 1
+         case (carriage_return)
+            in_comment = .false.
+         case (' ', tab)
+            continue
+         case ('!')
+            in_comment = .true.
+         case default
+            if (.not. in_comment) return
+         end select
+         scanner%position = scanner%position + 1
+      end do
+   end subroutine skip_blanks
+
+   !> One character that stands for itself.
+   pure subroutine take_sign(text, scanner, kind, token)
+      character(*), intent(in) :: text
+      type(scanner_t), intent(inout) :: scanner
+      integer, intent(in) :: kind
+      type(token_t), intent(inout) :: token
+
+      token%kind = kind
+      token%text = text(scanner%position:scanner%position)
+      scanner%position = scanner%position + 1
+   end subroutine take_sign
+
+   !> Everything up to a blank or a sign.
+   pure subroutine take_word(text, scanner, token)
+      character(*), intent(in) :: text
+      type(scanner_t), intent(inout) :: scanner
+      type(token_t), intent(inout) :: token
+      integer :: length
+
+      length = scan(text(scanner%position:), word_ends) - 1
+      if (length < 0) length = len(text) - scanner%position + 1
+      token%text = text(scanner%position:scanner%position + length - 1)
+      scanner%position = scanner%position + length
+   end subroutine take_word
+
+   !> A string in single or double quotes; a doubled quote inside stands for one.
+   subroutine take_string(text, scanner, token, error)
+      character(*), intent(in) :: text
+      type(scanner_t), intent(inout) :: scanner
+      type(token_t), intent(inout) :: token
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: longest = 4096
+      character(1) :: quote
+      integer :: length
+
+      quote = text(scanner%position:scanner%position)
+      scanner%position = scanner%position + 1
+      do
+         length = scan(text(scanner%position:), quote//line_feed//carriage_return)
+         if (length == 0) length = len(text) - scanner%position + 2
+         token%text = token%text//text(scanner%position:scanner%position + length - 2)
+         scanner%position = scanner%position + length
+         if (is_at(text, scanner%position - 1, quote)) then
+            if (.not. is_at(text, scanner%position, quote)) return
+            token%text = token%text//quote
+            scanner%position = scanner%position + 1
+         end if
+         if (len(token%text) > longest) then
+            call fail(error, err_input, 'line '//integer_to_text(token%line)//': the string ' &
+               //quote//shown(token%text)//' is longer than '//integer_to_text(longest)//' bytes')
+            return
+         else if (.not. is_at(text, scanner%position - 1, quote)) then
+            call fail(error, err_input, 'line '//integer_to_text(token%line)//': the string ' &
+               //quote//shown(token%text)//' is not closed on its line')
+            return
+         end if
+      end do
+   end subroutine take_string
+
+   !> Is this character there? False beyond the end.
+   pure logical function is_at(text, position, letter)
+      character(*), intent(in) :: text
+      integer, intent(in) :: position
+      character(1), intent(in) :: letter
+
+      is_at = .false.
+      if (position <= len(text)) is_at = text(position:position) == letter
+   end function is_at
+
+end module rwmf_input_scanner

@@ -1,0 +1,188 @@
+!> Is a value of a case file what the schema allows?
+module rwmf_input_value_check
+   use rwmf_core_kinds, only: dp
+   use rwmf_input_schema, only: key_t
+   use rwmf_text_strings, only: next_word, parse_integer, parse_real, to_lower
+   implicit none
+   private
+
+   public :: value_problem, requirement, parse_logical, parse_bound
+
+contains
+
+   !> What is wrong with a value: 'must be ...'; '' when it is fine.
+   pure function value_problem(key, value, is_quoted) result(problem)
+      type(key_t), intent(in) :: key
+      character(*), intent(in) :: value
+      !! as it stands in the case, without quotes
+      logical, intent(in) :: is_quoted
+      character(:), allocatable :: problem
+      logical :: ok
+      logical :: truth
+      real(dp) :: number
+
+      ok = .false.
+      select case (key%type)
+      case ('choice')
+         if (is_quoted) ok = is_choice(trim(key%allowed), value)
+      case ('text')
+         ok = is_quoted .and. len_trim(value) > 0
+      case ('logical')
+         call parse_logical(value, truth, ok)
+         ok = ok .and. .not. is_quoted
+      case default
+         call parse_number(trim(key%type), value, number, ok)
+         ok = ok .and. .not. is_quoted
+         if (ok) ok = is_within(trim(key%allowed), number)
+      end select
+      problem = ''
+      if (ok) return
+      problem = 'must be '//requirement(key)
+      if (key%type == 'choice' .and. .not. is_quoted) problem = problem//' in quotes'
+   end function value_problem
+
+   !> What the values of a key must be, for messages: `a number >= 0 [-]`.
+   pure function requirement(key) result(text)
+      type(key_t), intent(in) :: key
+      character(:), allocatable :: text
+
+      select case (key%type)
+      case ('choice')
+         text = quoted_choices(trim(key%allowed))
+      case ('text')
+         text = 'a text in quotes'
+      case ('logical')
+         text = '.true. or .false.'
+      case ('integer')
+         text = 'an integer '//range_text(key)
+      case ('real list')
+         text = 'numbers '//range_text(key)
+      case default
+         text = 'a number '//range_text(key)
+      end select
+      if (key%allowed == 'any finite number') text = 'any finite number'
+      if (key%unit /= '') text = text//' ['//trim(key%unit)//']'
+   end function requirement
+
+   !> `>= 0` or `in (0, 1]`.
+   pure function range_text(key) result(text)
+      type(key_t), intent(in) :: key
+      character(:), allocatable :: text
+
+      text = trim(key%allowed)
+      if (scan(text, '([') == 1) text = 'in '//text
+   end function range_text
+
+   !> Is the value one of the names? Letters may be small or capital.
+   pure logical function is_choice(names, value)
+      character(*), intent(in) :: names
+      !! separated by blanks
+      character(*), intent(in) :: value
+
+      is_choice = len_trim(value) > 0 .and. scan(trim(value), ' ') == 0 &
+         .and. index(' '//names//' ', ' '//to_lower(trim(value))//' ') > 0
+   end function is_choice
+
+   !> `'a', 'b' or 'c'`.
+   pure function quoted_choices(names) result(text)
+      character(*), intent(in) :: names
+      !! separated by blanks
+      character(:), allocatable :: text
+      integer :: first
+      integer :: last
+      integer :: position
+
+      text = ''
+      position = 1
+      do
+         call next_word(names, position, first, last)
+         if (last < first) return
+         if (first > 1 .and. last == len(names)) then
+            text = text//' or '
+         else if (first > 1) then
+            text = text//', '
+         end if
+         text = text//"'"//names(first:last)//"'"
+      end do
+   end function quoted_choices
+
+   !> Read an integer or a real.
+   pure subroutine parse_number(type, text, value, ok)
+      character(*), intent(in) :: type
+      !! 'integer', 'real' or 'real list'
+      character(*), intent(in) :: text
+      real(dp), intent(out) :: value
+      !! [any]
+      logical, intent(out) :: ok
+      integer :: whole
+
+      if (type == 'integer') then
+         call parse_integer(text, whole, ok)
+         value = real(whole, dp)
+      else
+         call parse_real(text, value, ok)
+      end if
+   end subroutine parse_number
+
+   !> Read `.true.`, `T` and the like.
+   pure subroutine parse_logical(text, value, ok)
+      character(*), intent(in) :: text
+      logical, intent(out) :: value
+      logical, intent(out) :: ok
+
+      value = .false.
+      ok = .true.
+      select case (to_lower(text))
+      case ('.true.', 'true', 't', '.t.')
+         value = .true.
+      case ('.false.', 'false', 'f', '.f.')
+         value = .false.
+      case default
+         ok = .false.
+      end select
+   end subroutine parse_logical
+
+   !> Is a number within `> 0`, `>= 0`, `(0, 0.1]`, ...?
+   pure logical function is_within(allowed, x)
+      character(*), intent(in) :: allowed
+      real(dp), intent(in) :: x
+      !! [any]
+      integer :: comma
+      integer :: last
+
+      last = len(allowed)
+      comma = index(allowed, ',')
+      if (index(allowed, '>=') == 1) then
+         is_within = x >= parse_bound(allowed(3:))
+      else if (index(allowed, '>') == 1) then
+         is_within = x > parse_bound(allowed(2:))
+      else if (comma == 0) then
+         is_within = .true.
+      else
+         is_within = is_above(allowed(1:1) == '[', x, parse_bound(allowed(2:comma - 1))) &
+            .and. is_above(allowed(last:) == ']', parse_bound(allowed(comma + 1:last - 1)), x)
+      end if
+   end function is_within
+
+   !> x > y, or x >= y.
+   pure logical function is_above(or_equal, x, y)
+      logical, intent(in) :: or_equal
+      real(dp), intent(in) :: x
+      real(dp), intent(in) :: y
+
+      is_above = x > y .or. (or_equal .and. x >= y)
+   end function is_above
+
+   !> A number of the schema, which may be `pi/2`.
+   pure real(dp) function parse_bound(text)
+      character(*), intent(in) :: text
+      logical :: ok
+
+      if (adjustl(text) == 'pi/2') then
+         parse_bound = acos(-1.0_dp)/2
+      else
+         call parse_real(trim(adjustl(text)), parse_bound, ok)
+      end if
+   end function parse_bound
+
+end module rwmf_input_value_check

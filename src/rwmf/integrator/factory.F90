@@ -1,0 +1,72 @@
+!> Integrators by name.
+!>
+!> The quadruple-precision build has only our own: SUNDIALS computes in double precision.
+module rwmf_integrator_factory
+   use rwmf_integrator_dop853, only: dop853_t
+   use rwmf_integrator_extrapolation, only: extrapolation_t
+   use rwmf_integrator_integrator, only: stepper_t
+#ifndef RWMF_QUAD
+   use rwmf_integrator_sundials_cvode, only: cvode_t
+   use rwmf_integrator_sundials_arkode, only: erk_t
+#endif
+   implicit none
+   private
+
+   public :: new_stepper, run_method, spectrum_method
+
+contains
+
+   !> The method of a single run: what 'auto' means there.
+   pure function run_method(method) result(name)
+      character(*), intent(in) :: method
+      !! as the case gives it
+      character(16) :: name
+
+      name = method
+      if (method == 'auto') name = 'adams'
+   end function run_method
+
+   !> The method of a spectrum: what 'auto' means there.
+   pure function spectrum_method(method) result(name)
+      character(*), intent(in) :: method
+      !! as the case gives it
+      character(16) :: name
+
+      name = method
+      if (method == 'auto') name = 'fast'
+   end function spectrum_method
+
+   !> The integrator that `&solver method` names.
+   subroutine new_stepper(method, stepper)
+      character(*), intent(in) :: method
+      !! 'auto', 'adams', 'bdf', 'erk54', 'dop853', 'extrapolation' or 'fast'
+      class(stepper_t), allocatable, intent(out) :: stepper
+
+      select case (run_method(method))
+      case ('dop853', 'fast')
+         ! A single run has no lanes.
+         allocate (dop853_t :: stepper)
+#ifndef RWMF_QUAD
+      case ('adams', 'bdf')
+         call new_cvode(method == 'bdf', stepper)
+      case ('erk54')
+         allocate (erk_t :: stepper)
+#endif
+      case default
+         allocate (extrapolation_t :: stepper)
+      end select
+   end subroutine new_stepper
+
+#ifndef RWMF_QUAD
+   subroutine new_cvode(is_stiff, stepper)
+      logical, intent(in) :: is_stiff
+      class(stepper_t), allocatable, intent(out) :: stepper
+      type(cvode_t), allocatable :: cvode
+
+      allocate (cvode)
+      cvode%is_stiff = is_stiff
+      call move_alloc(cvode, stepper)
+   end subroutine new_cvode
+#endif
+
+end module rwmf_integrator_factory

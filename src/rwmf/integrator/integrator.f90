@@ -1,0 +1,137 @@
+!> What the hybrid loop needs of an integrator, and what every integrator can use.
+module rwmf_integrator_integrator
+   use rwmf_model_assembly, only: equation_t, rhs
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: fail_step, stepper_t, taylor_step, tolerance_t
+
+   !> Local error allowed per step: rtol*|y_i| + atol_i.
+   type :: tolerance_t
+      real(wp) :: rtol
+      !! [-]
+      real(wp), allocatable :: atol(:)
+      !! (states)
+   end type tolerance_t
+
+   !> An integrator of the equation of motion between two events.
+   !>
+   !> After `step` the solution is known in [t0, t1]: at the ends as `y0` and `y1`, inside through
+   !> `state_at`. `start` begins a new initial value problem and forgets the past.
+   type, abstract :: stepper_t
+      real(wp) :: t0
+      !! beginning of the last step [s]
+      real(wp) :: t1
+      !! its end [s]
+      real(wp), allocatable :: y0(:)
+      !! (states) at t0
+      real(wp), allocatable :: y1(:)
+      !! (states) at t1
+      integer(i8) :: steps = 0
+      !! accepted steps since `create`
+   contains
+      procedure(create_i), deferred :: create
+      procedure(start_i), deferred :: start
+      procedure(step_i), deferred :: step
+      procedure(state_at_i), deferred :: state_at
+      procedure(destroy_i), deferred :: destroy
+   end type stepper_t
+
+   abstract interface
+      !> Prepare for an equation; the equation outlives the stepper.
+      subroutine create_i(self, equation, tolerance, error)
+         import :: stepper_t, equation_t, tolerance_t, error_t
+         implicit none
+         class(stepper_t), intent(inout) :: self
+         type(equation_t), intent(inout), target :: equation
+         type(tolerance_t), intent(in) :: tolerance
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine create_i
+
+      !> Begin at time t with the state y.
+      subroutine start_i(self, t, y, span, error)
+         import :: stepper_t, error_t, wp
+         implicit none
+         class(stepper_t), intent(inout) :: self
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(in) :: span
+         !! the motion is expected to change its course within this time: a first step that is much
+         !! longer only makes the event harder to find [s]
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine start_i
+
+      !> Take one step of the integrator's own choice, at most to t_limit.
+      subroutine step_i(self, t_limit, error)
+         import :: stepper_t, error_t, wp
+         implicit none
+         class(stepper_t), intent(inout) :: self
+         real(wp), intent(in) :: t_limit
+         !! > t1 [s]
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine step_i
+
+      !> State at a time inside the last step.
+      subroutine state_at_i(self, t, y, error)
+         import :: stepper_t, error_t, wp
+         implicit none
+         class(stepper_t), intent(inout) :: self
+         real(wp), intent(in) :: t
+         !! in [t0, t1] [s]
+         real(wp), intent(out) :: y(:)
+         !! (states)
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine state_at_i
+
+      !> Give back what the integrator holds. Safe to call twice.
+      subroutine destroy_i(self)
+         import :: stepper_t
+         implicit none
+         class(stepper_t), intent(inout) :: self
+      end subroutine destroy_i
+   end interface
+
+contains
+
+   !> Say where and with what state an integration failed. Fails with `err_numerical`.
+   subroutine fail_step(stepper, what, rtol, cause, error)
+      class(stepper_t), intent(in) :: stepper
+      character(*), intent(in) :: what
+      !! what failed
+      real(wp), intent(in) :: rtol
+      !! in force [-]
+      character(*), intent(in) :: cause
+      !! why, and what helps
+      type(error_t), allocatable, intent(out) :: error
+
+      ! gfortran keeps the length of such texts in static memory: one thread at a time
+      !$omp critical (rwmf_text)
+      call fail(error, err_numerical, what//' failed at t = '//real_to_text(stepper%t1) &
+         //' s, theta = '//real_to_text(stepper%y1(1))//', theta_dot = ' &
+         //real_to_text(stepper%y1(2))//', rtol = '//real_to_text(rtol)//': '//cause)
+      !$omp end critical (rwmf_text)
+   end subroutine fail_step
+
+   !> Step of a few round-offs. The flights of a dying chatter are that short, and without the
+   !> second-order term they would gain energy.
+   subroutine taylor_step(equation, t, h, y)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! beginning [s]
+      real(wp), intent(in) :: h
+      !! length [s]
+      real(wp), intent(inout) :: y(:)
+      !! (states) at t; on return at t + h
+      real(wp) :: y_dot(size(y))
+
+      call rhs(equation, t, y, y_dot)
+      y = y + h*y_dot
+      y(1) = y(1) + h**2/2*y_dot(2)
+   end subroutine taylor_step
+
+end module rwmf_integrator_integrator

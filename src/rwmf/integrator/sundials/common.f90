@@ -1,0 +1,199 @@
+!> What the integrators of SUNDIALS share. Only this file, `cvode.f90` and `erkstep.f90` name it.
+!>
+!> Each instance owns one SUNContext. Parameters reach the callbacks through the user data pointer.
+!> SUNDIALS itself stays silent: its flags become our errors.
+module rwmf_integrator_sundials_common
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
+      c_null_ptr, c_ptr
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use fnvector_serial_mod, only: FN_VNew_Serial
+   use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
+   use fsundials_nvector_mod, only: FN_VDestroy, N_Vector
+   use rwmf_model_assembly, only: equation_t, rhs
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_integrator, only: fail_step, stepper_t, tolerance_t
+   implicit none
+   private
+
+   public :: sundials_t, evaluate_rhs, data_of, stay_silent
+   public :: has_failed, made, create_common, destroy_common, free_vector
+   public :: first_end, step_end
+
+   integer(c_int), parameter :: no_memory = -20
+   !! flag of CVODE and ARKODE
+
+   !> What both families share: context, vectors, equation.
+   type, abstract, extends(stepper_t) :: sundials_t
+      type(c_ptr) :: context = c_null_ptr
+      type(c_ptr) :: memory = c_null_ptr
+      type(equation_t), pointer :: equation => null()
+      real(c_double), pointer, contiguous :: state(:) => null()
+      !! (states) data of `vector`
+      real(c_double), pointer, contiguous :: atol(:) => null()
+      !! (states) data of `tolerances`
+      type(N_Vector), pointer :: vector => null()
+      type(N_Vector), pointer :: tolerances => null()
+      logical :: is_initialised = .false.
+      !! memory has seen its first initial value
+      real(wp) :: rtol = 0
+      real(wp) :: t_stop = 0
+      !! stop time that the integrator knows; it forgets it when it gets there [s]
+      real(wp) :: t_first
+      !! latest end of the first step after a start [s]
+   end type sundials_t
+
+   interface
+      !> SUNDIALS' C function.
+      type(c_ptr) function array_pointer(vector) bind(c, name='N_VGetArrayPointer')
+         import :: c_ptr
+         implicit none
+         type(c_ptr), value :: vector
+      end function array_pointer
+   end interface
+
+contains
+
+   !> Right-hand side as SUNDIALS calls it. A value that is not finite asks for a smaller step.
+   integer(c_int) function evaluate_rhs(t, vector, vector_dot, user_data) bind(c, name='')
+      real(c_double), value :: t
+      type(N_Vector), intent(inout) :: vector
+      type(N_Vector), intent(inout) :: vector_dot
+      type(c_ptr), value :: user_data
+      type(equation_t), pointer :: equation
+      real(c_double), pointer, contiguous :: y(:)
+      real(c_double), pointer, contiguous :: y_dot(:)
+
+      call c_f_pointer(user_data, equation)
+      call data_of(vector, equation%n, y)
+      call data_of(vector_dot, equation%n, y_dot)
+      call rhs(equation, t, y, y_dot)
+      evaluate_rhs = merge(0_c_int, 1_c_int, all(ieee_is_finite(y_dot(2:))))
+   end function evaluate_rhs
+
+   !> States of a vector. The Fortran interface's own function returns a pointer of the wrong
+   !> extent, and costs more than the rest of a right-hand side's wrapping.
+   subroutine data_of(vector, n, values)
+      type(N_Vector), intent(in), target :: vector
+      integer, intent(in) :: n
+      real(c_double), pointer, contiguous, intent(out) :: values(:)
+
+      call c_f_pointer(array_pointer(c_loc(vector)), values, [n])
+   end subroutine data_of
+
+   !> Error handler that says nothing: flags are checked where they are returned.
+   subroutine stay_silent(code, module_name, function_name, message, user_data) bind(c, name='')
+      integer(c_int), value :: code
+      type(c_ptr), value :: module_name, function_name, message, user_data
+   end subroutine stay_silent
+
+   !> Check a flag; a failure becomes an error with time, state and advice.
+   logical function has_failed(self, flag, what, error)
+      class(sundials_t), intent(in) :: self
+      integer(c_int), intent(in) :: flag
+      !! of SUNDIALS; >= 0 is success
+      character(*), intent(in) :: what
+      !! the call
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: cause
+      character(12) :: digits
+
+      has_failed = flag < 0
+      if (.not. has_failed) return
+      select case (flag)
+      case (-2)
+         cause = 'the tolerance is too small for this precision: raise rtol'
+      case (-3)
+         cause = 'the error test fails at the smallest step: the response or the motion is not ' &
+            //'smooth'
+      case (-4, -6, -7)
+         cause = 'the corrector iteration does not converge: try another method'
+      case (-8, -9, -10, -11)
+         cause = 'the right-hand side is not finite: check parameters and motion'
+      case (no_memory, -21, -28)
+         cause = 'out of memory'
+      case default
+         write (digits, '(i0)') flag
+         cause = 'flag '//trim(digits)
+      end select
+      call fail_step(self, 'SUNDIALS '//what, self%rtol, cause, error)
+   end function has_failed
+
+   !> Flag of a constructor that returns a null pointer when memory is short.
+   pure integer(c_int) function made(is_there)
+      logical, intent(in) :: is_there
+
+      made = merge(0_c_int, no_memory, is_there)
+   end function made
+
+   !> Context, vectors and the working state of both families.
+   subroutine create_common(self, equation, tolerance, error)
+      class(sundials_t), intent(inout) :: self
+      type(equation_t), intent(inout), target :: equation
+      type(tolerance_t), intent(in) :: tolerance
+      type(error_t), allocatable, intent(out) :: error
+
+      self%equation => equation
+      self%steps = 0_i8
+      self%rtol = tolerance%rtol
+      self%t0 = 0
+      self%t1 = 0
+      self%y0 = 0*tolerance%atol
+      self%y1 = self%y0
+      if (has_failed(self, FSUNContext_Create(c_null_ptr, self%context), 'context', error)) return
+      self%vector => FN_VNew_Serial(int(equation%n, i8), self%context)
+      if (has_failed(self, made(associated(self%vector)), 'vector', error)) return
+      self%tolerances => FN_VNew_Serial(int(equation%n, i8), self%context)
+      if (has_failed(self, made(associated(self%tolerances)), 'tolerances', error)) return
+      call data_of(self%vector, equation%n, self%state)
+      call data_of(self%tolerances, equation%n, self%atol)
+      self%state = 0
+      self%atol = tolerance%atol
+   end subroutine create_common
+
+   !> Free what `create_common` made.
+   subroutine destroy_common(self)
+      class(sundials_t), intent(inout) :: self
+      integer(c_int) :: flag
+
+      call free_vector(self%vector, self%state)
+      call free_vector(self%tolerances, self%atol)
+      if (c_associated(self%context)) flag = FSUNContext_Free(self%context)
+      self%context = c_null_ptr
+      self%is_initialised = .false.
+   end subroutine destroy_common
+
+   subroutine free_vector(vector, values)
+      type(N_Vector), pointer, intent(inout) :: vector
+      real(c_double), pointer, intent(inout) :: values(:)
+
+      if (associated(vector)) call FN_VDestroy(vector)
+      vector => null()
+      values => null()
+   end subroutine free_vector
+
+   !> Latest end of the first step of a flight [s].
+   !>
+   !> A first step has a low order: across a whole flight that is too small for the tolerance it
+   !> returns a velocity of the wrong sign, so that the wall would hit its base at once, again and
+   !> again. Before the top of the flight it cannot.
+   pure real(wp) function first_end(t, span)
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: span
+      !! as in `start` [s]
+
+      first_end = t + max(0.4_wp*span, 16*spacing(t))
+   end function first_end
+
+   !> Where the next step has to stop at the latest [s].
+   pure real(wp) function step_end(self, t_limit)
+      class(sundials_t), intent(in) :: self
+      real(wp), intent(in) :: t_limit
+      !! [s]
+
+      step_end = t_limit
+      if (self%t1 < self%t_first) step_end = min(t_limit, self%t_first)
+   end function step_end
+
+end module rwmf_integrator_sundials_common

@@ -1,0 +1,263 @@
+!> Force of the unbonded cable, over the weight of the wall, and its arm.
+module rwmf_model_cable
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_hysteresis_bilinear, only: spring_energy, spring_force, spring_t, spring_tangent
+   implicit none
+   private
+
+   public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable, truss_cable
+   public :: cable_law_i, yielding_cable, cable_elongation
+   public :: cable_moment_i, signed_linear_moment, truss_moment, yielding_moment
+
+   !> Parameters of the cable.
+   type :: cable_law_t
+      real(wp) :: eta_0 = 0
+      !! P(0)/(m_w g) [-]
+      real(wp) :: rate = 0
+      !! linear: (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the elongation at
+      !! alpha [1/m]
+      real(wp) :: line_0 = 0
+      !! linear law, and a tendon's branch in force: P/(m_w g) at phi = 0 [-]
+      real(wp) :: line_rate = 0
+      !! and its rate [1/rad]
+      real(wp) :: R = 0
+      !! half diagonal [m]
+      real(wp) :: h = 0
+      !! half height [m]
+      real(wp) :: b = 0
+      !! half width [m]
+      logical :: is_straight = .false.
+      !! 'truss', else 'linear'
+      logical :: is_tendon = .false.
+      !! it can yield or break
+      type(spring_t) :: tendon
+      !! then: its force over m_w g, its elongation in m
+   end type cable_law_t
+
+   !> Force, moment and stored energy at one rotation, over m_w g R.
+   type :: cable_state_t
+      real(wp) :: force
+      !! q = P/(m_w g) [-]
+      real(wp) :: moment
+      !! q times the arm over R [-]
+      real(wp) :: moment_1
+      !! its derivative by phi [1/rad]
+      real(wp) :: energy
+      !! work stored since phi = 0 over m_w g R [-]
+   end type cable_state_t
+
+   abstract interface
+      !> State of the cable at |theta| = phi on the side sigma.
+      pure subroutine cable_law_i(law, sin_alpha, phi, side, cable)
+         import :: cable_law_t, cable_state_t, wp
+         implicit none
+         type(cable_law_t), intent(in) :: law
+         real(wp), intent(in) :: sin_alpha
+         !! of the slenderness [-]
+         real(wp), intent(in) :: phi
+         !! [rad]
+         integer, intent(in) :: side
+         !! +1 or -1
+         type(cable_state_t), intent(out) :: cable
+      end subroutine cable_law_i
+
+      !> Its moment alone over m_w g R, for right-hand sides, which know the sine of half the angle.
+      pure real(wp) function cable_moment_i(law, sin_alpha, phi, half_sine, side)
+         import :: cable_law_t, wp
+         implicit none
+         type(cable_law_t), intent(in) :: law
+         real(wp), value :: sin_alpha
+         !! of the slenderness [-]
+         real(wp), value :: phi
+         !! [rad]
+         real(wp), value :: half_sine
+         !! sin(phi/2)
+         integer, intent(in) :: side
+         !! +1 or -1
+      end function cable_moment_i
+   end interface
+
+   !> Straight cable at one rotation.
+   type :: straight_t
+      real(wp) :: elongation
+      !! [m]
+      real(wp) :: arm
+      !! its derivative by phi [m]
+      real(wp) :: length
+      !! [m]
+      real(wp) :: sine
+      !! of phi
+      real(wp) :: cosine
+   end type straight_t
+
+contains
+
+   !> A scene without a cable.
+   pure subroutine no_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+
+      cable%force = 0
+      cable%moment = 0
+      cable%moment_1 = 0
+      cable%energy = 0
+   end subroutine no_cable
+
+   !> Eq. (1) with |theta|: the force rises with rocking on both sides.
+   pure subroutine linear_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+
+      call signed_linear_cable(law, sin_alpha, phi, abs(side), cable)
+   end subroutine linear_cable
+
+   !> Eq. (1) as printed: for theta < 0 the force falls with rocking (kept for `published`).
+   pure subroutine signed_linear_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+
+      cable%force = law%eta_0 + side*law%rate*phi
+      cable%moment = cable%force*sin_alpha
+      cable%moment_1 = side*law%rate*sin_alpha
+      cable%energy = sin_alpha*phi*(law%eta_0 + side*law%rate*phi/2)
+   end subroutine signed_linear_cable
+
+   !> Straight cable from the middle of the base to the middle of the top, force linear in its
+   !> elongation: l = sqrt(4h^2 + 2b^2 (1 - cos(phi)) + 4hb sin(phi)).
+   pure subroutine truss_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+      real(wp) :: elongation
+      real(wp) :: arm
+      real(wp) :: arm_1
+
+      call straight_length(law, phi, elongation, arm, arm_1)
+      cable%force = law%eta_0 + law%rate*elongation
+      cable%moment = cable%force*arm/law%R
+      cable%moment_1 = (law%rate*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = elongation*(law%eta_0 + law%rate*elongation/2)/law%R
+   end subroutine truss_cable
+
+   !> Elongation of a straight cable and its derivatives by phi [m].
+   pure subroutine straight_length(law, phi, elongation, arm, arm_1)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: elongation
+      real(wp), intent(out) :: arm
+      real(wp), intent(out) :: arm_1
+      type(straight_t) :: straight
+      real(wp) :: half_sine
+
+      half_sine = sin(phi/2)
+      straight = stretched(law, half_sine)
+      elongation = straight%elongation
+      arm = straight%arm
+      arm_1 = (law%b*(law%b*straight%cosine - 2*law%h*straight%sine) - arm**2)/straight%length
+   end subroutine straight_length
+
+   !> Straight cable from the sine of half the angle.
+   pure type(straight_t) function stretched(law, half_sine) result(straight)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: half_sine
+      real(wp) :: rise
+      !! l**2 - (2h)**2 [m2]
+
+      straight%sine = 2*half_sine*sqrt(1 - half_sine**2)
+      straight%cosine = 1 - 2*half_sine**2
+      rise = 4*law%b*(law%b*half_sine**2 + law%h*straight%sine)
+      straight%length = sqrt(4*law%h**2 + rise)
+      straight%elongation = rise/(straight%length + 2*law%h)
+      straight%arm = law%b*(law%b*straight%sine + 2*law%h*straight%cosine)/straight%length
+   end function stretched
+
+   !> Moment of `signed_linear_cable`.
+   pure real(wp) function signed_linear_moment(law, sin_alpha, phi, half_sine, side) &
+      result(moment)
+      type(cable_law_t), intent(in) :: law
+      real(wp), value :: sin_alpha
+      real(wp), value :: phi
+      real(wp), value :: half_sine
+      integer, intent(in) :: side
+
+      moment = (law%eta_0 + side*law%rate*phi)*sin_alpha
+   end function signed_linear_moment
+
+   !> Moment of `truss_cable`.
+   pure real(wp) function truss_moment(law, sin_alpha, phi, half_sine, side) &
+      result(moment)
+      type(cable_law_t), intent(in) :: law
+      real(wp), value :: sin_alpha
+      real(wp), value :: phi
+      real(wp), value :: half_sine
+      integer, intent(in) :: side
+      type(straight_t) :: straight
+
+      straight = stretched(law, half_sine)
+      moment = (law%eta_0 + law%rate*straight%elongation)*straight%arm/law%R
+   end function truss_moment
+
+   !> Moment of `yielding_cable` that is straight; the other one is on a line of its own.
+   pure real(wp) function yielding_moment(law, sin_alpha, phi, half_sine, side) &
+      result(moment)
+      type(cable_law_t), intent(in) :: law
+      real(wp), value :: sin_alpha
+      real(wp), value :: phi
+      real(wp), value :: half_sine
+      integer, intent(in) :: side
+      type(straight_t) :: straight
+
+      straight = stretched(law, half_sine)
+      moment = spring_force(law%tendon, straight%elongation)*straight%arm/law%R
+   end function yielding_moment
+
+   !> Elongation of a tendon and its arm, the derivative by phi [m]. For the linear law the arm of
+   !> Eq. (1) is R sin(alpha) = b.
+   pure subroutine cable_elongation(law, phi, elongation, arm, arm_1)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(out) :: elongation
+      real(wp), intent(out) :: arm
+      real(wp), intent(out), optional :: arm_1
+      !! derivative of the arm [m]
+      real(wp) :: slope
+
+      elongation = law%b*phi
+      arm = law%b
+      slope = 0
+      if (law%is_straight) call straight_length(law, phi, elongation, arm, slope)
+      if (present(arm_1)) arm_1 = slope
+   end subroutine cable_elongation
+
+   !> Tendon that yields, goes slack or breaks, on either law's elongation.
+   pure subroutine yielding_cable(law, sin_alpha, phi, side, cable)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: sin_alpha
+      real(wp), intent(in) :: phi
+      integer, intent(in) :: side
+      type(cable_state_t), intent(out) :: cable
+      real(wp) :: elongation
+      real(wp) :: arm
+      real(wp) :: arm_1
+
+      call cable_elongation(law, phi, elongation, arm, arm_1)
+      cable%force = spring_force(law%tendon, elongation)
+      cable%moment = cable%force*arm/law%R
+      cable%moment_1 = (spring_tangent(law%tendon)*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = spring_energy(law%tendon, elongation)/law%R
+   end subroutine yielding_cable
+
+end module rwmf_model_cable

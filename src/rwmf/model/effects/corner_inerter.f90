@@ -1,0 +1,69 @@
+!> Inerters between the foundation and the corners of the base, one at each corner.
+!>
+!> An inerter resists the relative acceleration of its ends with B times it. The one under the
+!> corner that lifts is drawn out by the chord 4b sin(phi/2); the other one is at rest. Its kinetic
+!> energy B (2b cos(phi/2) phi')**2/2 adds to the inertia and, because the arm falls with rocking, a
+!> term in phi'**2.
+module rwmf_model_effects_corner_inerter
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: equation_t
+   implicit none
+   private
+
+   public :: add_inerter, inerter_energy, inerter_force
+
+contains
+
+   !> Part of the inerter in the equation of motion.
+   subroutine add_inerter(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+
+      inertia = inertia + inertia_of(equation, kin%half_cosine)
+      moment = moment + 2*equation%inertance*equation%sin_alpha**2*kin%half_sine*kin%half_cosine &
+         *y(2)**2
+   end subroutine add_inerter
+
+   !> Kinetic energy of the inerter [J/kg].
+   real(wp) function inerter_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+
+      energy = equation%p%R**2*inertia_of(equation, cos(y(1)/2))*y(2)**2/2
+   end function inerter_energy
+
+   !> Force on the lifting corner, against the acceleration of the stroke along the chord.
+   subroutine inerter_force(equation, t, y, y_ddot, force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp), intent(inout) :: force(2)
+      real(wp) :: half_angle
+      !! of the chord from the vertical, as well [rad]
+      real(wp) :: stroke_ddot
+      !! [m/s2]
+
+      half_angle = equation%side*y(1)/2
+      stroke_ddot = 2*equation%p%R*equation%sin_alpha*(cos(half_angle)*equation%side*y_ddot &
+         - sin(half_angle)*y(2)**2/2)
+      force = force - equation%inertance*stroke_ddot*[equation%side*sin(half_angle), &
+         cos(half_angle)]
+   end subroutine inerter_force
+
+   !> Inertia over m_w R**2 [-].
+   pure real(wp) function inertia_of(equation, half_cosine)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: half_cosine
+      !! cos(phi/2) [-]
+
+      inertia_of = equation%inertance*(2*equation%sin_alpha*half_cosine)**2
+   end function inertia_of
+
+end module rwmf_model_effects_corner_inerter

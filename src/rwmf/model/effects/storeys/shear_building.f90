@@ -1,0 +1,390 @@
+!> A frame of several storeys whose roof is linked to the wall, with all its modes.
+!>
+!> The rotation moves the roof; the floors below it are free. Their displacements u_i and
+!> velocities v_i relative to the ground are states of their own, so that an impact, which gives the
+!> roof a jump of velocity, leaves them as they are:
+!>
+!>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i,   i < n
+!>
+!> The roof's own mass and the stiffness of the storey below it are the frame of `equation.f90`
+!> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one
+!> of the branches of `storey_springs.f90`.
+module rwmf_model_effects_storeys_shear_building
+   use rwmf_model_right_hand_sides, only: kept_part
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_travel, frame_velocity, &
+      ground, kinematics_at
+   use rwmf_problem_shear_frame, only: damping_matrix, foot_share, roof_factor, shear_frame_t
+   use rwmf_model_hysteresis_bilinear, only: spring_energy
+   implicit none
+   private
+
+   public :: prepare_storeys, add_push, push_input, add_storeys, storey_sizes
+   public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
+   public :: fill_rows, floor_columns, floor_motion, floor_values
+
+contains
+
+   !> Put the frame's storeys into the equation. In a spectrum all stiffnesses follow the period.
+   subroutine prepare_storeys(case, equation)
+      type(case_t), intent(in) :: case
+      !! with `&storeys` and its modes
+      type(equation_t), intent(inout) :: equation
+      type(shear_frame_t) :: frame
+      real(wp) :: unit
+      !! mass that energies are per, over m_w: the wall's, without wall the roof's [-]
+      real(wp) :: pace
+      !! of the frame in this scene [-]
+      integer :: n
+
+      frame = case%storeys%frame
+      n = size(frame%m)
+      if (case%storeys%coupling /= 'full') then
+         equation%push = roof_factor(frame, 1)
+         equation%foot = equation%push
+         equation%links_floors = case%storeys%coupling == 'every_floor'
+         if (equation%links_floors) equation%foot = foot_share(frame)
+         equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
+         return
+      end if
+      unit = 1
+      if (.not. allocated(case%wall)) unit = frame%m(n)
+      pace = 2*pi/case%frame%T_s/frame%omega(1)
+      equation%floors%n = n
+      equation%floors%below = n - 1
+      equation%floors%unit = unit
+      equation%floors%m = frame%m/unit
+      equation%floors%height = frame%height
+      equation%floors%k = frame%k*pace**2/unit
+      equation%floor_mass = sum(equation%floors%m(:n - 1))
+      equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
+      equation%floors%slope = equation%floors%k
+      call fill_rows(equation%floors)
+      equation%quickest = frame%omega(n)*pace
+      equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
+      equation%p%omega_squared = equation%p%omega_s**2
+      equation%p%xi_s = 0
+      equation%p%two_xi_omega = 0
+      equation%moves_at_rest = equation%has_impacts .and. n > 1
+   end subroutine prepare_storeys
+
+   !> Constants of the rates, for the branches of the storeys that are in force, in the order in
+   !> which `move_floors` uses them: of each acceleration by 1, by the displacements of the storeys
+   !> below and above, by the velocities of roof and floors; of the force on the roof over m_w by 1,
+   !> by the displacement of the storey below, by the velocities. First those of the uppermost floor
+   !> and of the roof, in which two by the velocity of a floor stand together.
+   pure subroutine fill_rows(floors)
+      type(floors_t), intent(inout) :: floors
+      real(wp) :: k(floors%n)
+      real(wp) :: drag(floors%n, floors%n)
+      !! a floor in each column
+      real(wp) :: leans(floors%n)
+      real(wp), allocatable :: rows(:)
+      integer :: i, n
+
+      n = floors%n
+      if (n == 1) return
+      k = floors%slope
+      drag = floors%c
+      leans = 0
+      if (allocated(floors%offset)) leans = floors%offset - [floors%offset(2:), 0.0_wp]
+      rows = [row(n - 1), leans(n), k(n), drag(n, n), &
+         [(-drag(i, n - 1)/floors%m(n - 1), drag(i, n), i=1, n - 1)]]
+      do i = 1, n - 2
+         rows = [rows, row(i), -drag(:n - 1, i)/floors%m(i)]
+      end do
+      call move_alloc(rows, floors%rows)
+
+   contains
+
+      !> Of the acceleration of a floor, but for the velocities of the floors.
+      pure function row(i)
+         integer, intent(in) :: i
+         real(wp) :: row(4)
+
+         row = [-leans(i), -k(i), k(i + 1), -drag(n, i)]/floors%m(i)
+      end function row
+   end subroutine fill_rows
+
+   !> One mode: the ground pushes more of the frame than moves with the roof.
+   subroutine add_push(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+
+      moment = moment - frame_mass(equation)*(equation%push - 1)*kin%lever*equation%side &
+         *ground(equation, t)/equation%p%R
+   end subroutine add_push
+
+   !> Power of that push [W/kg].
+   real(wp) function push_input(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+
+      power = -frame_mass(equation)*(equation%push - 1)*ground(equation, t) &
+         *frame_velocity(equation, y)
+   end function push_input
+
+   !> Force of the storeys on the roof beyond that of the spring between roof and ground; velocities
+   !> and accelerations of the floors below the roof.
+   subroutine add_storeys(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+      real(wp) :: force(equation%floors%n)
+
+      associate (floors => equation%floors, n => equation%floors%n, R => equation%p%R)
+         force = resistance_to(floors, y, equation%side*R*kin%u, R*kin%j*y(2))
+         if (allocated(floors%laws)) call flow(floors, R*kin%j*y(2), y, y_dot)
+         moment = moment - kin%lever*(equation%side*force(n)/R - floors%k(n)*kin%u)
+         associate (first => floors%first)
+            y_dot(first:first + n - 2) = y(first + n - 1:first + 2*n - 3)
+            y_dot(first + n - 1:first + 2*n - 3) = -force(:n - 1)/floors%m(:n - 1) &
+               - ground(equation, t)
+         end associate
+      end associate
+   end subroutine add_storeys
+
+   !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
+   !> roof [m/s2].
+   function resistance(equation, y) result(force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: force(equation%floors%n)
+      real(wp) :: u_roof
+      real(wp) :: v_roof
+
+      call roof_motion(equation, y, u_roof, v_roof)
+      force = resistance_to(equation%floors, y, u_roof, v_roof)
+   end function resistance
+
+   !> The same for a motion of the roof that is known.
+   pure function resistance_to(floors, y, u_roof, v_roof) result(force)
+      type(floors_t), intent(in) :: floors
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_roof
+      !! [m]
+      real(wp), intent(in) :: v_roof
+      !! [m/s]
+      real(wp) :: force(floors%n)
+      real(wp) :: u(0:floors%n)
+      real(wp) :: shear(floors%n)
+      !! of each storey's columns
+
+      associate (n => floors%n, first => floors%first)
+         u = [0.0_wp, y(first:first + n - 2), u_roof]
+         shear = floors%slope*(u(1:) - u(:n - 1))
+         if (floors%yields) shear = shear + offsets(floors, y)
+         force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
+         force(:n - 1) = force(:n - 1) - shear(2:)
+      end associate
+   end function resistance_to
+
+   !> Shears of storeys that yield at no displacement [m/s2].
+   pure function offsets(floors, y) result(shears)
+      type(floors_t), intent(in) :: floors
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: shears(floors%n)
+
+      if (allocated(floors%laws)) then
+         shears = floors%laws%hold*y(floors%laws%place)
+      else
+         shears = floors%offset
+      end if
+   end function offsets
+
+   !> Rates of the hysteretic states of smooth storeys.
+   pure subroutine flow(floors, v_roof, y, y_dot)
+      type(floors_t), intent(in) :: floors
+      real(wp), intent(in) :: v_roof
+      !! [m/s]
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: y_dot(:)
+      real(wp) :: v(0:floors%n)
+
+      associate (n => floors%n, first => floors%first, laws => floors%laws)
+         v = [0.0_wp, y(first + n - 1:first + 2*n - 3), v_roof]
+         y_dot(laws%place) = (v(1:) - v(:n - 1))/laws%u_y*kept_part(laws, y(laws%place))
+      end associate
+   end subroutine flow
+
+   !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
+   !> storeys [m/s2].
+   !>
+   !> One mode: they move as their share of the roof, and the modes that are left out follow the
+   !> ground. All modes: what the storeys do to them.
+   real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_ddot
+      !! acceleration of the roof relative to the ground [m/s2]
+      real(wp), allocatable :: force(:)
+
+      if (allocated(equation%floors%m)) then
+         force = resistance(equation, y)
+         inertia = -sum(force(:size(force) - 1))
+      else
+         inertia = frame_mass(equation)*(equation%push - 1)*u_ddot &
+            + equation%floor_mass*ground(equation, t)
+      end if
+   end function floor_inertia
+
+   !> Displacements and velocities of ground, floors and roof relative to the ground.
+   subroutine floor_motion(equation, y, u, v)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: u(0:)
+      !! (0:n) [m]
+      real(wp), intent(out) :: v(:)
+      !! (n) [m/s]
+      integer :: n
+
+      n = size(v)
+      u(0) = 0
+      u(1:n - 1) = y(equation%floors%first:equation%floors%first + n - 2)
+      v(:n - 1) = velocities(equation, y)
+      call roof_motion(equation, y, u(n), v(n))
+   end subroutine floor_motion
+
+   !> Displacement and velocity of the roof.
+   subroutine roof_motion(equation, y, u, v)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: u
+      !! [m]
+      real(wp), intent(out) :: v
+      !! [m/s]
+      type(kinematics_t) :: kin
+
+      u = y(1)
+      v = y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      u = equation%side*equation%p%R*kin%u
+      v = equation%p%R*kin%j*y(2)
+   end subroutine roof_motion
+
+   !> Columns of the history of a frame with all its modes; none for others.
+   pure function floor_columns(equation) result(names)
+      class(equation_t), intent(in) :: equation
+      character(32), allocatable :: names(:)
+      integer :: n
+      integer :: i
+
+      allocate (names(0))
+      if (.not. allocated(equation%floors%m)) return
+      n = size(equation%floors%m)
+      deallocate (names)
+      allocate (names(2*n - 1))
+      do i = 1, n
+         if (i < n) write (names(i), '(a, i0, a)') 'floor_', i, '_m'
+         write (names(n - 1 + i), '(a, i0, a)') 'storey_', i, '_drift'
+      end do
+   end function floor_columns
+
+   !> Their values: displacements of the floors below the roof relative to the ground [m], and what
+   !> each storey is displaced by over its height [-].
+   function floor_values(equation, y) result(values)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: values(2*size(equation%floors%m) - 1)
+      real(wp) :: u(0:size(equation%floors%m))
+      real(wp) :: v(size(equation%floors%m))
+      integer :: n
+
+      n = size(v)
+      call floor_motion(equation, y, u, v)
+      values(:n - 1) = u(1:n - 1)
+      values(n:) = (u(1:) - u(:n - 1))/equation%floors%height
+   end function floor_values
+
+   !> Of the floors below the roof [m/s].
+   pure function velocities(equation, y) result(v)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: v(size(equation%floors%m) - 1)
+
+      associate (first => equation%floors%first + size(v))
+         v = y(first:first + size(v) - 1)
+      end associate
+   end function velocities
+
+   !> The floors move about as much as the roof; z is at most d/u_y and 1.
+   subroutine storey_sizes(equation, size_guess, sizes)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+      real(wp), intent(out) :: sizes(:)
+
+      associate (n => equation%floors%below)
+         sizes(:n) = frame_travel(equation)*size_guess(1)
+         sizes(n + 1:2*n) = frame_travel(equation)*size_guess(2)
+         if (allocated(equation%floors%laws)) sizes(2*n + 1:) = min(1.0_wp, &
+            frame_travel(equation)*size_guess(1)/equation%floors%laws%u_y)
+      end associate
+   end subroutine storey_sizes
+
+   !> Power that the frame's dampers take [W/kg].
+   real(wp) function storey_power(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp) :: u(0:size(equation%floors%m))
+      real(wp) :: v(size(equation%floors%m))
+
+      call floor_motion(equation, y, u, v)
+      power = dot_product(v, matmul(equation%floors%c, v))
+   end function storey_power
+
+   !> Energy of the floors and storeys; the roof by itself is counted elsewhere [J/kg].
+   real(wp) function storey_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: u(0:size(equation%floors%m))
+      real(wp) :: v(size(equation%floors%m))
+      integer :: n
+
+      n = size(v)
+      call floor_motion(equation, y, u, v)
+      energy = (sum(equation%floors%m(:n - 1)*v(:n - 1)**2) - equation%floors%k(n)*u(n)**2)/2
+      if (allocated(equation%floors%laws)) then
+         associate (laws => equation%floors%laws)
+            energy = energy + sum(equation%floors%slope*(u(1:) - u(:n - 1))**2 &
+               + laws%hold*laws%u_y*y(laws%place)**2)/2
+         end associate
+      else if (equation%floors%yields) then
+         energy = energy + sum(spring_energy(equation%floors%springs, u(1:) - u(:n - 1)))
+      else
+         energy = energy + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
+      end if
+   end function storey_energy
+
+   !> Power of the ground motion on the floors below the roof [W/kg].
+   real(wp) function storey_input(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      integer :: n
+
+      n = size(equation%floors%m)
+      power = -ground(equation, t)*dot_product(equation%floors%m(:n - 1), velocities(equation, y))
+   end function storey_input
+
+end module rwmf_model_effects_storeys_shear_building

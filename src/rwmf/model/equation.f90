@@ -1,0 +1,450 @@
+!> The scene that an equation of motion is written for: its parameters, the laws that were chosen
+!> for it, and what follows from both at a given rotation.
+module rwmf_model_equation
+   use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_moment_i, cable_state_t
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_kinematics, only: geometry_t, kinematics_i, kinematics_t
+   use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
+      vertical_acceleration, vertical_line_of
+   use rwmf_model_parameters, only: paper_t
+   use rwmf_model_hysteresis_bilinear, only: spring_t
+   implicit none
+   private
+
+   public :: equation_t, right_hand_side_i, extra_t, floors_t, hysteresis_t, sprung_t
+   public :: place_frame, place_left, place_right
+   public :: form_power, form_line, form_square, form_product
+   public :: enter_interval, interval_of
+   public :: vertical_ground
+   public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
+   public :: frame_velocity, frame_travel, frame_mass
+
+   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
+   !> states, energy, power and force on the wall that belong to it. One file brings its
+   !> procedures; `choose_extras` names them (docs/effects.md).
+   type :: extra_t
+      procedure(add_i), pointer, nopass :: add => null()
+      procedure(power_i), pointer, nopass :: power => null()
+      !! that viscous parts dissipate; not associated: nothing
+      procedure(power_i), pointer, nopass :: plastic_power => null()
+      !! that yielding dissipates; not associated: nothing
+      procedure(energy_i), pointer, nopass :: energy => null()
+      !! not associated: stores nothing
+      procedure(force_i), pointer, nopass :: force => null()
+      !! asked only for reactions; not associated: no force on the wall
+      procedure(power_i), pointer, nopass :: input => null()
+      !! of the ground motion on masses that theta alone does not move; not associated: none
+      integer :: states = 0
+      !! number of states of its own, whose rates `add` puts in their places
+      procedure(sizes_i), pointer, nopass :: sizes => null()
+      !! that its states are expected to have
+      integer :: first = 0
+      !! place of its first state among all
+      logical :: is_motion = .false.
+      !! a motion of the ground: part of what drives the resting wall, not of what it bears
+   end type extra_t
+
+   integer, parameter :: form_power = 0
+   !! any exponent
+   integer, parameter :: form_line = 1
+   !! exponent 1
+   integer, parameter :: form_square = 2
+   !! exponent 2
+   integer, parameter :: form_product = 3
+   !! a small natural number as exponent
+
+   !> Smooth hysteresis of the frame after Bouc and Wen.
+   type :: hysteresis_t
+      real(wp) :: u_y = 1
+      !! displacement at yield [m]
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp) :: exponent = 2
+      !! [-]
+      real(wp) :: beta = 0.5_wp
+      !! [-]
+      integer :: place = 3
+      !! of z among the states
+      real(wp) :: hold = 0
+      !! force of z = 1 over m_s [m/s2]
+      integer :: form = form_power
+      !! of |z|**n, one of the `form_` numbers
+      integer :: factors = 0
+      !! n of `form_product`
+      integer :: sense = 1
+      !! sign of z in the piece of motion in force
+      integer :: course = 1
+      !! of a storey: sign that u_i' - u_(i-1)' has in it
+      real(wp) :: lost = 1
+      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the
+      !! sign of z where z**n takes the place of |z|**n and n is odd [-]
+   end type hysteresis_t
+
+   !> The floors of a frame with all its modes, from the ground to the roof.
+   type :: floors_t
+      integer :: n = 0
+      !! number of floors; 0: the frame has no floors of its own
+      integer :: below = 0
+      !! number of those below the roof
+      real(wp), allocatable :: m(:)
+      !! (n) mass of each over m_w; without wall over that of the roof [-]
+      real(wp), allocatable :: k(:)
+      !! (n) stiffness of the storey below over the same mass [1/s2]
+      real(wp), allocatable :: c(:, :)
+      !! (n, n) damping over the same mass [1/s]
+      real(wp), allocatable :: height(:)
+      !! (n) of each storey [m]
+      integer :: first = 3
+      !! place of their first state among all
+      real(wp), allocatable :: rows(:)
+      !! constants of `move_floors` in the order of their use, see `fill_rows`
+      real(wp), allocatable :: slope(:)
+      !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
+      logical :: yields = .false.
+      !! the storeys do; without, the following are not there
+      real(wp), allocatable :: offset(:)
+      !! (n) shear of that branch at zero drift, over the same mass [m/s2]
+      type(spring_t), allocatable :: springs(:)
+      !! (n) of each storey; forces over the same mass
+      type(hysteresis_t), allocatable :: laws(:)
+      !! (n) of each storey where they are smooth; forces over the same mass
+      real(wp) :: unit = 1
+      !! the mass that m is over, in that of the case [-]
+   end type floors_t
+
+   integer, parameter :: place_frame = 0
+   !! between ground and frame
+   integer, parameter :: place_left = 1
+   !! under the corner that lifts for theta > 0
+   integer, parameter :: place_right = -1
+   !! under the other one
+
+   !> A spring with memory and its place.
+   type :: sprung_t
+      type(spring_t) :: spring
+      !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
+      integer :: place
+      !! one of the `place_` numbers
+      real(wp) :: offset = 0
+      !! force of the branch in force at the elongation zero
+      real(wp) :: slope = 0
+      !! and its derivative: a branch is a straight line
+   end type sprung_t
+
+   !> The equation of one scene, its ground motion, and the piece of both that is in force.
+   type :: equation_t
+      type(paper_t) :: p
+      !! parameters in the paper's letters; those of absent effects are zero
+      real(wp) :: sin_alpha
+      real(wp) :: cos_alpha
+      real(wp) :: threshold
+      !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
+      real(wp) :: bearing(-1:1)
+      !! the same by side (+1: theta > 0) with further effects, see `rwmf_model_uplift` [m/s2]
+      logical :: bears_extras = .false.
+      !! further effects act on the resting wall
+      real(wp) :: added_inertia = 0
+      !! of further effects at theta = 0 over m_w R**2 [-]
+      type(geometry_t) :: geometry
+      real(wp) :: inertia = 4.0_wp/3
+      !! of the wall about its pivot over m_w R**2 [-]
+      real(wp) :: push = 1
+      !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: pushed = 1
+      !! 1 + 2 gamma push: what the ground motion pushes where the link is at the top corner [-]
+      real(wp) :: floor_mass = 0
+      !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
+      logical :: links_floors = .false.
+      !! every floor is linked to the wall, not the roof alone
+      real(wp) :: foot = 1
+      !! shear of the lowest storey over the force that resists the roof [-]
+      real(wp) :: quickest = 0
+      !! largest frequency of the frame's floors [rad/s]
+      type(floors_t) :: floors
+      !! of `&storeys` with all modes
+      type(hysteresis_t) :: hysteresis
+      !! of the frame
+      logical :: has_course = .false.
+      !! rates depend on the sign of theta'
+      integer :: course = 1
+      !! that sign until the next peak, set by the hybrid loop
+      logical :: moves_at_rest = .false.
+      !! further states move while the wall rests
+      logical :: has_wall
+      logical :: has_impacts
+      !! the wall rocks on its corners
+      logical :: has_frame
+      logical :: has_cable
+      integer :: n = 2
+      !! number of states
+      type(cable_law_t) :: cable
+      logical :: has_plain_cable = .false.
+      !! its law, or that of no cable, is the linear one of both sides
+      type(extra_t), allocatable :: extras(:)
+      !! the further effects that the case calls for; not allocated without any
+      logical :: has_memory = .false.
+      !! there are springs that yield or break
+      logical :: has_fuses = .false.
+      !! under the corners of a rocking wall
+      type(sprung_t), allocatable :: springs(:)
+      !! yielding frame and fuses; the tendon's is in `cable`
+      real(wp), allocatable :: parts(:)
+      !! of the frame's stiffness that its springs have, the first of them all [-]
+      real(wp) :: frame_offset = 0
+      !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
+      real(wp) :: frame_slope = 0
+      !! and its stiffness [1/s2]
+      real(wp) :: low = -huge(1.0_wp)
+      !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
+      real(wp) :: high = huge(1.0_wp)
+      !! and up to which they do [rad]
+      real(wp) :: farthest = 0
+      !! largest |theta| at which the springs are asked for their elongation [rad]
+      logical :: ends_at_peak = .false.
+      !! a spring yields, and unloads when the motion turns back
+      logical :: has_vertical = .false.
+      !! the ground moves vertically as well
+      type(line_t) :: vertical_line
+      !! of that motion in the interval in force
+      real(wp) :: weight_share = 0
+      !! threshold of lift-off per vertical ground acceleration [-]
+      real(wp) :: inertance = 0
+      !! of the corner inerters over m_w [-]
+      real(wp) :: damper_c = 0
+      !! of the corner dampers over m_w [1/s]
+      type(motion_t), pointer :: motion => null()
+      integer, private :: interval = 0
+      !! of the motion: `interval_of`, set by `enter_interval`
+      type(line_t) :: line
+      !! of the motion in that interval
+      integer :: side = 1
+      !! sign of theta in this flight, set by the hybrid loop
+      integer(i8) :: rhs_evaluations = 0
+      procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
+      procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
+      procedure(cable_law_i), pointer, nopass :: cable_law => null()
+      procedure(cable_moment_i), pointer, nopass :: cable_moment => null()
+      !! of the law where `has_plain_cable` is false
+      procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
+      procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
+      procedure(right_hand_side_i), pointer, nopass :: kept_positive => null()
+      !! `rates_positive` before the wall was held at rest; not associated before the first time
+      procedure(right_hand_side_i), pointer, nopass :: kept_negative => null()
+   end type equation_t
+
+   abstract interface
+      !> Rates of all states in the flight and interval that are in force.
+      subroutine right_hand_side_i(equation, t, y, y_dot)
+         import :: equation_t, wp
+         implicit none
+         type(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(equation%n)
+         !! (states) theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of further
+         !! effects
+         real(wp), intent(out) :: y_dot(equation%n)
+         !! (states)
+      end subroutine right_hand_side_i
+
+      !> Add to inertia and moment, both per unit m_w R**2, and set the rates of the effect's own
+      !> states: one procedure, because both hang on the same forces.
+      subroutine add_i(equation, t, y, kin, inertia, moment, y_dot)
+         import :: equation_t, kinematics_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(equation%n)
+         !! (states)
+         type(kinematics_t), intent(in) :: kin
+         !! at this rotation
+         real(wp), intent(inout) :: inertia
+         !! [-]
+         real(wp), intent(inout) :: moment
+         !! away from the base [1/s2]
+         real(wp), intent(inout) :: y_dot(equation%n)
+         !! (states)
+      end subroutine add_i
+
+      !> Energy that an effect stores [J/kg].
+      real(wp) function energy_i(equation, y)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: y(:)
+         !! (states)
+      end function energy_i
+
+      !> Sizes that the states of an effect are expected to have, for absolute tolerances.
+      subroutine sizes_i(equation, size_guess, sizes)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: size_guess(2)
+         !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+         real(wp), intent(out) :: sizes(:)
+         !! (states of the effect)
+      end subroutine sizes_i
+
+      !> Power that an effect dissipates [W/kg].
+      real(wp) function power_i(equation, t, y)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+      end function power_i
+
+      !> Add the force on the wall.
+      subroutine force_i(equation, t, y, y_ddot, force)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(in) :: y_ddot
+         !! theta'' [rad/s2]
+         real(wp), intent(inout) :: force(2)
+         !! over m_w, horizontal (positive as u_g'') and upward; in the frame of the ground, so that
+         !! forces of inertia due to its motion count [m/s2]
+      end subroutine force_i
+   end interface
+
+contains
+
+   !> An interval of the motion comes into force, or the motion has changed within it.
+   !>
+   !> The only way to set it, so that nobody can forget what depends on it.
+   pure subroutine enter_interval(equation, interval)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+
+      equation%interval = interval
+      equation%line = line_of(equation%motion, interval)
+      if (equation%has_vertical) equation%vertical_line = vertical_line_of(equation%motion, &
+         interval)
+   end subroutine enter_interval
+
+   !> Interval of the motion that is in force.
+   pure integer function interval_of(equation) result(interval)
+      type(equation_t), intent(in) :: equation
+
+      interval = equation%interval
+   end function interval_of
+
+   !> Ground acceleration of the interval in force [m/s2].
+   real(wp) function ground(equation, t)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      ground = acceleration(equation%motion, equation%interval, t)
+   end function ground
+
+   !> Vertical ground acceleration of the interval in force, positive upward [m/s2].
+   real(wp) function vertical_ground(equation, t)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+
+      associate (line => equation%vertical_line)
+         if (line%is_straight) then
+            vertical_ground = line%a_0 + line%slope*(t - line%t_0)
+         else
+            vertical_ground = vertical_acceleration(equation%motion, equation%interval, t)
+         end if
+      end associate
+   end function vertical_ground
+
+   !> Kinematics of the side in force.
+   type(kinematics_t) function kinematics_at(equation, theta) result(kin)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      if (equation%side > 0) then
+         call equation%kinematics_positive(equation%geometry, theta, kin)
+      else
+         call equation%kinematics_negative(equation%geometry, -theta, kin)
+      end if
+   end function kinematics_at
+
+   !> Cable on the side in force.
+   type(cable_state_t) function cable_at(equation, theta) result(cable)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
+         equation%side, cable)
+   end function cable_at
+
+   !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
+   !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
+   !> theta = 0).
+   pure real(wp) function lift_off_drive(equation, side, interval, t) result(drive)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: side
+      !! +1 or -1
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      drive = -side*acceleration(equation%motion, interval, t) - equation%bearing(side)
+      if (equation%has_vertical) then
+         drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
+      end if
+   end function lift_off_drive
+
+   !> Displacement of the frame u_s [m].
+   real(wp) function frame_displacement(equation, theta) result(u_s)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]; bare frame: the displacement itself [m]
+      type(kinematics_t) :: kin
+
+      if (equation%has_wall) then
+         kin = kinematics_at(equation, theta)
+         u_s = equation%side*equation%p%R*kin%u
+      else
+         u_s = theta
+      end if
+   end function frame_displacement
+
+   !> Velocity of the frame u_s' [m/s].
+   real(wp) function frame_velocity(equation, y) result(u_s_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(kinematics_t) :: kin
+
+      u_s_dot = y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      u_s_dot = equation%p%R*kin%j*y(2)
+   end function frame_velocity
+
+   !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
+   pure real(wp) function frame_travel(equation) result(travel)
+      type(equation_t), intent(in) :: equation
+
+      travel = 1
+      if (equation%has_wall) travel = 2*equation%p%R*equation%cos_alpha
+   end function frame_travel
+
+   !> Mass of the frame over that of the wall; 1 for the bare frame [-].
+   pure real(wp) function frame_mass(equation)
+      type(equation_t), intent(in) :: equation
+
+      frame_mass = 1
+      if (equation%has_wall) frame_mass = equation%p%gamma
+   end function frame_mass
+
+end module rwmf_model_equation

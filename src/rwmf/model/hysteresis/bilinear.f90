@@ -1,0 +1,248 @@
+!> Elastic-plastic spring that remembers: linear kinematic hardening, slackness, rupture.
+!>
+!> Its force depends on the elongation x and on what has happened to it: on the branch in force and
+!> on the plastic elongation p. Within a branch the force is a smooth function of x; a branch ends
+!> at a known elongation (`spring_limits`), or where the motion turns back (`turn_spring`).
+!>
+!>    elastic   F = F_0 + k (x - p)
+!>    yielding  F = +-F_y + H p, with p following from x
+!>    slack     F = 0, a tendon that is too long
+!>    broken    F = 0 for good
+module rwmf_model_hysteresis_bilinear
+   use rwmf_core_kinds, only: wp
+   implicit none
+   private
+
+   public :: spring_t, new_spring, reset_spring
+   public :: spring_force, spring_tangent, spring_plastic, spring_energy, spring_power
+   public :: spring_limits, pass_limit, turn_spring, is_yielding, is_broken
+
+   integer, parameter :: elastic = 0
+   integer, parameter :: yields_up = 1
+   integer, parameter :: yields_down = -1
+   integer, parameter :: slack = 2
+   integer, parameter :: broken = 3
+
+   !> Parameters and memory; units are those of the one who uses it.
+   type :: spring_t
+      private
+      real(wp) :: stiffness = 1
+      !! elastic, k
+      real(wp) :: force_0 = 0
+      !! at x = 0 before any yielding, F_0
+      real(wp) :: yield = huge(1.0_wp)
+      !! magnitude of the force at which it yields first, F_y
+      real(wp) :: modulus = 0
+      !! plastic modulus H = dF_y/dp
+      real(wp) :: rupture = huge(1.0_wp)
+      !! elongation at which it breaks
+      logical :: is_tendon = .false.
+      !! bears tension only
+      integer :: branch = elastic
+      real(wp) :: plastic = 0
+      !! plastic elongation p when the branch began
+   end type spring_t
+
+contains
+
+   !> A spring that has not moved yet.
+   elemental type(spring_t) function new_spring(stiffness, yield, hardening, force_0, is_tendon, &
+      rupture) &
+      result(spring)
+      real(wp), intent(in) :: stiffness
+      !! > 0
+      real(wp), intent(in) :: yield
+      !! > 0
+      real(wp), intent(in) :: hardening
+      !! stiffness after yielding over elastic stiffness, in [0, 1)
+      real(wp), intent(in), optional :: force_0
+      !! force at x = 0, below `yield`; 0
+      logical, intent(in), optional :: is_tendon
+      !! bears tension only; no
+      real(wp), intent(in), optional :: rupture
+      !! elongation at which it breaks; never
+
+      spring%stiffness = stiffness
+      spring%yield = yield
+      spring%modulus = hardening*stiffness/(1 - hardening)
+      if (present(force_0)) spring%force_0 = force_0
+      if (present(is_tendon)) spring%is_tendon = is_tendon
+      if (present(rupture)) spring%rupture = rupture
+   end function new_spring
+
+   !> Forget what has happened.
+   elemental subroutine reset_spring(spring)
+      type(spring_t), intent(inout) :: spring
+
+      spring%branch = elastic
+      spring%plastic = 0
+   end subroutine reset_spring
+
+   !> Force at the elongation x.
+   elemental real(wp) function spring_force(spring, x) result(force)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: x
+
+      select case (spring%branch)
+      case (elastic)
+         force = spring%force_0 + spring%stiffness*(x - spring%plastic)
+      case (yields_up, yields_down)
+         force = spring%branch*spring%yield + spring%modulus*spring_plastic(spring, x)
+      case default
+         force = 0
+      end select
+   end function spring_force
+
+   !> Its derivative by x.
+   elemental real(wp) function spring_tangent(spring) result(tangent)
+      type(spring_t), intent(in) :: spring
+
+      select case (spring%branch)
+      case (elastic)
+         tangent = spring%stiffness
+      case (yields_up, yields_down)
+         tangent = spring%stiffness*spring%modulus/(spring%stiffness + spring%modulus)
+      case default
+         tangent = 0
+      end select
+   end function spring_tangent
+
+   !> Plastic elongation at the elongation x: that part of it that unloading would leave.
+   elemental real(wp) function spring_plastic(spring, x) result(plastic)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: x
+
+      plastic = spring%plastic
+      if (.not. is_yielding(spring)) return
+      plastic = (spring%force_0 + spring%stiffness*x - spring%branch*spring%yield) &
+         /(spring%stiffness + spring%modulus)
+   end function spring_plastic
+
+   !> Stored energy beyond that at x = 0 before any yielding: elastic part and hardening.
+   elemental real(wp) function spring_energy(spring, x) result(energy)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: x
+      real(wp) :: plastic
+      real(wp) :: elastic_part
+      !! of the elongation
+
+      plastic = spring_plastic(spring, x)
+      elastic_part = x - plastic
+      if (spring%branch == slack .or. spring%branch == broken) then
+         elastic_part = -spring%force_0/spring%stiffness
+      end if
+      energy = elastic_part*(spring%force_0 + spring%stiffness*elastic_part/2) &
+         + spring%modulus*plastic**2/2
+   end function spring_energy
+
+   !> Power that plastic flow takes when x changes at the rate x_dot.
+   elemental real(wp) function spring_power(spring, x_dot) result(power)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: x_dot
+
+      power = 0
+      if (.not. is_yielding(spring)) return
+      power = spring%branch*spring%yield*x_dot*spring%stiffness &
+         /(spring%stiffness + spring%modulus)
+   end function spring_power
+
+   !> Elongations between which the branch in force holds.
+   !>
+   !> Yielding that begins within round-off of a turn would go on while the spring unloads: going
+   !> back beyond the elongation at which it began ends it as well.
+   pure subroutine spring_limits(spring, low, high)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(out) :: low
+      !! -huge: none
+      real(wp), intent(out) :: high
+      !! huge: none
+
+      low = -huge(low)
+      high = huge(high)
+      select case (spring%branch)
+      case (elastic)
+         high = min(first_yield(spring, +1), spring%rupture)
+         if (spring%is_tendon) then
+            low = spring%plastic - spring%force_0/spring%stiffness
+         else
+            low = first_yield(spring, -1)
+         end if
+      case (yields_up)
+         low = first_yield(spring, +1)
+         high = spring%rupture
+      case (yields_down)
+         high = first_yield(spring, -1)
+      case (slack)
+         high = spring%plastic - spring%force_0/spring%stiffness
+      case default
+         ! broken for good
+      end select
+   end subroutine spring_limits
+
+   !> Elongation at which an elastic spring begins to yield in one direction.
+   pure real(wp) function first_yield(spring, direction) result(x)
+      type(spring_t), intent(in) :: spring
+      integer, intent(in) :: direction
+      !! +1 or -1
+
+      x = direction*huge(x)
+      if (spring%yield >= huge(x)) return
+      x = spring%plastic + (direction*spring%yield + spring%modulus*spring%plastic &
+         - spring%force_0)/spring%stiffness
+   end function first_yield
+
+   !> The elongation passes a limit of the branch.
+   pure subroutine pass_limit(spring, is_rising)
+      type(spring_t), intent(inout) :: spring
+      logical, intent(in) :: is_rising
+      !! the elongation grows
+      real(wp) :: x
+      !! where it happens
+
+      select case (spring%branch)
+      case (elastic)
+         x = min(first_yield(spring, +1), spring%rupture)
+         if (is_rising) then
+            spring%branch = merge(broken, yields_up, x >= spring%rupture)
+         else
+            spring%branch = merge(slack, yields_down, spring%is_tendon)
+         end if
+      case (yields_up)
+         if (is_rising) then
+            spring%plastic = spring_plastic(spring, spring%rupture)
+            spring%branch = broken
+         else
+            spring%branch = elastic
+         end if
+      case (yields_down)
+         spring%branch = elastic
+      case (slack)
+         spring%branch = elastic
+      case default
+         ! no limits
+      end select
+   end subroutine pass_limit
+
+   !> The motion turns back at the elongation x: what yielded unloads elastically.
+   pure subroutine turn_spring(spring, x)
+      type(spring_t), intent(inout) :: spring
+      real(wp), intent(in) :: x
+
+      if (.not. is_yielding(spring)) return
+      spring%plastic = spring_plastic(spring, x)
+      spring%branch = elastic
+   end subroutine turn_spring
+
+   elemental logical function is_yielding(spring)
+      type(spring_t), intent(in) :: spring
+
+      is_yielding = abs(spring%branch) == yields_up
+   end function is_yielding
+
+   pure logical function is_broken(spring)
+      type(spring_t), intent(in) :: spring
+
+      is_broken = spring%branch == broken
+   end function is_broken
+
+end module rwmf_model_hysteresis_bilinear

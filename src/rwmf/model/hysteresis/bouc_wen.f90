@@ -1,0 +1,192 @@
+!> Frame whose restoring force follows Bouc and Wen: a smooth hysteresis with one more state z.
+!>
+!>    F/m_s = omega_s**2 (a u + (1 - a) u_y z)
+!>    z' = u'/u_y (1 - |z|**n (beta sign(u' z) + 1 - beta))
+!>
+!> a is the hardening ratio. beta + gamma = 1, so that |z| tends to 1: another sum would only give
+!> u_y another meaning. For n -> infinity the law becomes the bilinear one of `spring.f90`.
+!>
+!> The signs of u' and z hold for a piece of motion; the hybrid loop ends it at a peak and where z
+!> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
+!> natural number).
+module rwmf_model_hysteresis_bouc_wen
+   use rwmf_model_right_hand_sides, only: kept_part
+   use rwmf_problem_case, only: case_t, yielding_t
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: first_loading
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_hysteresis_spring_set, only: yield_displacement
+   use rwmf_model_equation, only: equation_t, form_line, form_power, form_product, form_square, &
+      frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t
+   implicit none
+   private
+
+   public :: prepare_bouc_wen, new_hysteresis, follow_course, follow_signs, will_pass_zero
+   public :: load_bouc_wen, add_bouc_wen, bouc_wen_sizes
+   public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
+
+contains
+
+   !> Parameters, and the place of z among the states.
+   subroutine prepare_bouc_wen(case, equation)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      type(equation_t), intent(inout) :: equation
+
+      equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
+         equation%p%omega_squared)
+      equation%hysteresis%place = equation%n + 1
+      equation%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
+      equation%has_course = .true.
+      equation%ends_at_peak = .true.
+   end subroutine prepare_bouc_wen
+
+   !> Bring a frame that has not moved yet to an initial displacement, as if it had grown from zero.
+   subroutine load_bouc_wen(equation, y)
+      type(equation_t), intent(in) :: equation
+      !! with the side in force
+      real(wp), intent(inout) :: y(:)
+      !! (states)
+
+      associate (law => equation%hysteresis)
+         y(law%place) = first_loading(frame_displacement(equation, y(1))/law%u_y, law%exponent)
+      end associate
+   end subroutine load_bouc_wen
+
+   !> The law of one spring.
+   pure type(hysteresis_t) function new_hysteresis(yielding, u_y, stiffness) result(law)
+      type(yielding_t), intent(in) :: yielding
+      real(wp), intent(in) :: u_y
+      !! displacement at yield [m]
+      real(wp), intent(in) :: stiffness
+      !! elastic, over any mass [1/s2]
+
+      law%u_y = u_y
+      law%hardening = yielding%hardening
+      law%exponent = yielding%exponent
+      law%beta = yielding%beta
+      law%hold = (stiffness - law%hardening*stiffness)*law%u_y
+      call choose_form(law)
+   end function new_hysteresis
+
+   !> How to raise z to the exponent.
+   pure subroutine choose_form(law)
+      type(hysteresis_t), intent(inout) :: law
+      real(wp), parameter :: most = 8
+      !! factors whose product is as accurate as a power, and cheaper [-]
+
+      law%form = form_power
+      law%factors = 0
+      if (law%exponent > most .or. abs(law%exponent - anint(law%exponent)) > 0) return
+      law%factors = nint(law%exponent)
+      law%form = form_product
+      if (law%factors == 1) law%form = form_line
+      if (law%factors == 2) law%form = form_square
+   end subroutine choose_form
+
+   !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
+   pure subroutine follow_course(equation, z)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: z
+      !! [-]
+
+      call follow_signs(equation%hysteresis, equation%course, z)
+   end subroutine follow_course
+
+   !> What follows from them for one law.
+   pure subroutine follow_signs(law, course, z)
+      type(hysteresis_t), intent(inout) :: law
+      integer, intent(in) :: course
+      !! sign of u'
+      real(wp), intent(in) :: z
+      !! [-]
+
+      law%sense = course
+      law%lost = 1
+      if (course*z < 0) then
+         law%sense = -course
+         law%lost = 1 - 2*law%beta
+      end if
+      if (modulo(law%factors, 2) == 1) law%lost = law%sense*law%lost
+   end subroutine follow_signs
+
+   !> Does |z| fall in the piece of motion in force, so that z may pass zero?
+   pure logical function will_pass_zero(equation)
+      type(equation_t), intent(in) :: equation
+
+      will_pass_zero = equation%hysteresis%sense /= equation%course
+   end function will_pass_zero
+
+   !> What the frame's force differs by from the elastic one, which is in the equation already, and
+   !> the rate of z.
+   subroutine add_bouc_wen(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+
+      associate (law => equation%hysteresis, p => equation%p)
+         moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
+            - equation%frame_slope)*kin%u - equation%side*law%hold*y(law%place)/p%R)
+         y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*kept_part(law, y(law%place))
+      end associate
+   end subroutine add_bouc_wen
+
+   !> z is below 1, and u/u_y while the frame is elastic.
+   subroutine bouc_wen_sizes(equation, size_guess, sizes)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+      real(wp), intent(out) :: sizes(:)
+
+      sizes = min(1.0_wp, frame_travel(equation)*size_guess(1)/equation%hysteresis%u_y)
+   end subroutine bouc_wen_sizes
+
+   !> Power that plastic flow takes [W/kg].
+   real(wp) function bouc_wen_power(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+
+      associate (law => equation%hysteresis)
+         power = frame_mass(equation)*law%hold*y(law%place)*frame_velocity(equation, y) &
+            *(1 - kept_part(law, y(law%place)))
+      end associate
+   end function bouc_wen_power
+
+   !> Energy stored beyond that of the elastic frame, which the ledger has [J/kg].
+   real(wp) function bouc_wen_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+
+      associate (law => equation%hysteresis)
+         energy = frame_mass(equation)*equation%p%omega_s**2*(1 - law%hardening)/2 &
+            *((law%u_y*y(law%place))**2 - frame_displacement(equation, y(1))**2)
+      end associate
+   end function bouc_wen_energy
+
+   !> Displacement that elastic unloading would leave: F = m_s omega_s**2 (u - residual) [m].
+   real(wp) function bouc_wen_residual(equation, y) result(residual)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      associate (law => equation%hysteresis)
+         residual = (1 - law%hardening)*(frame_displacement(equation, y(1)) &
+            - law%u_y*y(law%place))
+      end associate
+   end function bouc_wen_residual
+
+   !> Restoring force of the frame over m_s [m/s2].
+   real(wp) function bouc_wen_force(equation, y) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      force = equation%p%omega_s**2*(frame_displacement(equation, y(1)) &
+         - bouc_wen_residual(equation, y))
+   end function bouc_wen_force
+
+end module rwmf_model_hysteresis_bouc_wen

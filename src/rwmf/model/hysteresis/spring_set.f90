@@ -1,0 +1,654 @@
+!> Springs with memory in a scene: a tendon that yields or breaks, fuses under the corners, a
+!> yielding frame. Where they sit, what they add to the equation, and how they follow the motion.
+!>
+!> Their branches are smooth functions of the rotation. The rotation at which a branch ends is known
+!> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
+module rwmf_model_hysteresis_spring_set
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_cable, only: cable_elongation
+   use rwmf_model_equation, only: equation_t, frame_mass, frame_velocity, kinematics_at, &
+      place_frame, place_left, place_right, sprung_t
+   use rwmf_model_hysteresis_bilinear, only: is_broken, is_yielding, new_spring, pass_limit, &
+      reset_spring, spring_energy, spring_force, spring_limits, spring_plastic, spring_power, &
+      spring_t, spring_tangent, turn_spring
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_problem_case, only: case_t, yielding_t
+   implicit none
+   private
+
+   public :: add_fuses, add_springs, add_yielding, follow_branches
+   public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
+   public :: tendon_power
+   public :: reset_memory, load_to, renew_window, pass_window, turn_back
+   public :: yield_displacement, storey_strengths, elongation_of, moves
+   public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
+   public :: frame_residuals, foot_residual
+   public :: frame_force_column, fuse_push
+
+   character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
+   !! of every law
+
+contains
+
+   !> Part of the yielding frame in the equation of motion, beyond the elastic one that is in the
+   !> equation already.
+   subroutine add_yielding(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+
+      associate (p => equation%p)
+         moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
+            - equation%frame_slope)*kin%u - equation%side*equation%frame_offset/p%R)
+      end associate
+   end subroutine add_yielding
+
+   !> Part of the fuses in the equation of motion: of the one whose corner lifts.
+   subroutine add_fuses(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+      integer :: n
+
+      ! the fuses come last, left and right
+      n = size(equation%springs)
+      if (equation%side == place_left) n = n - 1
+      associate (fuse => equation%springs(n), R => equation%p%R)
+         moment = moment - 2*equation%sin_alpha*kin%half_cosine*(fuse%offset/R &
+            + 4*equation%sin_alpha*kin%half_sine*fuse%slope)
+      end associate
+   end subroutine add_fuses
+
+   !> Both.
+   subroutine add_springs(equation, t, y, kin, inertia, moment, y_dot)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(inout) :: inertia
+      real(wp), intent(inout) :: moment
+      real(wp), intent(inout) :: y_dot(equation%n)
+
+      call add_yielding(equation, t, y, kin, inertia, moment, y_dot)
+      call add_fuses(equation, t, y, kin, inertia, moment, y_dot)
+   end subroutine add_springs
+
+   !> Straight lines of the branches that are in force; to be called when one has changed.
+   subroutine follow_branches(equation)
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      if (.not. equation%has_memory) return
+      if (any(equation%springs%place == place_frame)) then
+         equation%frame_offset = 0
+         equation%frame_slope = 0
+      end if
+      do i = 1, size(equation%springs)
+         associate (sprung => equation%springs(i))
+            sprung%offset = spring_force(sprung%spring, 0.0_wp)
+            sprung%slope = spring_tangent(sprung%spring)
+            if (sprung%place == place_frame) then
+               equation%frame_offset = equation%frame_offset + sprung%offset
+               equation%frame_slope = equation%frame_slope + sprung%slope
+            end if
+         end associate
+      end do
+      associate (cable => equation%cable)
+         if (.not. cable%is_tendon .or. cable%is_straight) return
+         cable%line_0 = spring_force(cable%tendon, 0.0_wp)
+         cable%line_rate = spring_tangent(cable%tendon)*cable%b
+      end associate
+   end subroutine follow_branches
+
+   !> The springs that a case calls for.
+   subroutine choose_springs(case, frame_yields, equation)
+      type(case_t), intent(in) :: case
+      logical, intent(in) :: frame_yields
+      !! as a bilinear spring
+      type(equation_t), intent(inout) :: equation
+      type(spring_t) :: fuse
+      real(wp) :: stroke_y
+      !! [m]
+
+      allocate (equation%springs(0))
+      if (frame_yields) then
+         equation%parts = frame_parts(case)
+         equation%springs = frame_springs(case, equation%p%omega_s**2, equation%parts)
+      end if
+      if (allocated(case%fuse)) then
+         ! Both fuses of a hinged wall at half the arm are one, that of the left corner, with twice
+         ! the stroke: the stroke that counts here is that of a rocking wall.
+         stroke_y = case%fuse%stroke_y
+         if (.not. equation%has_impacts) stroke_y = 2*stroke_y
+         fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
+            case%fuse%hardening)
+         equation%springs = [equation%springs, sprung_t(fuse, place_left), &
+            sprung_t(fuse, place_right)]
+         equation%has_fuses = equation%has_impacts
+      end if
+      equation%has_memory = .true.
+      equation%farthest = case%model%overturning_angle
+      call follow_branches(equation)
+   end subroutine choose_springs
+
+   !> Parts that the springs of the frame have in its stiffness: one has all, storeys have theirs.
+   pure function frame_parts(case) result(parts)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      real(wp), allocatable :: parts(:)
+
+      parts = [1.0_wp]
+      if (.not. allocated(case%yielding%storey_u_y)) return
+      parts = case%storeys%frame%k*case%storeys%frame%height**2
+      parts = parts/sum(parts)
+   end function frame_parts
+
+   !> Spring of the frame, or one for each of its storeys where a straight line links them to the
+   !> rotation: all of them follow the roof.
+   function frame_springs(case, stiffness, parts) result(springs)
+      type(case_t), intent(in) :: case
+      !! with `&yielding`
+      real(wp), intent(in) :: stiffness
+      !! of the frame over m_s [1/s2]
+      real(wp), intent(in) :: parts(:)
+      !! (springs)
+      type(sprung_t) :: springs(size(parts))
+      real(wp) :: u_y(size(parts))
+      !! displacement of the roof at first yield [m]
+      integer :: i
+
+      if (allocated(case%yielding%storey_u_y)) then
+         u_y = storey_strengths(case)*sum(case%storeys%frame%height)/case%storeys%frame%height
+      else
+         u_y = yield_displacement(case)
+      end if
+      do i = 1, size(parts)
+         springs(i) = sprung_t(new_spring(stiffness*parts(i), stiffness*parts(i)*u_y(i), &
+            case%yielding%hardening), place_frame)
+      end do
+   end function frame_springs
+
+   !> Displacement at which each storey of a case yields first [m].
+   pure function storey_strengths(case) result(u_y)
+      type(case_t), intent(in) :: case
+      !! with `&yielding storey_u_y`
+      real(wp) :: u_y(size(case%storeys%frame%m))
+
+      if (size(case%yielding%storey_u_y) == 1) then
+         u_y = case%yielding%storey_u_y(1)
+      else
+         u_y = case%yielding%storey_u_y
+      end if
+   end function storey_strengths
+
+   !> Displacement at which the frame of a case yields first [m].
+   pure real(wp) function yield_displacement(case) result(u_y)
+      type(case_t), intent(in) :: case
+      !! with `&yielding` and the frame's T_s
+
+      if (allocated(case%yielding%u_y)) then
+         u_y = case%yielding%u_y
+      else
+         u_y = case%yielding%f_y_over_m_s_g*case%model%g*(case%frame%T_s/(2*pi))**2
+      end if
+   end function yield_displacement
+
+   !> Is the frame's hysteresis bilinear? A host may leave the law open.
+   pure logical function is_elastic_plastic(yielding)
+      type(yielding_t), intent(in) :: yielding
+
+      is_elastic_plastic = .true.
+      if (allocated(yielding%law)) is_elastic_plastic = yielding%law == 'elastic_plastic'
+   end function is_elastic_plastic
+
+   !> Elongation of a spring at the rotation phi on the side in force [m].
+   real(wp) function elongation(equation, place, phi) result(x)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: place
+      real(wp), intent(in) :: phi
+      !! [rad]; bare frame: its displacement [m]
+      type(kinematics_t) :: kin
+
+      select case (place)
+      case (place_frame)
+         x = phi
+         if (.not. equation%has_wall) return
+         kin = kinematics_at(equation, equation%side*phi)
+         x = equation%side*equation%p%R*kin%u
+      case default
+         x = 4*equation%p%R*equation%sin_alpha*sin(phi/2)
+      end select
+   end function elongation
+
+   !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
+   !> hinged wall always, and stands for both.
+   pure logical function moves(equation, place)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: place
+
+      moves = place == place_frame .or. place == equation%side
+   end function moves
+
+   !> Power that fuses and frame dissipate by yielding [W/kg].
+   real(wp) function springs_power(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp) :: phi
+      real(wp) :: rate
+      !! of the frame's displacement [m/s]
+      integer :: i
+
+      power = 0
+      phi = equation%side*y(1)
+      rate = frame_velocity(equation, y)
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (.not. moves(equation, place)) cycle
+            if (place == place_frame) then
+               power = power + frame_mass(equation)*spring_power(spring, rate)
+            else
+               power = power + spring_power(spring, 2*equation%p%R*equation%sin_alpha &
+                  *cos(phi/2)*equation%side*y(2))
+            end if
+         end associate
+      end do
+   end function springs_power
+
+   !> Energy in fuses and frame, beyond the elastic one of the frame that the ledger has [J/kg].
+   real(wp) function springs_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x
+      integer :: i
+
+      energy = 0
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (place == place_frame) then
+               x = elongation(equation, place, equation%side*y(1))
+               energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
+                  - equation%parts(i)*(equation%p%omega_s*x)**2/2)
+            else
+               x = 0
+               if (moves(equation, place)) x = elongation(equation, place, equation%side*y(1))
+               energy = energy + spring_energy(spring, x)
+            end if
+         end associate
+      end do
+   end function springs_energy
+
+   !> Forces of the fuses on the wall: along the chord at the lifting corner, vertical at the pivot,
+   !> where what an earlier stroke has left behind acts.
+   subroutine springs_force(equation, t, y, y_ddot, force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp), intent(inout) :: force(2)
+      real(wp) :: half_angle
+      !! of the chord from the vertical, as well [rad]
+      integer :: i
+
+      half_angle = equation%side*y(1)/2
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (place == place_frame) cycle
+            if (moves(equation, place)) then
+               force = force - spring_force(spring, elongation(equation, place, 2*half_angle)) &
+                  *[equation%side*sin(half_angle), cos(half_angle)]
+            else
+               force(2) = force(2) - spring_force(spring, 0.0_wp)
+            end if
+         end associate
+      end do
+   end subroutine springs_force
+
+   !> Power that yielding of the tendon dissipates [W/kg].
+   real(wp) function tendon_power(equation, y) result(power)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: x
+      real(wp) :: arm
+
+      call cable_elongation(equation%cable, equation%side*y(1), x, arm)
+      power = equation%p%g*spring_power(equation%cable%tendon, arm*equation%side*y(2))
+   end function tendon_power
+
+   !> All springs as they were before anything happened.
+   subroutine reset_memory(equation)
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      if (.not. equation%has_memory) return
+      call reset_spring(equation%cable%tendon)
+      do i = 1, size(equation%springs)
+         call reset_spring(equation%springs(i)%spring)
+      end do
+      call follow_branches(equation)
+   end subroutine reset_memory
+
+   !> Bring springs that have not moved yet to an initial rotation, as if it had grown from zero.
+   subroutine load_to(equation, theta)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+
+      do
+         call renew_window(equation)
+         if (theta > equation%high) then
+            call pass_window(equation, is_rising=.true.)
+         else if (theta < equation%low) then
+            call pass_window(equation, is_rising=.false.)
+         else
+            exit
+         end if
+      end do
+      ! What has yielded on the way may unload from here on.
+      call turn_back(equation, theta)
+      call renew_window(equation)
+   end subroutine load_to
+
+   !> Find the rotations between which the branches in force hold, and their lines.
+   subroutine renew_window(equation)
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      call follow_branches(equation)
+      equation%low = -huge(1.0_wp)
+      equation%high = huge(1.0_wp)
+      equation%ends_at_peak = equation%has_course
+      if (equation%cable%is_tendon) call narrow(equation, 0)
+      do i = 1, size(equation%springs)
+         if (moves(equation, equation%springs(i)%place)) call narrow(equation, i)
+      end do
+   end subroutine renew_window
+
+   !> Narrow the window to that of one spring.
+   subroutine narrow(equation, number)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      type(spring_t) :: spring
+      real(wp) :: x(2)
+      !! limits of the elongation [m]
+      real(wp) :: theta(2)
+
+      spring = spring_of(equation, number)
+      if (is_yielding(spring)) equation%ends_at_peak = .true.
+      call spring_limits(spring, x(1), x(2))
+      theta = [rotation_at(equation, number, x(1)), rotation_at(equation, number, x(2))]
+      equation%low = max(equation%low, minval(theta))
+      equation%high = min(equation%high, maxval(theta))
+   end subroutine narrow
+
+   pure type(spring_t) function spring_of(equation, number) result(spring)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+
+      if (number == 0) then
+         spring = equation%cable%tendon
+      else
+         spring = equation%springs(number)%spring
+      end if
+   end function spring_of
+
+   !> Elongation of a spring at a rotation of the side in force [m].
+   real(wp) function elongation_of(equation, number, phi) result(x)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      real(wp), intent(in) :: phi
+      !! |theta| [rad]; bare frame: displacement [m]
+      real(wp) :: arm
+
+      if (number == 0) then
+         call cable_elongation(equation%cable, phi, x, arm)
+      else
+         x = elongation(equation, equation%springs(number)%place, phi)
+      end if
+   end function elongation_of
+
+   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection
+   !> inside the range up to overturning, where all elongations are monotone; else +-huge.
+   real(wp) function rotation_at(equation, number, x) result(theta)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      real(wp), intent(in) :: x
+      !! [m]
+      real(wp) :: ends(2)
+      !! values of |theta| that bracket it
+      real(wp) :: at_ends(2)
+      real(wp) :: middle
+      integer :: direction
+      !! +1 if the elongation grows with |theta|
+
+      theta = x
+      if (.not. equation%has_wall .and. number > 0) return
+      ends = [0.0_wp, equation%farthest]
+      if (.not. equation%has_impacts) ends(1) = -equation%farthest
+      at_ends = [elongation_of(equation, number, ends(1)), elongation_of(equation, number, ends(2))]
+      direction = merge(1, -1, at_ends(2) > at_ends(1))
+      theta = direction*equation%side*huge(x)
+      if (x >= maxval(at_ends)) return
+      theta = -theta
+      if (x <= minval(at_ends)) return
+      do
+         middle = ends(1) + (ends(2) - ends(1))/2
+         if (middle <= ends(1) .or. middle >= ends(2)) exit
+         if (direction*(elongation_of(equation, number, middle) - x) < 0) then
+            ends(1) = middle
+         else
+            ends(2) = middle
+         end if
+         if (ends(2) - ends(1) <= tiny(x)) exit
+      end do
+      theta = equation%side*ends(2)
+   end function rotation_at
+
+   !> The rotation has come to a limit of the window: the springs whose limit it is go over to their
+   !> next branch.
+   subroutine pass_window(equation, is_rising)
+      type(equation_t), intent(inout) :: equation
+      logical, intent(in) :: is_rising
+      !! theta grows
+      real(wp) :: limit
+      integer :: number
+
+      limit = merge(equation%high, equation%low, is_rising)
+      do number = 0, size(equation%springs)
+         if (number == 0) then
+            if (equation%cable%is_tendon) call pass_one(equation, number, limit, is_rising, &
+               equation%cable%tendon)
+         else if (moves(equation, equation%springs(number)%place)) then
+            call pass_one(equation, number, limit, is_rising, equation%springs(number)%spring)
+         end if
+      end do
+      call renew_window(equation)
+   end subroutine pass_window
+
+   !> Let one spring pass its limit if it has it there.
+   subroutine pass_one(equation, number, limit, is_rising, spring)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      real(wp), intent(in) :: limit
+      !! [rad] or [m]
+      logical, intent(in) :: is_rising
+      !! theta grows
+      type(spring_t), intent(inout) :: spring
+      type(spring_t) :: before
+      real(wp) :: x(2)
+      logical :: grows
+      !! the elongation does
+
+      before = spring
+      call spring_limits(before, x(1), x(2))
+      grows = is_rising .eqv. equation%side > 0
+      if (number > 0) then
+         if (equation%springs(number)%place == place_frame) grows = is_rising
+      end if
+      if (same(rotation_at(equation, number, merge(x(2), x(1), grows)), limit)) then
+         call pass_limit(spring, grows)
+      end if
+
+   contains
+
+      pure logical function same(a, b)
+         real(wp), intent(in) :: a
+         real(wp), intent(in) :: b
+
+         same = abs(a - b) <= 0
+      end function same
+
+   end subroutine pass_one
+
+   !> The motion turns back, or hits the base, at a rotation: what yielded unloads.
+   subroutine turn_back(equation, theta)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp) :: phi
+      integer :: i
+
+      if (.not. equation%has_memory) return
+      phi = equation%side*theta
+      if (equation%cable%is_tendon) then
+         call turn_spring(equation%cable%tendon, elongation_of(equation, 0, phi))
+      end if
+      do i = 1, size(equation%springs)
+         if (.not. moves(equation, equation%springs(i)%place)) cycle
+         call turn_spring(equation%springs(i)%spring, elongation_of(equation, i, phi))
+      end do
+      call follow_branches(equation)
+   end subroutine turn_back
+
+   !> Forces of frame and fuses, over the weight of m_s and of m_w, in the order of
+   !> `spring_columns` [-].
+   function spring_forces(equation, theta) result(forces)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp), allocatable :: forces(:)
+      real(wp) :: force(size(equation%springs))
+      real(wp) :: x
+      integer :: i
+
+      do i = 1, size(force)
+         x = 0
+         if (moves(equation, equation%springs(i)%place)) then
+            x = elongation_of(equation, i, equation%side*theta)
+         end if
+         force(i) = spring_force(equation%springs(i)%spring, x)/equation%p%g
+      end do
+      ! under a hinged wall the right fuse, which comes last, mirrors the left one
+      i = size(force)
+      if (.not. equation%has_impacts .and. i > 1) then
+         if (equation%springs(i)%place == place_right) force(i) = -force(i - 1)
+      end if
+      associate (of_frame => equation%springs%place == place_frame)
+         forces = pack(force, .not. of_frame)
+         if (any(of_frame)) forces = [sum(force, of_frame), forces]
+      end associate
+   end function spring_forces
+
+   !> Force with which both fuses push a rocking wall up, over m_w g [-].
+   real(wp) function fuse_push(equation, theta) result(push)
+      type(equation_t), intent(in) :: equation
+      !! with fuses
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp), allocatable :: forces(:)
+
+      ! the fuses come last
+      forces = spring_forces(equation, theta)
+      push = -sum(forces(size(forces) - 1:))
+   end function fuse_push
+
+   !> Names of the columns of these forces in a history; springs of the frame have one together.
+   pure function spring_columns(equation) result(names)
+      type(equation_t), intent(in) :: equation
+      character(32), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(0))
+      if (any(equation%springs%place == place_frame)) names = [character(32) :: frame_force_column]
+      do i = 1, size(equation%springs)
+         select case (equation%springs(i)%place)
+         case (place_left)
+            names = [character(32) :: names, 'fuse_left_force_over_m_w_g']
+         case (place_right)
+            names = [character(32) :: names, 'fuse_right_force_over_m_w_g']
+         case default
+            ! the frame's, named above
+         end select
+      end do
+   end function spring_columns
+
+   !> Has the tendon broken?
+   pure logical function tendon_is_broken(equation)
+      type(equation_t), intent(in) :: equation
+
+      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%cable%tendon)
+   end function tendon_is_broken
+
+   !> What the tendon has lost of its force at theta = 0, over m_w g [-].
+   real(wp) function prestress_loss(equation, theta) result(loss)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! present rotation [rad]
+      type(spring_t) :: tendon
+
+      tendon = equation%cable%tendon
+      call turn_spring(tendon, elongation_of(equation, 0, equation%side*theta))
+      loss = equation%cable%eta_0 - max(0.0_wp, spring_force(tendon, 0.0_wp))
+   end function prestress_loss
+
+   !> Displacement of the frame that elastic unloading to no force would leave [m].
+   real(wp) function frame_residual(equation, theta) result(residual)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+
+      residual = 0
+      if (allocated(equation%parts)) residual = sum(equation%parts*frame_residuals(equation, theta))
+   end function frame_residual
+
+   !> The same of the lowest storey, as a displacement of the roof: where storeys yield one by one
+   !> it is not that of the frame [m].
+   real(wp) function foot_residual(equation, theta) result(residual)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp), allocatable :: residuals(:)
+
+      residual = 0
+      if (.not. allocated(equation%parts)) return
+      residuals = frame_residuals(equation, theta)
+      residual = residuals(1)
+   end function foot_residual
+
+   !> The same of each spring of the frame by itself [m].
+   function frame_residuals(equation, theta) result(residuals)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp), allocatable :: residuals(:)
+      !! (springs of the frame)
+      integer :: i
+
+      residuals = pack([(spring_plastic(equation%springs(i)%spring, elongation_of(equation, i, &
+         equation%side*theta)), i=1, size(equation%springs))], &
+         equation%springs%place == place_frame)
+   end function frame_residuals
+
+end module rwmf_model_hysteresis_spring_set

@@ -1,0 +1,123 @@
+!> The coefficients A_i and B_i of Eq. (15), in the paper's letters, and the equation with them.
+!>
+!>    theta'' = A_1 theta'**2 + A_2 theta' + A_3 u_g'' + A_4   for theta < 0   (15a)
+!>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)
+!>
+!> Differences of sines are written in another but equal form, because the printed one loses all
+!> digits of a small rotation: sin(alpha) - sin(alpha - phi), with phi = |theta|, in b_5 and a_7.
+module rwmf_model_published
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_parameters, only: paper_t
+   use rwmf_model_equation, only: equation_t, ground
+   implicit none
+   private
+
+   public :: coefficients_a, coefficients_b, published
+
+contains
+
+   !> Eq. (15).
+   subroutine published(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(equation%n)
+      !! (states)
+      real(wp), intent(out) :: y_dot(equation%n)
+      !! (states)
+      real(wp) :: C(4)
+      !! A_i or B_i
+
+      if (equation%side > 0) then
+         C = coefficients_b(equation%p, y(1))
+      else
+         C = coefficients_a(equation%p, y(1))
+      end if
+      y_dot(1) = y(2)
+      y_dot(2) = (C(1)*y(2) + C(2))*y(2) + C(3)*ground(equation, t) + C(4)
+   end subroutine published
+
+   !> A_1 to A_4 of Eq. (15a), theta < 0.
+   pure function coefficients_a(p, theta) result(A)
+      type(paper_t), intent(in) :: p
+      real(wp), intent(in) :: theta
+      !! rotation, <= 0 [rad]
+      real(wp) :: A(4)
+      !! [-], [1/s], [1/m], [1/s2]
+      real(wp) :: a_1, a_2, a_3, a_4, a_5, a_6, a_7
+      real(wp) :: lever
+      !! cos(alpha) cos(theta) [-]
+      real(wp) :: lift
+      real(wp) :: c
+      !! cos(-alpha - theta) [-]
+      real(wp) :: cosine
+      !! of theta
+
+      call turn(p, -theta, lift, c, cosine)
+      lever = p%cos_alpha*cosine
+      a_1 = 1/(4.0_wp/3 + 4*p%gamma*lever*c)
+      a_2 = -4*p%gamma*lever
+      a_3 = -(2*p%gamma*lever + c)/p%R
+      a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*p%sin_alpha
+      a_5 = p%two_xi_omega*c
+      a_6 = lift - p%sin_alpha
+      a_7 = -p%omega_squared*lift
+      A(1) = a_1*a_2*a_6
+      A(2) = a_1*a_2*a_5
+      A(3) = a_1*a_3
+      ! The printed a_7 already carries the sign of the spring force's moment on this side.
+      A(4) = a_1*(a_2*a_7 - p%g_over_R*(a_6 - a_4))
+   end function coefficients_a
+
+   !> B_1 to B_4 of Eq. (15b), theta > 0.
+   pure function coefficients_b(p, theta) result(B)
+      type(paper_t), intent(in) :: p
+      real(wp), intent(in) :: theta
+      !! rotation, >= 0 [rad]
+      real(wp) :: B(4)
+      !! [-], [1/s], [1/m], [1/s2]
+      real(wp) :: a_4, b_1, b_2, b_3, b_4, b_5
+      real(wp) :: lift
+      real(wp) :: s
+      !! sin(alpha - theta) [-]
+      real(wp) :: c
+      !! cos(alpha - theta) [-]
+      real(wp) :: cosine
+      !! of theta
+
+      call turn(p, theta, lift, c, cosine)
+      s = p%sin_alpha - lift
+      a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*p%sin_alpha
+      b_1 = 1/(4.0_wp/3 + 4*p%gamma*c**2)
+      b_2 = -4*p%gamma*c*s
+      b_3 = -4*p%gamma*p%two_xi_omega*c**2
+      b_4 = -(2*p%gamma + 1)/p%R*c
+      b_5 = -4*p%gamma*c*p%omega_squared*lift - p%g_over_R*s
+      B(1) = b_1*b_2
+      B(2) = b_1*b_3
+      B(3) = b_1*b_4
+      B(4) = b_1*(b_5 - p%g_over_R*a_4)
+   end function coefficients_b
+
+   !> All sines and cosines from one sine of the half angle.
+   pure subroutine turn(p, phi, lift, c, cosine)
+      type(paper_t), intent(in) :: p
+      real(wp), intent(in) :: phi
+      !! |theta| [rad]
+      real(wp), intent(out) :: lift
+      !! sin(alpha) - sin(alpha - phi) [-]
+      real(wp), intent(out) :: c
+      !! cos(alpha - phi) [-]
+      real(wp), intent(out) :: cosine
+      !! cos(phi) [-]
+      real(wp) :: half_sine
+      real(wp) :: half_cosine
+
+      half_sine = sin(phi/2)
+      half_cosine = sqrt(1 - half_sine**2)
+      lift = 2*half_sine*(p%sin_alpha*half_sine + p%cos_alpha*half_cosine)
+      c = p%cos_alpha - 2*half_sine*(p%cos_alpha*half_sine - p%sin_alpha*half_cosine)
+      cosine = 1 - 2*half_sine**2
+   end subroutine turn
+
+end module rwmf_model_published

@@ -1,0 +1,209 @@
+!> What foundation and wall exert on each other, from the balance of momentum (docs/theory.md,
+!> "Reactions"). All forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
+module rwmf_model_reactions
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
+      rise_of_top_corner
+   use rwmf_model_hysteresis_spring_set, only: foot_residual, frame_residual
+   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
+   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
+   implicit none
+   private
+
+   public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
+
+   !> Forces of the foundation at one instant.
+   type :: reactions_t
+      real(wp) :: normal
+      !! N, on the base of the wall [m/s2]
+      real(wp) :: horizontal
+      !! H, on the base of the wall [m/s2]
+      real(wp) :: base_shear
+      !! on wall and frame together, anchors of cable and dampers included [m/s2]
+   end type reactions_t
+
+contains
+
+   !> Reactions at a state of motion; at rest all of it is zero, and N and H are the resultants of
+   !> the pressed base.
+   type(reactions_t) function reactions_at(equation, t, y, y_ddot) result(reactions)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]; bare frame: u'' [m/s2]
+      type(kinematics_t) :: kin
+      real(wp) :: mean(2)
+      !! acceleration of the wall's centroid [m/s2]
+      real(wp) :: applied(2)
+      !! force on the wall beyond weight and foundation [m/s2]
+      real(wp) :: u_ddot
+      integer :: i
+
+      if (.not. equation%has_wall) then
+         reactions = reactions_t(0, 0, y_ddot + ground(equation, t) &
+            + floor_inertia(equation, t, y, y_ddot))
+         return
+      end if
+      kin = kinematics_at(equation, y(1))
+      mean = equation%p%R*[kin%c*y_ddot + equation%side*kin%s*y(2)**2, &
+         equation%side*kin%s*y_ddot - kin%c*y(2)**2]
+      mean(1) = mean(1) + ground(equation, t)
+      if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
+      applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1))
+      if (allocated(equation%extras)) then
+         do i = 1, size(equation%extras)
+            if (associated(equation%extras(i)%force)) then
+               call equation%extras(i)%force(equation, t, y, y_ddot, applied)
+            end if
+         end do
+      end if
+      reactions%horizontal = mean(1) - applied(1)
+      reactions%normal = mean(2) + equation%p%g - applied(2)
+      reactions%base_shear = mean(1)
+      if (.not. equation%has_frame) return
+      u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+      reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
+         + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot)
+   end function reactions_at
+
+   !> |H|/N, the coefficient of friction that keeps the pivot in its place; not finite where the
+   !> pivot is not pressed on [-].
+   elemental real(wp) function friction_demand(reactions) result(demand)
+      type(reactions_t), intent(in) :: reactions
+
+      demand = huge(demand)
+      if (abs(reactions%horizontal) < reactions%normal*sqrt(huge(demand))) then
+         demand = abs(reactions%horizontal)/reactions%normal
+      end if
+   end function friction_demand
+
+   !> Force of the link on the wall: what the mass of the frame needs beyond spring and damper. A
+   !> link of finite length is tilted by the rise of its corner.
+   function link_force(equation, kin, t, y, y_ddot) result(force)
+      type(equation_t), intent(in) :: equation
+      type(kinematics_t), intent(in) :: kin
+      !! at this rotation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force(2)
+      !! [m/s2]
+      real(wp), allocatable :: resisting(:)
+      !! forces of the storeys [m/s2]
+      real(wp) :: u_ddot
+      real(wp) :: rise
+      !! of the link's corner over R [-]
+      real(wp) :: side_of_frame
+      !! -1: the frame stands to the right of the wall
+
+      force = 0
+      if (.not. equation%has_frame) return
+      associate (p => equation%p)
+         u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+         force(1) = -p%gamma*(u_ddot + equation%push*ground(equation, t))
+         if (allocated(equation%floors%m)) then
+            resisting = resistance(equation, y)
+            force(1) = force(1) - resisting(size(resisting))
+         else
+            force(1) = force(1) - p%gamma*p%omega_s*p%R &
+               *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
+         end if
+         if (equation%has_memory) force(1) = force(1) + p%gamma*p%omega_squared &
+            *frame_residual(equation, y(1))
+         if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
+            *bouc_wen_residual(equation, y)
+         if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
+      end associate
+      if (equation%geometry%link <= 0) return
+      side_of_frame = 1
+      if (.not. equation%has_impacts .or. (equation%side < 0 &
+          .and. associated(equation%kinematics_negative, linked_left_corner))) then
+         rise = rise_of_left_corner(equation%geometry, kin)
+      else
+         ! `symmetric` is a wall whose frame changes its place with the side
+         rise = rise_of_top_corner(equation%geometry, kin)
+         side_of_frame = equation%side
+      end if
+      force(2) = side_of_frame*force(1)*rise/sqrt(equation%geometry%link**2 - rise**2)
+   end function link_force
+
+   !> What the links of all floors do to the wall, from what a single one at the roof would do.
+   !>
+   !> On the straight line the shears of the storeys are in the proportion of k_i h_i at every
+   !> instant, those of dampers and of yielding included unless storeys yield one by one; the lowest
+   !> one goes to the ground, and the links carry the rest of the floors' momentum.
+   real(wp) function sum_of_links(equation, t, y, u_ddot, roof_alone) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_ddot
+      !! of the roof relative to the ground [m/s2]
+      real(wp), intent(in) :: roof_alone
+      !! force at the roof with the same moment about the base [m/s2]
+      real(wp) :: resisting
+      !! of spring and damper at the roof [m/s2]
+
+      associate (gamma => equation%p%gamma, a => ground(equation, t))
+         resisting = -roof_alone - gamma*(u_ddot + equation%push*a)
+         if (equation%has_memory) resisting = resisting + gamma*equation%p%omega_squared &
+            *(frame_residual(equation, y(1)) - foot_residual(equation, y(1)))
+         force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
+            - equation%foot*resisting
+      end associate
+   end function sum_of_links
+
+   !> Force of the cable on the wall: along the straight cable of the law 'truss', else along the
+   !> wall's axis, the only line fixed to the wall whose arm about both corners is R sin(alpha).
+   function cable_force(equation, theta) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: force(2)
+      !! [m/s2]
+      type(cable_state_t) :: cable
+      real(wp) :: run(2)
+      !! from the lower to the upper end of the cable, any length
+
+      force = 0
+      if (.not. equation%has_cable) return
+      run = [sin(theta), cos(theta)]
+      if (equation%cable%is_straight) then
+         associate (s => equation%sin_alpha, c => equation%cos_alpha)
+            run = [equation%side*2*s*sin(theta/2)**2 + 2*c*sin(theta), &
+               s*equation%side*sin(theta) + 2*c*cos(theta)]
+         end associate
+      end if
+      cable = cable_at(equation, theta)
+      force = -equation%p%g*cable%force*run/norm2(run)
+   end function cable_force
+
+   !> Displacement of the middle of the wall's top over its height; grows with |theta| [-].
+   pure real(wp) function wall_drift(equation, theta) result(drift)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      drift = sin(theta)
+      if (equation%has_impacts) then
+         drift = drift + sign(sin(theta/2)**2, theta)*equation%sin_alpha/equation%cos_alpha
+      end if
+   end function wall_drift
+
+   !> Acceleration of the frame (of its roof) relative to the ground, u_s'' [m/s2].
+   pure real(wp) function roof_acceleration(equation, kin, y, y_ddot) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      type(kinematics_t), intent(in) :: kin
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+
+      u_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+   end function roof_acceleration
+
+end module rwmf_model_reactions

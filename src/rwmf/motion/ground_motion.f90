@@ -1,0 +1,446 @@
+!> Ground motion as a sequence of intervals between knots, inside which it is smooth.
+!>
+!> Knot k lies between the intervals k-1 and k. Interval 0 comes before the first knot and the last
+!> interval follows the last one; in both the ground acceleration is zero. An integrator that stops
+!> at every knot and asks for the acceleration *of an interval* never sees a kink or a jump.
+module rwmf_motion_ground_motion
+   use rwmf_problem_case, only: case_t
+   use rwmf_motion_pulse_curve, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
+      knots_with_bends, steep_time
+   use rwmf_motion_host_motion, only: ground_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_motion_polyline, only: last_until, line_t, lines_t, lines_through, merged_times, &
+      next_eighth, on_knots
+   use rwmf_motion_pulse_shape, only: pulse_shape
+   implicit none
+   private
+
+   public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
+   public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
+   public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
+   public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
+   public :: motion_end
+
+   integer, parameter :: shape_linear = 1
+   !! straight lines between the knots
+   integer, parameter :: shape_harmonic = 2
+   !! amplitude*sin(omega*(t - t_0) + phase) in interval 1
+   integer, parameter :: shape_given = 3
+   !! what a host computes in interval 1, then constant
+   integer, parameter :: shape_pulse = 4
+   !! amplitude*pulse_shape(pulse, t) in all intervals between the knots
+   integer, parameter :: shape_joined = 5
+   !! `curve` between two of the knots of a vertical record
+
+   !> Ground acceleration.
+   type :: motion_t
+      private
+      integer :: shape = shape_linear
+      !! one of the `shape_` numbers
+      real(wp), allocatable :: knot(:)
+      !! (knots) strictly increasing times [s]
+      real(wp), allocatable :: a(:)
+      !! (knots) acceleration just after the knot [m/s2]
+      real(wp), allocatable :: slope(:)
+      !! (knots) its rate in the interval after the knot [m/s3]
+      type(curve_t) :: curve
+      !! a pulse; of lines its amplitude alone, their largest magnitude
+      integer :: last_turning = 1
+      !! interval after which nothing turns inside an interval
+      class(ground_t), pointer :: ground => null()
+      !! of a host, for the time of one advance
+      real(wp) :: vertical_ratio = 0
+      !! of the vertical to the horizontal acceleration [-]
+      type(lines_t), allocatable :: vertical
+      !! vertical acceleration of its own, on the same knots [m/s2]
+      logical :: is_open = .false.
+      !! a host hands it over piece by piece: nothing is known beyond the present interval
+   end type motion_t
+
+contains
+
+   !> The ground motion that a case describes, its vertical part included.
+   pure function motion_from_case(case) result(motion)
+      type(case_t), intent(in) :: case
+      type(motion_t) :: motion
+
+      motion = horizontal_motion(case)
+      if (allocated(case%vertical)) then
+         if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
+      end if
+      if (.not. allocated(case%vertical_record)) return
+      motion%vertical = lines_through(case%vertical_record%t, case%vertical_record%a)
+      if (motion%shape == shape_linear) then
+         call join_lines(motion)
+      else
+         call join_curve(motion)
+      end if
+   end function motion_from_case
+
+   !> One sequence of knots for straight lines of both motions.
+   pure subroutine join_lines(motion)
+      type(motion_t), intent(inout) :: motion
+      type(lines_t) :: lines
+
+      lines = lines_t(motion%knot, motion%a, motion%slope)
+      lines = on_knots(lines, merged_times(lines%knot, motion%vertical%knot))
+      motion%vertical = on_knots(motion%vertical, lines%knot)
+      motion%knot = lines%knot
+      motion%a = lines%a
+      motion%slope = lines%slope
+   end subroutine join_lines
+
+   !> The same for a pulse beside straight lines of the vertical motion.
+   pure subroutine join_curve(motion)
+      type(motion_t), intent(inout) :: motion
+      real(wp), allocatable :: own(:)
+      !! knots of the pulse [s]
+
+      own = knots_with_bends(motion%curve)
+      motion%shape = shape_joined
+      motion%knot = merged_times(own, motion%vertical%knot)
+      motion%vertical = on_knots(motion%vertical, motion%knot)
+      motion%curve%first = last_until(motion%knot, own(1))
+      motion%curve%last = last_until(motion%knot, own(size(own)))
+      motion%last_turning = motion%curve%last - 1
+   end subroutine join_curve
+
+   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
+   pure function horizontal_motion(case) result(motion)
+      type(case_t), intent(in) :: case
+      type(motion_t) :: motion
+
+      if (.not. allocated(case%motion)) then
+         motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+         return
+      end if
+      select case (case%motion%kind)
+      case ('record')
+         motion = piecewise_linear_motion(case%record%t, case%record%a)
+      case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
+            'mavroeidis_papageorgiou')
+         motion = pulse_motion(build_curve(case%motion, case%model%g))
+      case default
+         motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+      end select
+   end function horizontal_motion
+
+   !> Motion that is linear between samples and zero before the first and after the last one.
+   pure function piecewise_linear_motion(t, a, vertical_ratio) result(motion)
+      real(wp), intent(in) :: t(:)
+      !! (n) strictly increasing times [s]
+      real(wp), intent(in) :: a(:)
+      !! (n) accelerations [m/s2]
+      real(wp), intent(in), optional :: vertical_ratio
+      !! of the vertical to this acceleration, 0 when absent [-]
+      type(motion_t) :: motion
+      type(lines_t) :: lines
+
+      lines = lines_through(t, a)
+      if (present(vertical_ratio)) motion%vertical_ratio = vertical_ratio
+      motion%shape = shape_linear
+      motion%knot = lines%knot
+      motion%a = lines%a
+      motion%slope = lines%slope
+      if (size(t) > 0) motion%curve%amplitude = maxval(abs(a))
+   end function piecewise_linear_motion
+
+   !> What a host knows of the motion: straight lines through samples, and then (until it says more)
+   !> the last value. Called once per step of the host: the arrays are kept when they fit.
+   pure subroutine follow_samples(motion, t, a)
+      type(motion_t), intent(inout) :: motion
+      real(wp), intent(in) :: t(:)
+      !! (n) strictly increasing times [s]
+      real(wp), intent(in) :: a(:)
+      !! (n) accelerations [m/s2]
+      integer :: n
+
+      n = size(t)
+      motion%shape = shape_linear
+      motion%is_open = .true.
+      call make_room(motion, n + 1)
+      motion%knot(:n) = t
+      motion%knot(n + 1) = huge(1.0_wp)
+      motion%a(:n) = a
+      motion%a(n + 1) = a(n)
+      motion%slope(:n - 1) = (a(2:) - a(:n - 1))/(t(2:) - t(:n - 1))
+      motion%slope(n:) = 0
+      motion%curve%amplitude = maxval(abs(a))
+   end subroutine follow_samples
+
+   !> What a host computes between two times, and then its last value.
+   subroutine follow_ground(motion, t_begin, t_end, ground)
+      type(motion_t), intent(inout) :: motion
+      real(wp), intent(in) :: t_begin
+      !! [s]
+      real(wp), intent(in) :: t_end
+      !! [s]
+      class(ground_t), intent(in), target :: ground
+      !! in use until the next call for this motion
+
+      motion%shape = shape_given
+      motion%is_open = .true.
+      call make_room(motion, 3)
+      motion%knot(:) = [t_begin, t_end, huge(1.0_wp)]
+      motion%a(:) = ground%acceleration_at(t_end)
+      motion%a(1) = ground%acceleration_at(t_begin)
+      motion%slope(:) = 0
+      motion%curve%amplitude = maxval(abs(motion%a))
+      motion%ground => ground
+   end subroutine follow_ground
+
+   pure subroutine make_room(motion, n)
+      type(motion_t), intent(inout) :: motion
+      integer, intent(in) :: n
+      !! knots
+
+      if (allocated(motion%knot)) then
+         if (size(motion%knot) == n .and. size(motion%a) == n) return
+         deallocate (motion%knot, motion%a, motion%slope)
+      end if
+      allocate (motion%knot(n), motion%a(n), motion%slope(n))
+   end subroutine make_room
+
+   !> May a decision in an interval rest on the motion until t?
+   pure logical function is_known_until(motion, interval, t)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! in force
+      real(wp), intent(in) :: t
+      !! [s]
+
+      is_known_until = .true.
+      if (motion%is_open) is_known_until = t <= interval_end(motion, interval)
+   end function is_known_until
+
+   !> The same motion with another amplitude.
+   function scaled_motion(motion, factor) result(scaled)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: factor
+      !! [-]
+      type(motion_t) :: scaled
+
+      scaled = motion
+      scaled%curve%amplitude = factor*motion%curve%amplitude
+      scaled%a = factor*motion%a
+      scaled%slope = factor*motion%slope
+      if (.not. allocated(motion%vertical)) return
+      scaled%vertical%a = factor*motion%vertical%a
+      scaled%vertical%slope = factor*motion%vertical%slope
+   end function scaled_motion
+
+   !> A pulse as a motion.
+   pure type(motion_t) function pulse_motion(curve) result(motion)
+      type(curve_t), intent(in) :: curve
+
+      motion%shape = shape_pulse
+      if (curve%is_harmonic) motion%shape = shape_harmonic
+      motion%curve = curve
+      motion%knot = curve%knot
+      allocate (motion%a(0), motion%slope(0))
+   end function pulse_motion
+
+   !> Ground acceleration in an interval [m/s2].
+   pure real(wp) function acceleration(motion, interval, t)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+      real(wp), intent(in) :: t
+      !! [s], in the closed interval
+
+      if (interval < 1 .or. interval >= size(motion%knot)) then
+         acceleration = 0
+      else if (motion%shape == shape_linear) then
+         acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
+      else if (motion%shape == shape_harmonic) then
+         acceleration = motion%curve%amplitude*sin(motion%curve%omega*(t - motion%knot(1)) &
+            + motion%curve%phase)
+      else if (motion%shape == shape_pulse) then
+         acceleration = motion%curve%amplitude*pulse_shape(motion%curve%pulse, t)
+      else if (motion%shape == shape_joined) then
+         acceleration = 0
+         if (is_curved(motion, interval)) acceleration = curve_value(motion%curve, t)
+      else if (interval == 1) then
+         acceleration = motion%ground%acceleration_at(t)
+      else
+         acceleration = motion%a(interval)
+      end if
+   end function acceleration
+
+   !> Does the pulse beside a vertical record act in an interval?
+   pure logical function is_curved(motion, interval)
+      type(motion_t), intent(in) :: motion
+      !! of `shape_joined`
+      integer, intent(in) :: interval
+
+      is_curved = interval >= motion%curve%first .and. interval < motion%curve%last
+   end function is_curved
+
+   !> The line of an interval, if it is one: what `acceleration` looks up, once for all times.
+   pure type(line_t) function line_of(motion, interval) result(line)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+
+      if (interval < 1 .or. interval >= size(motion%knot)) return
+      line%is_straight = motion%shape == shape_linear
+      if (line%is_straight) line = line_t(.true., motion%knot(interval), motion%a(interval), &
+         motion%slope(interval))
+   end function line_of
+
+   !> Vertical ground acceleration in an interval, positive upward [m/s2].
+   pure real(wp) function vertical_acceleration(motion, interval, t) result(vertical)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s], in the closed interval
+      type(line_t) :: line
+
+      vertical = motion%vertical_ratio*acceleration(motion, interval, t)
+      if (.not. allocated(motion%vertical)) return
+      line = vertical_line_of(motion, interval)
+      vertical = line%a_0 + line%slope*(t - line%t_0)
+   end function vertical_acceleration
+
+   !> Straight line of the vertical motion.
+   pure type(line_t) function vertical_line_of(motion, interval) result(line)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+
+      line = line_of(motion, interval)
+      line%a_0 = motion%vertical_ratio*line%a_0
+      line%slope = motion%vertical_ratio*line%slope
+      if (.not. allocated(motion%vertical)) return
+      if (interval < 1 .or. interval >= size(motion%knot)) return
+      line = line_t(.true., motion%knot(interval), motion%vertical%a(interval), &
+         motion%vertical%slope(interval))
+   end function vertical_line_of
+
+   !> Interval that begins at or before t and ends after it.
+   pure integer function interval_at(motion, t)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      interval_at = last_until(motion%knot, t)
+   end function interval_at
+
+   !> End of an interval [s]; the largest number after the last knot.
+   pure real(wp) function interval_end(motion, interval)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+
+      if (interval < size(motion%knot)) then
+         interval_end = motion%knot(interval + 1)
+      else
+         interval_end = huge(1.0_wp)
+      end if
+   end function interval_end
+
+   !> Number of the interval after the last knot.
+   pure integer function interval_last(motion)
+      type(motion_t), intent(in) :: motion
+
+      interval_last = size(motion%knot)
+   end function interval_last
+
+   !> Is the acceleration discontinuous at the beginning of an interval?
+   !>
+   !> Linear interpolation meets the next sample only to round-off, which is no jump.
+   pure logical function has_jump(motion, interval)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! >= 1
+      real(wp) :: before
+      real(wp) :: after
+      real(wp) :: t
+
+      t = motion%knot(interval)
+      before = acceleration(motion, interval - 1, t)
+      after = acceleration(motion, interval, t)
+      has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp)*peak_near(motion, interval)
+      if (has_jump .or. .not. allocated(motion%vertical)) return
+      before = vertical_acceleration(motion, interval - 1, t)
+      after = vertical_acceleration(motion, interval, t)
+      has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp) &
+         *maxval(abs(motion%vertical%a(max(1, interval - 1):interval)))
+   end function has_jump
+
+   !> Largest magnitude of acceleration around a knot, the measure of round-off there [m/s2].
+   pure real(wp) function peak_near(motion, interval)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+
+      if (motion%shape == shape_harmonic .or. motion%shape >= shape_pulse) then
+         peak_near = abs(motion%curve%amplitude)
+      else
+         peak_near = maxval(abs(motion%a(max(1, interval - 1):interval)))
+      end if
+   end function peak_near
+
+   !> First time after t at which the acceleration is extremal inside the interval, else its end
+   !> [s].
+   !>
+   !> Between t and that time the acceleration is monotone. (`shape_pulse` has knots at its
+   !> extrema.)
+   pure real(wp) function turning_point(motion, interval, t)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s], inside the interval
+
+      turning_point = interval_end(motion, interval)
+      if (interval > motion%last_turning .or. interval < 1) return
+      if (motion%shape == shape_given) then
+         turning_point = next_eighth(motion%knot(1), motion%knot(2), t)
+      else if (motion%shape == shape_harmonic) then
+         turning_point = min(curve_turn(motion%curve, t), turning_point)
+      else if (motion%shape == shape_joined) then
+         if (is_curved(motion, interval)) turning_point = min(curve_turn(motion%curve, t), &
+            turning_point)
+      end if
+   end function turning_point
+
+   !> First time after t at which a pulse beside a vertical record is as steep as a share of that
+   !> record, inside the interval, else its end [s].
+   pure real(wp) function steep_point(motion, interval, t, share)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s], inside the interval
+      real(wp), intent(in) :: share
+      !! [-]
+
+      steep_point = interval_end(motion, interval)
+      if (motion%shape /= shape_joined) return
+      if (is_curved(motion, interval)) steep_point = steep_time(motion%curve, &
+         abs(share*motion%vertical%slope(interval)), t, steep_point)
+   end function steep_point
+
+   !> Largest magnitude of the ground acceleration (for pulses: the amplitude) [m/s2].
+   pure real(wp) function peak_acceleration(motion)
+      type(motion_t), intent(in) :: motion
+
+      peak_acceleration = abs(motion%curve%amplitude)
+   end function peak_acceleration
+
+   !> How fast the acceleration of a pulse varies inside its intervals: the fourth root of its
+   !> largest fourth derivative over its peak; 0 for straight lines [1/s].
+   pure real(wp) function fastest_rate(motion)
+      type(motion_t), intent(in) :: motion
+
+      fastest_rate = 0
+      if (any(motion%shape == [shape_harmonic, shape_pulse, shape_joined])) then
+         fastest_rate = curve_rate(motion%curve)
+      end if
+   end function fastest_rate
+
+   !> The last knot, after which the ground is still; 0 without any [s].
+   pure real(wp) function motion_end(motion)
+      type(motion_t), intent(in) :: motion
+
+      motion_end = 0
+      if (size(motion%knot) > 0) motion_end = motion%knot(size(motion%knot))
+   end function motion_end
+
+end module rwmf_motion_ground_motion

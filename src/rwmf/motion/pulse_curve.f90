@@ -1,0 +1,199 @@
+!> A pulse of the ground as numbers, before it becomes a motion: what its kind, size and period say.
+!>
+!> Beside a vertical record a pulse needs more knots than its own, and more is asked of it: the
+!> resting wall bears the horizontal motion less a straight line, which turns where the slope of the
+!> pulse is that of the line (`steep_time`).
+module rwmf_motion_pulse_curve
+   use rwmf_problem_case, only: motion_spec_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_motion_polyline, only: next_extremum
+   use rwmf_motion_pulse_shape, only: amplitude_of, angular_frequency, build_pulse, cut_times, &
+      pulse_shape, pulse_slope, pulse_t, type_c_phase
+   implicit none
+   private
+
+   public :: curve_t, build_curve, knots_with_bends, curve_value, curve_turn, curve_rate
+   public :: steep_time
+
+   !> A pulse: amplitude*sin(omega*(t - t_0) + phase), or amplitude*pulse_shape(pulse, t).
+   type :: curve_t
+      logical :: is_harmonic = .true.
+      real(wp) :: amplitude = 0
+      !! with its sign [m/s2]
+      real(wp) :: omega = 0
+      !! [rad/s]
+      real(wp) :: phase = 0
+      !! [rad]
+      real(wp) :: t_0 = 0
+      !! where it begins [s]
+      type(pulse_t) :: pulse
+      !! when it is no harmonic
+      real(wp), allocatable :: knot(:)
+      !! (knots) from its begin to its end: a harmonic may turn in between, others are monotone [s]
+      integer :: first = 0
+      !! knot of a motion with which it begins
+      integer :: last = 0
+      !! and ends
+   end type curve_t
+
+contains
+
+   !> The pulse that a case describes: one-sine pulse (16), one-cosine pulse (17), several cycles of
+   !> a sine, the pulse C_n (a cosine of the phase phi that lasts until the ground is back where it
+   !> began), Ricker pulses, and that of Mavroeidis and Papageorgiou, whose v_p is A, the amplitude
+   !> of the velocity's envelope.
+   !>
+   !> Eq. (16) has the amplitude omega_p v_p/2, the cosines omega_p v_p.
+   pure type(curve_t) function build_curve(spec, g) result(curve)
+      type(motion_spec_t), intent(in) :: spec
+      !! of a pulse
+      real(wp), intent(in) :: g
+      !! unit of `a_max_g` [m/s2]
+      real(wp) :: cycles
+      real(wp) :: velocity_factor
+
+      curve%omega = angular_frequency(spec)
+      curve%t_0 = spec%t_0
+      cycles = spec%cycles
+      velocity_factor = curve%omega
+      select case (spec%kind)
+      case ('ricker', 'ricker_antisymmetric', 'mavroeidis_papageorgiou')
+         curve%is_harmonic = .false.
+         curve%pulse = build_pulse(spec, curve%omega)
+         curve%amplitude = amplitude_of(spec, g, curve%omega*curve%pulse%peak/2)
+         curve%knot = cut_times(curve%pulse, has_bends=.false.)
+         return
+      case ('one_cosine')
+         curve%phase = pi/2
+      case ('type_c')
+         curve%phase = pi/2 + type_c_phase(spec%n_pulses)
+         cycles = spec%n_pulses + 0.5_wp - type_c_phase(spec%n_pulses)/pi
+      case default
+         velocity_factor = curve%omega/2
+      end select
+      curve%amplitude = amplitude_of(spec, g, velocity_factor)
+      curve%knot = [spec%t_0, spec%t_0 + cycles*(2*pi/curve%omega)]
+   end function build_curve
+
+   !> Knots between which the slope of a pulse is monotone as well; those of a harmonic [s].
+   pure function knots_with_bends(curve) result(t)
+      type(curve_t), intent(in) :: curve
+      real(wp), allocatable :: t(:)
+      !! (knots)
+
+      t = curve%knot
+      if (.not. curve%is_harmonic) t = cut_times(curve%pulse, has_bends=.true.)
+   end function knots_with_bends
+
+   !> Acceleration at a time between begin and end [m/s2].
+   pure real(wp) function curve_value(curve, t)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: t
+      !! [s]
+
+      if (curve%is_harmonic) then
+         curve_value = curve%amplitude*sin(curve%omega*(t - curve%t_0) + curve%phase)
+      else
+         curve_value = curve%amplitude*pulse_shape(curve%pulse, t)
+      end if
+   end function curve_value
+
+   !> Its rate [m/s3].
+   pure real(wp) function curve_slope(curve, t)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: t
+      !! [s]
+
+      if (curve%is_harmonic) then
+         curve_slope = curve%amplitude*curve%omega*cos(curve%omega*(t - curve%t_0) + curve%phase)
+      else
+         curve_slope = curve%amplitude*pulse_slope(curve%pulse, t)
+      end if
+   end function curve_slope
+
+   !> How fast it varies: the fourth root of its largest fourth derivative over its peak [1/s].
+   pure real(wp) function curve_rate(curve)
+      type(curve_t), intent(in) :: curve
+
+      curve_rate = curve%omega
+      if (.not. curve%is_harmonic) curve_rate = curve%pulse%fastest
+   end function curve_rate
+
+   !> First time after t at which it is extremal; no other pulse is between two knots [s].
+   pure real(wp) function curve_turn(curve, t)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: t
+      !! [s]
+
+      curve_turn = huge(curve_turn)
+      if (curve%is_harmonic) curve_turn = next_extremum(curve%omega, curve%phase, curve%t_0, t)
+   end function curve_turn
+
+   !> First time after t, and before t_end, at which the slope has a magnitude; else t_end [s].
+   pure real(wp) function steep_time(curve, slope, t, t_end) result(time)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: slope
+      !! > 0 [m/s3]
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: t_end
+      !! with t between two knots of `knots_with_bends` [s]
+
+      if (curve%is_harmonic) then
+         time = min(steep_time_of_harmonic(curve, slope, t), t_end)
+      else
+         time = steep_time_of_pulse(curve, slope, t, t_end)
+      end if
+   end function steep_time
+
+   !> The same for a harmonic, without end: |cos(psi)| = slope/(amplitude*omega) where psi is
+   !> k pi +- arccos of it.
+   pure real(wp) function steep_time_of_harmonic(curve, slope, t) result(time)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: slope
+      real(wp), intent(in) :: t
+      real(wp) :: half_turns
+      !! integral
+      real(wp) :: inside
+      !! of a quarter turn [rad]
+      real(wp) :: candidate
+      integer :: i
+
+      time = huge(time)
+      if (slope >= abs(curve%amplitude*curve%omega)) return
+      inside = acos(slope/abs(curve%amplitude*curve%omega))
+      half_turns = aint((curve%omega*(t - curve%t_0) + curve%phase)/pi)
+      do i = 4, -4, -1
+         candidate = curve%t_0 - curve%phase/curve%omega &
+            + ((half_turns + i/2)*pi + merge(inside, -inside, modulo(i, 2) == 0))/curve%omega
+         if (candidate > t) time = min(time, candidate)
+      end do
+   end function steep_time_of_harmonic
+
+   !> The same for other pulses, whose slope keeps its sign and is monotone: by bisection.
+   pure real(wp) function steep_time_of_pulse(curve, slope, t, t_end) result(high)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: slope
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: t_end
+      real(wp) :: low
+      real(wp) :: middle
+      logical :: is_steep
+      !! in the end
+
+      high = t_end
+      is_steep = abs(curve_slope(curve, t_end)) > slope
+      if ((abs(curve_slope(curve, t)) > slope) .eqv. is_steep) return
+      low = t
+      do
+         middle = low + (high - low)/2
+         if (middle <= low .or. middle >= high) return
+         if ((abs(curve_slope(curve, middle)) > slope) .eqv. is_steep) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+   end function steep_time_of_pulse
+
+end module rwmf_motion_pulse_curve

@@ -1,0 +1,365 @@
+!> Sizes of pulses as a case gives them, and the shapes of those that are no harmonic: unit
+!> acceleration, largest magnitude 1.
+!>
+!> Such a pulse is cut at its extrema and at its zeros. Between two cuts it is monotone, and no step
+!> of an integrator can pass over a narrow pulse that begins and ends with nothing.
+module rwmf_motion_pulse_shape
+   use rwmf_problem_case, only: motion_spec_t
+   use rwmf_core_kinds, only: pi, wp
+   implicit none
+   private
+
+   public :: amplitude_of, angular_frequency
+   public :: pulse_t, build_pulse, cut_times, pulse_shape, pulse_slope, type_c_phase
+
+   integer, parameter :: shape_ricker = 1
+   integer, parameter :: shape_ricker_antisymmetric = 2
+   integer, parameter :: shape_mavroeidis_papageorgiou = 3
+
+   real(wp), parameter :: ricker_ends(2) = [2.1_wp, 2.6_wp]
+   !! half durations of the Ricker pulses over T_p [-]: beyond, the acceleration is below the
+   !! round-off of double precision (3e-17 of its peak); the same in every precision
+   real(wp), parameter :: beta = sqrt(6*(3 - sqrt(6.0_wp)))*exp((sqrt(6.0_wp) - 3)/2)
+   !! largest magnitude of (x**2 - 3) x exp(-x**2/2), 1.3801... [-]
+
+   real(wp), parameter :: most_of_hermite_6 = 15
+   !! largest magnitude of the sixth derivative of exp(-x**2/2), which is at x = 0 [-]
+   real(wp), parameter :: most_of_hermite_7 = 36
+   !! the same of the seventh, rounded up from 35.54 [-]
+
+   !> One pulse.
+   type :: pulse_t
+      integer :: shape = 0
+      !! one of the `shape_` numbers
+      real(wp) :: rate = 0
+      !! position of the shape per time [1/s]
+      real(wp) :: centre = 0
+      !! [s]
+      real(wp) :: half = 0
+      !! position of the end [-]
+      real(wp) :: gamma = 0
+      !! of Mavroeidis and Papageorgiou: number of cycles [-]
+      real(wp) :: nu = 0
+      !! of the same: phase [rad]
+      real(wp) :: peak = 1
+      !! largest magnitude before division by it [-]
+      real(wp) :: fastest = 0
+      !! fourth root of the largest fourth derivative of the unit pulse [1/s]
+   end type pulse_t
+
+contains
+
+   !> omega_p [rad/s]; a case gives it or the period.
+   pure real(wp) function angular_frequency(spec)
+      type(motion_spec_t), intent(in) :: spec
+
+      if (allocated(spec%omega_p)) then
+         angular_frequency = spec%omega_p
+      else
+         angular_frequency = 2*pi/spec%T_p
+      end if
+   end function angular_frequency
+
+   !> Largest acceleration with its sign [m/s2]; a case gives it or the velocity.
+   pure real(wp) function amplitude_of(spec, g, velocity_factor)
+      type(motion_spec_t), intent(in) :: spec
+      real(wp), intent(in) :: g
+      !! [m/s2]
+      real(wp), intent(in) :: velocity_factor
+      !! acceleration over v_p [1/s]
+
+      if (allocated(spec%a_max_g)) then
+         amplitude_of = spec%a_max_g*g
+      else
+         amplitude_of = velocity_factor*spec%v_p
+      end if
+   end function amplitude_of
+
+   !> The pulse that a case describes.
+   pure function build_pulse(spec, omega) result(pulse)
+      type(motion_spec_t), intent(in) :: spec
+      !! of a kind that is no harmonic
+      real(wp), intent(in) :: omega
+      !! angular frequency [rad/s]
+      type(pulse_t) :: pulse
+
+      select case (spec%kind)
+      case ('ricker')
+         pulse%shape = shape_ricker
+         pulse%rate = omega/sqrt(2.0_wp)
+         pulse%half = 2*pi/sqrt(2.0_wp)*ricker_ends(1)
+         pulse%fastest = pulse%rate*most_of_hermite_6**0.25_wp
+      case ('ricker_antisymmetric')
+         pulse%shape = shape_ricker_antisymmetric
+         pulse%rate = omega/sqrt(3.0_wp)
+         pulse%half = 2*pi/sqrt(3.0_wp)*ricker_ends(2)
+         pulse%peak = beta
+         pulse%fastest = pulse%rate*(most_of_hermite_7/beta)**0.25_wp
+      case default
+         pulse%shape = shape_mavroeidis_papageorgiou
+         pulse%rate = omega
+         pulse%gamma = spec%gamma_p
+         pulse%nu = spec%nu
+         pulse%half = pi*spec%gamma_p
+         pulse%peak = maxval(abs(unit_acceleration(pulse, cycles_cuts(pulse))))
+         associate (part => 1/pulse%gamma)
+            pulse%fastest = pulse%rate &
+               *((1 + ((1 + part)**5 + (1 - part)**5)/2)/pulse%peak)**0.25_wp
+         end associate
+      end select
+      pulse%centre = spec%t_0 + pulse%half/pulse%rate
+   end function build_pulse
+
+   !> Unit acceleration at a time inside the pulse [-].
+   elemental real(wp) function pulse_shape(pulse, t)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: t
+      !! [s]
+
+      pulse_shape = unit_acceleration(pulse, pulse%rate*(t - pulse%centre))/pulse%peak
+   end function pulse_shape
+
+   !> Acceleration at a position: Ricker (1943) in the form of Vassiliou and Makris (BSSA 101,
+   !> 2011), symmetric over a_p, antisymmetric over a_p/beta; Mavroeidis and Papageorgiou (BSSA 93,
+   !> 2003) over A pi f_p.
+   elemental real(wp) function unit_acceleration(pulse, x) result(a)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: x
+      !! [-]
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         a = (1 - x**2)*exp(-x**2/2)
+      case (shape_ricker_antisymmetric)
+         a = (x**2 - 3)*x*exp(-x**2/2)
+      case default
+         associate (u => x/pulse%gamma)
+            a = -(sin(u)*cos(x + pulse%nu)/pulse%gamma + (1 + cos(u))*sin(x + pulse%nu))
+         end associate
+      end select
+   end function unit_acceleration
+
+   !> Its rate [1/s].
+   elemental real(wp) function pulse_slope(pulse, t)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: t
+      !! [s]
+
+      pulse_slope = unit_slope(pulse, pulse%rate*(t - pulse%centre))*pulse%rate/pulse%peak
+   end function pulse_slope
+
+   !> Derivative of the unit acceleration by the position.
+   elemental real(wp) function unit_slope(pulse, x) result(slope)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: x
+      !! [-]
+      real(wp) :: p
+      real(wp) :: q
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         slope = (x**2 - 3)*x*exp(-x**2/2)
+      case (shape_ricker_antisymmetric)
+         slope = -((x**2 - 6)*x**2 + 3)*exp(-x**2/2)
+      case default
+         p = 1 + 1/pulse%gamma**2
+         q = 2/pulse%gamma
+         associate (u => x/pulse%gamma)
+            slope = q*sin(u)*sin(x + pulse%nu) - (1 + p*cos(u))*cos(x + pulse%nu)
+         end associate
+      end select
+   end function unit_slope
+
+   !> Begin, extrema, zeros and end of a pulse, strictly increasing [s].
+   pure function cut_times(pulse, has_bends) result(t)
+      type(pulse_t), intent(in) :: pulse
+      logical, intent(in) :: has_bends
+      !! extrema of the slope as well
+      real(wp), allocatable :: t(:)
+      !! (cuts)
+      real(wp), allocatable :: x(:)
+      real(wp) :: least
+      !! distance below which two cuts are one: a monotone piece that is so short rises by less than
+      !! round-off [-]
+      integer :: i
+      integer :: n
+
+      x = all_cuts(pulse)
+      if (has_bends) x = [x(1), sorted([x(2:size(x) - 1), bends(pulse)]), x(size(x))]
+      least = max(sqrt(epsilon(1.0_wp)), 16*pulse%rate*spacing(abs(pulse%centre) &
+         + pulse%half/pulse%rate))
+      n = 1
+      do i = 2, size(x) - 1
+         if (x(i) - x(n) <= least .or. pulse%half - x(i) <= least) cycle
+         n = n + 1
+         x(n) = x(i)
+      end do
+      t = pulse%centre + [x(:n), pulse%half]/pulse%rate
+   end function cut_times
+
+   !> The same as positions; some may coincide.
+   pure function all_cuts(pulse) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), allocatable :: x(:)
+      !! (cuts)
+      real(wp) :: inner
+      real(wp) :: outer
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         ! zeros of the Hermite polynomials of order 2 and 3
+         x = [1.0_wp, sqrt(3.0_wp)]
+         x = [-x(2:1:-1), 0.0_wp, x]
+      case (shape_ricker_antisymmetric)
+         ! zeros of the Hermite polynomials of order 3 and 4
+         inner = sqrt(3 - sqrt(6.0_wp))
+         outer = sqrt(3 + sqrt(6.0_wp))
+         x = [inner, sqrt(3.0_wp), outer]
+         x = [-x(3:1:-1), 0.0_wp, x]
+      case default
+         x = cycles_cuts(pulse)
+      end select
+      x = [-pulse%half, x, pulse%half]
+   end function all_cuts
+
+   !> Positions at which the slope is extremal.
+   pure function bends(pulse) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), allocatable :: x(:)
+      real(wp) :: inner
+      real(wp) :: outer
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         ! zeros of the Hermite polynomial of order 4
+         inner = sqrt(3 - sqrt(6.0_wp))
+         outer = sqrt(3 + sqrt(6.0_wp))
+         x = [-outer, -inner, inner, outer]
+      case (shape_ricker_antisymmetric)
+         ! and of order 5; its zero at x = 0 is a cut already
+         inner = sqrt(5 - sqrt(10.0_wp))
+         outer = sqrt(5 + sqrt(10.0_wp))
+         x = [-outer, -inner, inner, outer]
+      case default
+         x = bends_of_cycles(pulse)
+      end select
+   end function bends
+
+   !> The same for a pulse of Mavroeidis and Papageorgiou. Its second derivative is the imaginary
+   !> part of what `cycles_cuts` explains, with p = 1 + 3/gamma**2, q = (3 + 1/gamma**2)/gamma.
+   pure function bends_of_cycles(pulse) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), allocatable :: x(:)
+      real(wp) :: part
+      integer :: first
+      integer :: last
+      integer :: k
+
+      part = 1/pulse%gamma
+      ! phase at the ends: nu -+ (half + pi); one that is reached there is the end itself
+      first = ceiling((pulse%nu - pulse%half)/pi) - 1
+      last = floor((pulse%nu + pulse%half)/pi) + 1
+      allocate (x(last - first + 1))
+      do k = first, last
+         x(k - first + 1) = phase_place(pulse, 1 + 3*part**2, (3 + part**2)*part, k*pi)
+      end do
+   end function bends_of_cycles
+
+   !> Numbers in ascending order.
+   pure function sorted(x) result(y)
+      real(wp), intent(in) :: x(:)
+      real(wp) :: y(size(x))
+      integer :: i, place
+
+      do i = 1, size(x)
+         place = 1 + count(x < x(i)) + count(x(:i - 1) <= x(i) .and. x(:i - 1) >= x(i))
+         y(place) = x(i)
+      end do
+   end function sorted
+
+   !> Extrema and zeros of a pulse of Mavroeidis and Papageorgiou.
+   !>
+   !> With u = x/gamma acceleration and rate are the imaginary and the real part of exp(i(x + nu))
+   !> times (1 + p cos(u)) + i q sin(u), with p = 1, q = 1/gamma and p = 1 + 1/gamma**2,
+   !> q = 2/gamma. The phases of both grow with x, so that zeros and extrema alternate and every one
+   !> is found.
+   pure function cycles_cuts(pulse) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), allocatable :: x(:)
+      !! (cuts)
+      real(wp) :: part
+      integer :: first
+      integer :: last
+      integer :: k
+
+      part = 1/pulse%gamma
+      ! phase at the ends: nu -+ (half + pi/2)
+      first = ceiling((pulse%nu - pulse%half)/pi - 0.5_wp)
+      last = floor((pulse%nu + pulse%half)/pi + 0.5_wp)
+      allocate (x(2*(last - first + 1) + 1))
+      x(1) = phase_place(pulse, 1 + part**2, 2*part, (first - 0.5_wp)*pi)
+      do k = first, last
+         associate (i => 2*(k - first + 1))
+            x(i) = phase_place(pulse, 1.0_wp, part, k*pi)
+            x(i + 1) = phase_place(pulse, 1 + part**2, 2*part, (k + 0.5_wp)*pi)
+         end associate
+      end do
+   end function cycles_cuts
+
+   !> Position inside the pulse at which x + nu + arg((1 + p cos(x/gamma)) + i q sin(x/gamma)) has a
+   !> value [-]: Newton's method inside a bracket.
+   pure real(wp) function phase_place(pulse, p, q, phase) result(x)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: p
+      real(wp), intent(in) :: q
+      real(wp), intent(in) :: phase
+      !! [rad]
+      integer, parameter :: most = 200
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: re
+      real(wp) :: im
+      real(wp) :: excess
+      real(wp) :: before
+      integer :: i
+
+      low = -pulse%half
+      high = pulse%half
+      x = 0
+      do i = 1, most
+         associate (u => x/pulse%gamma)
+            re = 1 + p*cos(u)
+            im = q*sin(u)
+            excess = x + pulse%nu + atan2(im, re) - phase
+            if (excess > 0) then
+               high = x
+            else
+               low = x
+            end if
+            before = x
+            x = x - excess/(1 + q*(cos(u) + p)/(pulse%gamma*(re**2 + im**2)))
+         end associate
+         if (.not. (x > low .and. x < high)) x = low + (high - low)/2
+         if (abs(x - before) <= 2*epsilon(x)*max(1.0_wp, abs(x))) return
+      end do
+   end function phase_place
+
+   !> Phase phi of the pulse C_n, for which the ground ends where it began [rad]:
+   !> (m - phi) tan(phi) = 1 with m = (n + 1/2) pi (Makris and Chang, EESD 29, 2000). A contraction
+   !> by 1/(1 + (m - phi)**2) < 1/20.
+   pure real(wp) function type_c_phase(n) result(phi)
+      integer, intent(in) :: n
+      !! >= 1
+      integer, parameter :: most = 40
+      !! 1/20**40 is below the round-off of any precision
+      real(wp) :: m
+      integer :: i
+
+      m = (n + 0.5_wp)*pi
+      phi = 0
+      do i = 1, most
+         phi = atan(1/(m - phi))
+      end do
+   end function type_c_phase
+
+end module rwmf_motion_pulse_shape

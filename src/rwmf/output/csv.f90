@@ -1,0 +1,272 @@
+!> CSV files of a run and of a spectrum.
+!>
+!> Lines that start with '#' carry what is needed to repeat the computation: version, record with
+!> its checksum, the text of the case. Then one line of column names with units, then numbers that
+!> round-trip to the same bits.
+module rwmf_output_csv
+   use rwmf_text_atomic_file, only: atomic_file_t, discard, finish, join_path, open_atomic, &
+      publish, write_line
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_record, only: record_t
+   use rwmf_simulation_result, only: history_t, result_t
+   use rwmf_spectrum_spectrum, only: spectrum_t
+   use rwmf_output_summary, only: summarise, summary_item_t
+   use rwmf_text_strings, only: integer_to_text, next_line, real_to_text
+   use rwmf_core_version, only: version
+   implicit none
+   private
+
+   public :: write_result, write_spectrum, case_name
+
+contains
+
+   !> Write `NAME.summary.csv` and, where the case asks for a history, `NAME.history.csv`. Both
+   !> appear only when both are complete.
+   subroutine write_result(case, result, folder, name, error)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: folder
+      !! existing folder; '' is the current one
+      character(*), intent(in) :: name
+      !! of the case, see `case_name`
+      type(error_t), allocatable, intent(out) :: error
+
+      ! texts: one thread at a time, see `read_case_text`
+      !$omp critical (rwmf_text)
+      call put_result(case, result, folder, name, error)
+      !$omp end critical (rwmf_text)
+   end subroutine write_result
+
+   subroutine put_result(case, result, folder, name, error)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: folder
+      character(*), intent(in) :: name
+      type(error_t), allocatable, intent(out) :: error
+      type(atomic_file_t) :: summary
+      type(atomic_file_t) :: history
+
+      call write_summary(summary, case, result, join_path(folder, name//'.summary.csv'), error)
+      if (allocated(error)) return
+      if (allocated(result%history)) then
+         call write_history(history, case, result%history, &
+            join_path(folder, name//'.history.csv'), error)
+         if (.not. allocated(error)) call publish(history, error)
+      end if
+      if (.not. allocated(error)) call publish(summary, error)
+      call discard(summary)
+   end subroutine put_result
+
+   !> Write a spectrum: one line an ordinate, T_s fastest, then gamma, then b.
+   subroutine write_spectrum(case, spectrum, path, error, part)
+      type(case_t), intent(in) :: case
+      type(spectrum_t), intent(in) :: spectrum
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: part
+      !! which part of the case's periods it holds, 'K/N'
+
+      !$omp critical (rwmf_text)
+      call put_spectrum(case, spectrum, path, error, part)
+      !$omp end critical (rwmf_text)
+   end subroutine write_spectrum
+
+   subroutine put_spectrum(case, spectrum, path, error, part)
+      type(case_t), intent(in) :: case
+      type(spectrum_t), intent(in) :: spectrum
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: part
+      type(atomic_file_t) :: file
+
+      call open_atomic(file, path, error)
+      if (allocated(error)) return
+      call write_header(file, case, part)
+      if (allocated(spectrum%gamma)) then
+         call write_line(file, 'b_m,gamma,T_s_s,u_s_max_m,status')
+      else
+         call write_line(file, 'T_s_s,u_s_max_m,status')
+      end if
+      call write_ordinates(file, spectrum)
+      call finish(file, error)
+      if (.not. allocated(error)) call publish(file, error)
+   end subroutine put_spectrum
+
+   !> Name of a case: its file's name without folder and without '.nml'; 'case' when it has none.
+   pure function case_name(source) result(name)
+      character(*), intent(in) :: source
+      !! path of the namelist, '' when it was made in memory
+      character(:), allocatable :: name
+      integer :: n
+
+      name = source(index(source, '/', back=.true.) + 1:)
+      n = len(name)
+      if (n > 4) then
+         if (name(n - 3:) == '.nml' .or. name(n - 3:) == '.NML') name = name(:n - 4)
+      end if
+      if (len(name) == 0) name = 'case'
+   end function case_name
+
+   !> The scalars of a run as one line, so that the summaries of many cases can be put together.
+   subroutine write_summary(file, case, result, path, error)
+      type(atomic_file_t), intent(out) :: file
+      !! finished, not published
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      type(summary_item_t), allocatable :: items(:)
+      character(:), allocatable :: names
+      character(:), allocatable :: values
+      integer :: i
+
+      call open_atomic(file, path, error)
+      if (allocated(error)) return
+      call write_header(file, case)
+      call summarise(case, result, items)
+      names = items(1)%key
+      values = csv_value(items(1))
+      do i = 2, size(items)
+         names = names//','//items(i)%key
+         values = values//','//csv_value(items(i))
+      end do
+      call write_line(file, names)
+      call write_line(file, values)
+      call finish(file, error)
+   end subroutine write_summary
+
+   !> The response on its grid of times, one line an instant.
+   subroutine write_history(file, case, history, path, error)
+      type(atomic_file_t), intent(out) :: file
+      !! finished, not published
+      type(case_t), intent(in) :: case
+      type(history_t), intent(in) :: history
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: names
+      integer :: i
+
+      call open_atomic(file, path, error)
+      if (allocated(error)) return
+      call write_header(file, case)
+      names = trim(history%names(1))
+      do i = 2, size(history%names)
+         names = names//','//trim(history%names(i))
+      end do
+      call write_line(file, names)
+      do i = 1, size(history%values, 1)
+         call write_line(file, csv_numbers(history%values(i, :)))
+      end do
+      call finish(file, error)
+   end subroutine write_history
+
+   !> The ordinates of a spectrum.
+   subroutine write_ordinates(file, spectrum)
+      type(atomic_file_t), intent(in) :: file
+      type(spectrum_t), intent(in) :: spectrum
+      character(:), allocatable :: lead
+      integer :: i
+      integer :: j
+      integer :: k
+
+      do k = 1, size(spectrum%u_s_max, 3)
+         do j = 1, size(spectrum%u_s_max, 2)
+            lead = ''
+            if (allocated(spectrum%gamma)) then
+               lead = csv_numbers([spectrum%b(k), spectrum%gamma(j)])//','
+            end if
+            do i = 1, size(spectrum%T_s)
+               call write_line(file, lead//csv_numbers([spectrum%T_s(i), &
+                  spectrum%u_s_max(i, j, k)])//','//trim(spectrum%status(i, j, k)))
+            end do
+         end do
+      end do
+   end subroutine write_ordinates
+
+   !> What is needed to repeat the computation.
+   subroutine write_header(file, case, part)
+      type(atomic_file_t), intent(in) :: file
+      type(case_t), intent(in) :: case
+      character(*), intent(in), optional :: part
+
+      call write_line(file, '# rwmf '//version)
+      if (present(part)) call write_line(file, '# part '//part)
+      if (allocated(case%record)) then
+         call write_record(file, '# record: '//case%motion%file, case%record)
+      end if
+      if (allocated(case%vertical_record)) then
+         call write_record(file, '# vertical record: '//case%vertical%file, case%vertical_record)
+      end if
+      call write_line(file, '# case:')
+      if (allocated(case%text)) call write_comment(file, case%text)
+   end subroutine write_header
+
+   !> Which record it was: copies of "the same" earthquake differ.
+   subroutine write_record(file, name, record)
+      type(atomic_file_t), intent(in) :: file
+      character(*), intent(in) :: name
+      !! what it is, and its file
+      type(record_t), intent(in) :: record
+      character(:), allocatable :: line
+
+      line = name//', '//trim(record%format)//', CRC-32 '//trim(record%crc32)//', ' &
+         //integer_to_text(record%n)//' points'
+      if (allocated(record%dt)) line = line//', dt = '//real_to_text(record%dt)//' s'
+      line = line//', peak '//real_to_text(record%peak)//' m/s2 at '//real_to_text(record%t_peak) &
+         //' s'
+      call write_line(file, line)
+   end subroutine write_record
+
+   !> A text of several lines as comment lines.
+   subroutine write_comment(file, text)
+      type(atomic_file_t), intent(in) :: file
+      character(*), intent(in) :: text
+      integer :: position
+      integer :: first
+      integer :: last
+
+      position = 1
+      do while (position <= len(text))
+         call next_line(text, position, first, last)
+         call write_line(file, trim('# '//text(first:last)))
+      end do
+   end subroutine write_comment
+
+   !> Numbers with commas between them.
+   pure function csv_numbers(values) result(line)
+      real(wp), intent(in) :: values(:)
+      !! (columns)
+      character(:), allocatable :: line
+      integer :: i
+
+      line = real_to_text(values(1))
+      do i = 2, size(values)
+         line = line//','//real_to_text(values(i))
+      end do
+   end function csv_numbers
+
+   !> The value of a summary item as it stands in a CSV file.
+   pure function csv_value(item) result(text)
+      type(summary_item_t), intent(in) :: item
+      character(:), allocatable :: text
+      integer :: i
+
+      text = item%value
+      if (item%kind /= 'list') return
+      text = '"'
+      do i = 1, len(item%value)
+         select case (item%value(i:i))
+         case (achar(9))
+            text = text//'; '
+         case ('"')
+            text = text//'""'
+         case default
+            text = text//item%value(i:i)
+         end select
+      end do
+      text = text//'"'
+   end function csv_value
+
+end module rwmf_output_csv

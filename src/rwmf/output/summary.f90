@@ -1,0 +1,283 @@
+!> The named scalars of one simulation: the one place that defines the keys of `rwmf run --json`,
+!> of the Python results and of `CASE.summary.csv`, and their order.
+!>
+!> A key that does not apply to the effects in the scene is absent.
+module rwmf_output_summary
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
+   use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_text_strings, only: integer_to_text, real_to_text
+   implicit none
+   private
+
+   public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
+
+   !> One key with its value as text.
+   type :: summary_item_t
+      character(:), allocatable :: key
+      !! name with unit suffix
+      character(:), allocatable :: kind
+      !! 'real', 'int', 'logical', 'text' or 'list'
+      character(:), allocatable :: value
+      !! reals round-trip to the same bits; 'true' or 'false'; a list has a tab between its items
+   end type summary_item_t
+
+   character(*), parameter :: tab = achar(9)
+   character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'storeys', &
+      'link', 'damper', 'inerter', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'vertical', &
+      'initial']
+
+contains
+
+   !> All scalars that apply, in the order of the outputs.
+   pure subroutine summarise(case, result, items)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      type(summary_item_t), allocatable, intent(out) :: items(:)
+      !! (keys)
+
+      allocate (items(0))
+      call add_maxima(items, result)
+      call add_regimes(items, result)
+      if (allocated(case%storeys)) call add_storeys(items, case)
+      if (allocated(result%reactions)) call add_reactions(items, result%reactions)
+      call add_work(items, result)
+      call add_item(items, 'effects', 'list', joined(list_effects(case)))
+      if (allocated(result%warnings)) then
+         call add_item(items, 'warnings', 'list', joined(result%warnings))
+      else
+         call add_item(items, 'warnings', 'list', '')
+      end if
+      if (allocated(result%energy)) call add_energy(items, result%energy)
+   end subroutine summarise
+
+   !> The summary as lines `key<TAB>kind<TAB>value`.
+   pure function summary_text(items) result(text)
+      type(summary_item_t), intent(in) :: items(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(items)
+         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
+      end do
+   end function summary_text
+
+   !> Names of the effects that are simulated, in the order of the case file's groups.
+   pure function list_effects(case) result(names)
+      type(case_t), intent(in) :: case
+      character(8), allocatable :: names(:)
+      !! (effects)
+
+      names = pack(all_effects, are_present(case))
+   end function list_effects
+
+   !> Names of the effects that the scene does not call for.
+   pure function list_absent_effects(case) result(names)
+      type(case_t), intent(in) :: case
+      character(8), allocatable :: names(:)
+      !! (effects)
+
+      names = pack(all_effects, .not. are_present(case))
+   end function list_absent_effects
+
+   pure function are_present(case) result(present_effects)
+      type(case_t), intent(in) :: case
+      logical :: present_effects(size(all_effects))
+
+      present_effects = [allocated(case%wall), allocated(case%frame), &
+         allocated(case%storeys), allocated(case%link), allocated(case%damper), &
+         allocated(case%inerter), allocated(case%fuse), allocated(case%yielding), &
+         allocated(case%cable), allocated(case%impact), allocated(case%motion), &
+         allocated(case%vertical), allocated(case%initial)]
+      ! free vibration is stated as kind 'none': nothing shakes the scene
+      if (allocated(case%motion)) then
+         where (all_effects == 'motion') present_effects = case%motion%kind /= 'none'
+      end if
+   end function are_present
+
+   !> Suprema of the response.
+   pure subroutine add_maxima(items, result)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(result_t), intent(in) :: result
+
+      ! an unallocated component is an absent argument: the key is left out
+      call add_real(items, 'u_s_max_m', result%u_s_max)
+      call add_real(items, 't_u_s_max_s', result%t_u_s_max)
+      call add_real(items, 'theta_max_over_alpha', result%theta_max_over_alpha)
+      call add_real(items, 'theta_dot_max_rad_s', result%theta_dot_max)
+      call add_real(items, 'cable_force_increment_max_over_m_w_g', result%cable_increment_max)
+      call add_real(items, 'cable_prestress_loss_over_m_w_g', result%prestress_loss)
+      if (allocated(result%has_ruptured)) then
+         call add_logical(items, 'cable_ruptured', result%has_ruptured)
+      end if
+      call add_real(items, 'ductility', result%ductility)
+      call add_real(items, 'residual_displacement_m', result%residual_displacement)
+      call add_real(items, 'theta_end_over_alpha', result%theta_end_over_alpha)
+      if (.not. allocated(result%storey_ductility)) return
+      call add_numbered(items, 'storey_', '_ductility', result%storey_ductility)
+      call add_numbered(items, 'storey_', '_residual_drift', result%storey_residual_drift)
+   end subroutine add_maxima
+
+   !> One real for each storey, from the ground up.
+   pure subroutine add_numbered(items, before, after, values)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: before
+      !! the number, in the key
+      character(*), intent(in) :: after
+      real(wp), intent(in) :: values(:)
+      !! (storeys)
+      integer :: i
+
+      do i = 1, size(values)
+         call add_real(items, before//integer_to_text(i)//after, values(i))
+      end do
+   end subroutine add_numbered
+
+   !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
+   pure subroutine add_storeys(items, case)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(case_t), intent(in) :: case
+
+      associate (frame => case%storeys%frame)
+         call add_real(items, 'T_s_s', case%frame%T_s)
+         call add_real(items, 'modal_mass_over_m_w', modal_mass(frame, 1))
+         call add_real(items, 'mass_participation', modal_mass(frame, 1)/sum(frame%m))
+         call add_real(items, 'modal_height_m', modal_height(frame, 1))
+         call add_real(items, 'roof_factor', roof_factor(frame, 1))
+      end associate
+   end subroutine add_storeys
+
+   !> Impacts, lift-offs and overturning.
+   pure subroutine add_regimes(items, result)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(result_t), intent(in) :: result
+
+      if (result%has_impacts) then
+         call add_count(items, 'impacts', result%impacts)
+         call add_count(items, 'lift_offs', result%lift_offs)
+         call add_logical(items, 'overturned', result%overturned)
+      end if
+      call add_real(items, 'e', result%e)
+      call add_real(items, 'e_max', result%e_max)
+   end subroutine add_regimes
+
+   !> What the foundation bears.
+   pure subroutine add_reactions(items, reactions)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(reaction_extremes_t), intent(in) :: reactions
+
+      call add_real(items, 'base_shear_max_over_weight', reactions%base_shear_max)
+      call add_real(items, 't_base_shear_max_s', reactions%t_base_shear_max)
+      call add_real(items, 'pivot_normal_min_over_m_w_g', reactions%normal_min)
+      call add_real(items, 't_pivot_normal_min_s', reactions%t_normal_min)
+      call add_logical(items, 'pivot_lifts', reactions%pivot_lifts)
+      call add_real(items, 'friction_demand_max', reactions%demand_max)
+      call add_real(items, 't_friction_demand_max_s', reactions%t_demand_max)
+      call add_logical(items, 'friction_exceeded', reactions%is_exceeded)
+      call add_real(items, 't_friction_exceeded_s', reactions%t_exceeded)
+      call add_real(items, 'wall_drift_max', reactions%wall_drift_max)
+      call add_real(items, 'frame_drift_max', reactions%frame_drift_max)
+   end subroutine add_reactions
+
+   !> The ledger: its parts in the end, and what they miss.
+   pure subroutine add_energy(items, energy)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(energy_t), intent(in) :: energy
+      integer :: i
+
+      do i = 1, size(energy%names)
+         call add_real(items, trim(energy%names(i)), energy%values(i))
+      end do
+      call add_real(items, 'energy_balance_relative', energy_balance(energy))
+   end subroutine add_energy
+
+   !> What the integration took.
+   pure subroutine add_work(items, result)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      type(result_t), intent(in) :: result
+
+      call add_count(items, 'steps', result%steps)
+      call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
+      call add_real(items, 'seconds', result%seconds)
+      call add_item(items, 'method', 'text', result%method)
+      call add_real(items, 'rtol', result%rtol)
+      call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
+      call add_real(items, 'estimate_seconds', result%estimate_seconds)
+      call add_real(items, 'sensitivity', result%sensitivity)
+   end subroutine add_work
+
+   !> Residual of the energy ledger over initial plus largest input energy [-].
+   pure real(wp) function energy_balance(energy)
+      type(energy_t), intent(in) :: energy
+      real(wp) :: residual
+      real(wp) :: scale
+
+      residual = energy%final + energy%viscous + energy%impact + energy%hysteretic &
+         - energy%initial - energy%input
+      scale = abs(energy%initial) + energy%input_max
+      energy_balance = 0.0_wp
+      if (scale > 0.0_wp) energy_balance = abs(residual)/scale
+   end function energy_balance
+
+   !> Add a real, unless it is absent.
+   pure subroutine add_real(items, key, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      real(wp), intent(in), optional :: value
+
+      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+   end subroutine add_real
+
+   !> Add a counter.
+   pure subroutine add_count(items, key, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      integer(i8), intent(in) :: value
+
+      call add_item(items, key, 'int', integer_to_text(value))
+   end subroutine add_count
+
+   !> Add a yes or no, unless it is absent.
+   pure subroutine add_logical(items, key, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      logical, intent(in), optional :: value
+
+      if (.not. present(value)) return
+      call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
+   end subroutine add_logical
+
+   !> Add one item at the end.
+   pure subroutine add_item(items, key, kind, value)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      character(*), intent(in) :: kind
+      character(*), intent(in) :: value
+      type(summary_item_t), allocatable :: grown(:)
+      integer :: n
+
+      n = size(items)
+      allocate (grown(n + 1))
+      grown(:n) = items
+      grown(n + 1)%key = key
+      grown(n + 1)%kind = kind
+      grown(n + 1)%value = value
+      call move_alloc(grown, items)
+   end subroutine add_item
+
+   !> The items of a list with a tab between them.
+   pure function joined(list) result(text)
+      character(*), intent(in) :: list(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(list)
+         if (i > 1) text = text//tab
+         text = text//trim(list(i))
+      end do
+   end function joined
+
+end module rwmf_output_summary

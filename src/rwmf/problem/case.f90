@@ -1,0 +1,262 @@
+!> The validated description of one scene: what a namelist file says, with every default filled in.
+!>
+!> A component that is not allocated is a group (or key) that is absent from the case: an effect
+!> that is not simulated.
+module rwmf_problem_case
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_record, only: record_t
+   use rwmf_problem_shear_frame, only: shear_frame_t
+   implicit none
+   private
+
+   public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: impact_t, motion_spec_t, inerter_t, record_source_t, vertical_t
+   public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
+
+   !> Rocking wall, `&wall`.
+   type :: wall_t
+      real(wp) :: h
+      !! half height [m]
+      real(wp) :: b
+      !! half width [m]
+      real(wp), allocatable :: m_w
+      !! mass [kg]; given: forces are reported in N as well
+      character(7) :: base = 'rocking'
+      !! 'rocking' or 'pinned'
+   end type wall_t
+
+   !> Link of finite length between wall and frame, `&link`, Eqs (2), (3).
+   type :: link_t
+      real(wp) :: L
+      !! length [m]
+   end type link_t
+
+   !> Single-degree-of-freedom moment frame, `&frame`.
+   type :: frame_t
+      real(wp), allocatable :: T_s
+      !! undamped period [s]; may be absent when `&spectrum` gives the periods
+      real(wp), allocatable :: gamma
+      !! mass ratio m_s/m_w [-]; absent for the bare frame
+      real(wp) :: xi_s
+      !! viscous damping ratio [-]
+   end type frame_t
+
+   !> The frame's storeys, `&storeys`; they give `frame_t` its period and its mass ratio.
+   type :: storeys_t
+      type(shear_frame_t) :: frame
+      !! with its modes
+      character(:), allocatable :: coupling
+      !! 'reduced': its first mode moves; 'every_floor': a straight line, which the wall enforces;
+      !! 'full': all modes, with the roof linked to the wall
+   end type storeys_t
+
+   !> Viscous dampers at the corners of the base, `&damper`.
+   type :: damper_t
+      real(wp) :: c_over_m_w
+      !! damper constant over the mass of the wall [1/s]
+   end type damper_t
+
+   !> Hysteretic fuses at the corners of the base, `&fuse`.
+   type :: fuse_t
+      real(wp) :: eta_y
+      !! yield force over m_w g [-]
+      real(wp) :: stroke_y
+      !! stroke at first yield [m]
+      real(wp) :: hardening
+      !! stiffness after yielding over elastic stiffness [-]
+   end type fuse_t
+
+   !> Inelastic frame, `&yielding`.
+   type :: yielding_t
+      real(wp), allocatable :: u_y
+      !! displacement at first yield [m]; exactly one of this and the next two
+      real(wp), allocatable :: f_y_over_m_s_g
+      !! yield force over the weight of the frame's mass [-]
+      real(wp), allocatable :: storey_u_y(:)
+      !! or, of `&storeys`, displacement of a floor from the one below at which the storey between
+      !! yields first: one for all or one for each [m]
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      character(:), allocatable :: law
+      !! 'elastic_plastic' or 'bouc_wen'
+      real(wp) :: exponent = 2
+      !! n of 'bouc_wen' [-]
+      real(wp) :: beta = 0.5_wp
+      !! of 'bouc_wen' [-]
+   end type yielding_t
+
+   !> Inerters at the corners of the base, `&inerter`.
+   type :: inerter_t
+      real(wp) :: inertance_over_m_w
+      !! inertance over the mass of the wall [-]
+   end type inerter_t
+
+   !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
+   type :: cable_t
+      real(wp) :: eta_0
+      !! P(0)/(m_w g) [-]
+      real(wp) :: eta_alpha
+      !! P(alpha)/(m_w g) [-]
+      character(:), allocatable :: law
+      !! 'linear' or 'truss'
+      real(wp), allocatable :: eta_y
+      !! P/(m_w g) at which the tendon yields [-]; absent: elastic
+      real(wp) :: hardening = 0
+      !! stiffness after yielding over elastic stiffness [-]
+      real(wp), allocatable :: rupture_strain
+      !! strain at which the tendon breaks, that of the prestress included [-]; absent: never
+   end type cable_t
+
+   !> Energy loss at impact, `&impact`.
+   type :: impact_t
+      character(:), allocatable :: rule
+      !! 'constant', 'housner', 'coupled' or 'table'
+      real(wp), allocatable :: e
+      !! velocity factor of rule 'constant' [-], also when the case gives r = e**2
+      logical :: given_as_r
+      !! the case gives r, not e
+      real(wp), allocatable :: table_theta_dot(:)
+      !! (n) of rule 'table': angular velocities before impact, increasing [rad/s]
+      real(wp), allocatable :: table_e(:)
+      !! (n) velocity factors there [-]
+   end type impact_t
+
+   !> Where a record comes from.
+   type :: record_source_t
+      character(:), allocatable :: file
+      !! path of the record as the case gives it
+      character(:), allocatable :: path
+      !! path of the record resolved against the folder of the namelist
+      real(wp), allocatable :: dt
+      !! sampling interval of a one-column record [s]
+      character(:), allocatable :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
+      real(wp) :: scale
+      !! factor on the record [-]
+   end type record_source_t
+
+   !> Ground motion, `&motion`.
+   type, extends(record_source_t) :: motion_spec_t
+      character(:), allocatable :: kind
+      !! 'none', a pulse ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker',
+      !! 'ricker_antisymmetric', 'mavroeidis_papageorgiou') or 'record'
+      real(wp), allocatable :: a_max_g
+      !! largest acceleration of the pulse in units of `&model g` [-]
+      real(wp), allocatable :: v_p
+      !! velocity amplitude of the pulse [m/s], Eqs (16), (17); no Ricker pulse has it
+      real(wp), allocatable :: omega_p
+      !! angular frequency of the pulse [rad/s]
+      real(wp), allocatable :: T_p
+      !! period of the pulse [s]
+      real(wp) :: cycles
+      !! number of cycles of kind 'sine' [-], 1 for the other pulses
+      integer :: n_pulses
+      !! n of kind 'type_c', C_n
+      real(wp), allocatable :: gamma_p
+      !! gamma of kind 'mavroeidis_papageorgiou': its number of cycles [-]
+      real(wp) :: nu
+      !! phase of the same [rad]
+      real(wp) :: t_0
+      !! start of the pulse [s]
+   end type motion_spec_t
+
+   !> Vertical ground motion, `&vertical`: a ratio or a record.
+   type, extends(record_source_t) :: vertical_t
+      real(wp), allocatable :: ratio
+      !! of the vertical to the horizontal acceleration [-]
+   end type vertical_t
+
+   !> Initial state, `&initial`.
+   type :: initial_t
+      real(wp) :: theta_over_alpha
+      !! rotation over slenderness [-]
+      real(wp) :: theta_dot
+      !! angular velocity [rad/s]
+   end type initial_t
+
+   !> Mathematical model, `&model`.
+   type :: model_t
+      character(:), allocatable :: formulation
+      !! 'published', 'symmetric' or 'exact'
+      real(wp) :: g
+      !! gravity [m/s2]
+      real(wp) :: overturning_angle
+      !! rotation at which the wall counts as overturned [rad]
+   end type model_t
+
+   !> Time integration, `&solver`.
+   type :: solver_t
+      character(:), allocatable :: method
+      !! name of the integrator
+      real(wp) :: rtol
+      !! relative tolerance of the integrator [-]
+      real(wp), allocatable :: accuracy
+      !! relative error asked of u_s_max (without a frame: of theta_max) [-]; then rtol is chosen
+      logical :: verify
+      !! estimate the error and the sensitivity by further runs
+      real(wp), allocatable :: atol
+      !! absolute tolerance on theta [rad] (bare frame: on u [m]); absent: derived from the response
+      real(wp), allocatable :: t_end
+      !! end of the simulation [s]; absent: last sample of the record
+      integer :: max_steps
+      !! bound on the work: the most internal steps of one simulation
+   end type solver_t
+
+   !> Output, `&output`.
+   type :: output_t
+      real(wp), allocatable :: dt
+      !! interval of the history [s]; absent: no history
+      logical :: energy
+      !! keep the energy ledger
+      logical :: reactions = .false.
+      !! of the base: pivot, base shear, drifts
+      real(wp), allocatable :: friction_limit
+      !! coefficient of friction that the demand is compared with [-]
+   end type output_t
+
+   !> Loop over frame periods, `&spectrum`.
+   type :: spectrum_spec_t
+      real(wp), allocatable :: T_s(:)
+      !! periods one by one [s]; absent: the grid that the following four describe
+      real(wp), allocatable :: T_s_min
+      !! shortest period [s]
+      real(wp), allocatable :: T_s_max
+      !! longest period [s]
+      integer, allocatable :: n
+      !! number of periods, both ends included
+      character(:), allocatable :: spacing
+      !! 'linear' or 'log'
+      real(wp), allocatable :: gamma(:)
+      !! mass ratios [-]; absent: the case's
+      real(wp), allocatable :: b(:)
+      !! half widths of the wall [m]; absent: the case's
+   end type spectrum_spec_t
+
+   !> One case. Groups that are not allocated are effects that the scene does not call for.
+   type :: case_t
+      character(:), allocatable :: text
+      !! the namelist text that the case was read from
+      type(wall_t), allocatable :: wall
+      type(frame_t), allocatable :: frame
+      type(storeys_t), allocatable :: storeys
+      type(link_t), allocatable :: link
+      type(damper_t), allocatable :: damper
+      type(fuse_t), allocatable :: fuse
+      type(yielding_t), allocatable :: yielding
+      type(inerter_t), allocatable :: inerter
+      type(cable_t), allocatable :: cable
+      type(impact_t), allocatable :: impact
+      type(motion_spec_t), allocatable :: motion
+      type(vertical_t), allocatable :: vertical
+      type(initial_t), allocatable :: initial
+      type(model_t) :: model
+      type(solver_t) :: solver
+      type(output_t), allocatable :: output
+      type(spectrum_spec_t), allocatable :: spectrum
+      type(record_t), allocatable :: record
+      !! samples of the record that `&motion file` names
+      type(record_t), allocatable :: vertical_record
+      !! samples of the record that `&vertical file` names
+   end type case_t
+
+end module rwmf_problem_case

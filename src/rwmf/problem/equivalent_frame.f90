@@ -1,0 +1,37 @@
+!> The single-degree-of-freedom frame that stands for the storeys of a case.
+module rwmf_problem_equivalent_frame
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: pi
+   use rwmf_problem_shear_frame, only: enforce_straight_line, find_modes
+   implicit none
+   private
+
+   public :: set_equivalent_frame
+
+contains
+
+   !> Find the modes of `&storeys` and set the period and the mass ratio of `&frame` from them.
+   !>
+   !> The mass ratio belongs to the displacement of the roof, which is linked to the wall. One mode:
+   !> its mass 1/phi_n**2 there. All modes: the mass of the roof alone, because nothing but storeys
+   !> that give way joins the floors below to it. Fails with `err_numerical`.
+   subroutine set_equivalent_frame(case, error)
+      type(case_t), intent(inout) :: case
+      !! with frame and storeys
+      type(error_t), allocatable, intent(out) :: error
+      integer :: n
+
+      associate (frame => case%storeys%frame)
+         n = size(frame%m)
+         call find_modes(frame, error)
+         if (allocated(error)) return
+         if (case%storeys%coupling == 'every_floor') call enforce_straight_line(frame)
+         case%frame%T_s = 2*pi/frame%omega(1)
+         if (.not. allocated(case%wall)) return
+         case%frame%gamma = frame%m(n)
+         if (case%storeys%coupling /= 'full') case%frame%gamma = 1/frame%shape(n, 1)**2
+      end associate
+   end subroutine set_equivalent_frame
+
+end module rwmf_problem_equivalent_frame

@@ -1,0 +1,298 @@
+!> A wall that rests while other parts of the scene go on moving: the floors of a frame whose roof
+!> is linked to it.
+!>
+!> theta is held at 0 and the other states are integrated. What the wall bears then depends on them,
+!> so that lift-off is a root of a drive that is known only step by step, and no rest can be
+!> promised from the ground motion alone.
+module rwmf_simulation_held_wall
+   use rwmf_model_uplift, only: find_bearing
+   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_simulation_events_event_time, only: count_parts
+   use rwmf_motion_ground_motion, only: interval_end, is_known_until
+   use rwmf_simulation_recorder_recorder, only: observe_piece, observer_t
+   use rwmf_simulation_hybrid_state, only: hybrid_t, pass_knot, change_storey
+   use rwmf_model_rest, only: inverse_inertia, lifts, pressing_acceleration
+   use rwmf_integrator_integrator, only: stepper_t
+   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
+   implicit none
+   private
+
+   public :: hold_wall, move_at_rest, may_rest_moving
+
+contains
+
+   !> Hold the resting wall while further states move, or let it go.
+   subroutine hold_wall(equation, is_held)
+      type(equation_t), intent(inout) :: equation
+      logical, intent(in) :: is_held
+
+      if (.not. associated(equation%kept_positive)) then
+         equation%kept_positive => equation%rates_positive
+         equation%kept_negative => equation%rates_negative
+      end if
+      equation%rates_positive => equation%kept_positive
+      equation%rates_negative => equation%kept_negative
+      if (.not. is_held) return
+      equation%rates_positive => at_rest
+      equation%rates_negative => at_rest
+   end subroutine hold_wall
+
+   !> Right-hand side while the wall is held: the other states move.
+   subroutine at_rest(equation, t, y, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(equation%n)
+      real(wp), intent(out) :: y_dot(equation%n)
+
+      call equation%kept_positive(equation, t, y, y_dot)
+      y_dot(2) = 0
+   end subroutine at_rest
+
+   !> One step of the other states, cut where the wall lifts off.
+   subroutine move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(observer_t), intent(inout) :: observer
+      real(wp), intent(in) :: t_target
+      !! [s]
+      integer, intent(out) :: side
+      !! of the motion that begins, +1 or -1; 0 for none
+      type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
+      real(wp) :: t_limit
+
+      side = lifting_side(drives(equation, hybrid%t, hybrid%y), equation%threshold)
+      if (side /= 0) return
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
+      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
+         hybrid%t = t_limit
+         call pass_knot(hybrid, equation, stepper%steps)
+         return
+      end if
+      call hold_wall(equation, .true.)
+      if (hybrid%must_restart) then
+         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
+         call stepper%start(hybrid%t, hybrid%y, huge(t_limit), error)
+         if (allocated(error)) return
+      end if
+      hybrid%must_restart = .false.
+      call stepper%step(t_limit, error)
+      if (allocated(error)) return
+      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
+      if (allocated(error)) return
+      call search_lift_off(hybrid, equation, stepper, side, error)
+      if (allocated(error)) return
+      ! an implicit method solves for all states together, which leaves round-off in those held
+      hybrid%y(:2) = 0
+      call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
+      if (allocated(error)) return
+      if (side /= 0) return
+      if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
+      call pass_knot(hybrid, equation, stepper%steps)
+   end subroutine move_at_rest
+
+   !> How far the scene exceeds what the resting wall bears, to the right and to the left [m/s2].
+   function drives(equation, t, y) result(drive)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! in the interval in force [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: drive(2)
+
+      call find_bearing(equation, y)
+      drive(1) = lift_off_drive(equation, 1, interval_of(equation), t)
+      drive(2) = lift_off_drive(equation, -1, interval_of(equation), t)
+   end function drives
+
+   !> Side on which the wall lifts off, 0 if it stays.
+   pure integer function lifting_side(drive, threshold) result(side)
+      real(wp), intent(in) :: drive(2)
+      real(wp), intent(in) :: threshold
+
+      side = 0
+      if (lifts(drive(1), threshold)) side = 1
+      if (lifts(drive(2), threshold)) side = -1
+   end function lifting_side
+
+   !> First lift-off in the last step; leaves time and state of it, or of the end of the step, in
+   !> hybrid.
+   !>
+   !> The step is searched in parts of a quarter of the shortest period. A maximum inside a part
+   !> shows in the parabola through its ends and its middle.
+   subroutine search_lift_off(hybrid, equation, stepper, side, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      integer, intent(out) :: side
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t(3)
+      real(wp) :: d(2, 3)
+      !! drives at both ends and the middle of a part [m/s2]
+      real(wp) :: x
+      integer :: i, n
+
+      n = count_parts(equation, stepper%t0, stepper%t1)
+      hybrid%y(:) = stepper%y0
+      t(3) = stepper%t0
+      d(:, 3) = drives(equation, t(3), hybrid%y)
+      do i = 1, n
+         t = [t(3), stepper%t0 + (i - 0.5_wp)*((stepper%t1 - stepper%t0)/n), &
+            stepper%t0 + i*((stepper%t1 - stepper%t0)/n)]
+         if (i == n) t(3) = stepper%t1
+         d(:, 1) = d(:, 3)
+         call look(t(2), t(1), d(:, 2))
+         if (allocated(error) .or. side /= 0) return
+         call look(t(3), t(2), d(:, 3))
+         if (allocated(error) .or. side /= 0) return
+         x = promising_place(d)
+         if (x > 0 .and. x < 1) call look(t(1) + x*(t(3) - t(1)), t(1), d(:, 1))
+         if (allocated(error) .or. side /= 0) return
+      end do
+      hybrid%t = stepper%t1
+      hybrid%y(:) = stepper%y1
+
+   contains
+
+      !> Drives at a time; when the wall has lifted by then, the first time at which it has.
+      subroutine look(at, before, drive)
+         real(wp), intent(in) :: at
+         real(wp), intent(in) :: before
+         !! a time at which it rests [s]
+         real(wp), intent(out) :: drive(2)
+
+         call stepper%state_at(at, hybrid%y, error)
+         if (allocated(error)) return
+         drive = drives(equation, at, hybrid%y)
+         side = lifting_side(drive, equation%threshold)
+         hybrid%t = at
+         if (side /= 0) call refine(hybrid, equation, stepper, before, side, error)
+      end subroutine look
+   end subroutine search_lift_off
+
+   !> Place in a part at which the drive of a side may exceed zero between three values that do
+   !> not, 0 for none [-].
+   pure real(wp) function promising_place(d) result(x)
+      real(wp), intent(in) :: d(2, 3)
+      real(wp) :: slope
+      real(wp) :: bend
+      real(wp) :: top
+      integer :: i
+
+      x = 0
+      do i = 1, 2
+         slope = (d(i, 3) - d(i, 1))/2
+         bend = d(i, 3) - 2*d(i, 2) + d(i, 1)
+         if (.not. bend < -abs(slope)) cycle
+         top = d(i, 2) - slope**2/(2*bend)
+         if (top > 0.1_wp*bend) x = 0.5_wp - slope/(2*bend)
+      end do
+   end function promising_place
+
+   !> Bisect to the first time at which the wall has lifted, from the time in hybrid.
+   subroutine refine(hybrid, equation, stepper, before, side, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      !! at a time when it has; on return at the first
+      type(equation_t), intent(inout) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: before
+      integer, intent(inout) :: side
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: low
+      real(wp) :: middle
+      real(wp) :: y(equation%n)
+      integer :: side_there
+
+      low = before
+      do while (hybrid%t - low > spacing(hybrid%t))
+         middle = low + (hybrid%t - low)/2
+         if (middle <= low .or. middle >= hybrid%t) exit
+         call stepper%state_at(middle, y, error)
+         if (allocated(error)) return
+         side_there = lifting_side(drives(equation, middle, y), equation%threshold)
+         if (side_there == 0) then
+            low = middle
+         else
+            hybrid%t = middle
+            hybrid%y(:) = y
+            side = side_there
+         end if
+      end do
+      call find_bearing(equation, hybrid%y)
+   end subroutine refine
+
+   !> May the wall be put to rest after an impact that leaves it the velocity v?
+   !>
+   !> As `may_rest` of `rest.f90`, but the pressure changes with the other states. So the chatter
+   !> must end within a tenth of their shortest period, and the pressure is reduced by twice what
+   !> their present rates make of it in that time, and by a bound on their acceleration.
+   logical function may_rest_moving(equation, t, y, v, e, small_angle, small_velocity) &
+      result(may_rest)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: v
+      !! magnitude of the angular velocity after the impact [rad/s]
+      real(wp), intent(in) :: e
+      !! velocity factor [-]
+      real(wp), intent(in) :: small_angle
+      !! negligible rotation [rad]
+      real(wp), intent(in) :: small_velocity
+      !! negligible angular velocity [rad/s]
+      real(wp) :: press
+      real(wp) :: gain
+      real(wp) :: chatter
+      !! how long it may last [s]
+      real(wp) :: change
+      !! of the pressure in that time [m/s2]
+
+      may_rest = .false.
+      press = pressing_acceleration(equation, t, t)
+      if (press <= 0) return
+      gain = inverse_inertia(equation)
+      may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
+      if (may_rest .or. e >= 1 .or. v**2 > 2*press*gain*small_angle) return
+      chatter = 4*v/(press*gain*(1 - e))
+      if (chatter*equation%quickest > 0.1_wp) return
+      if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
+      call bound_change(equation, t, y, chatter, change)
+      press = pressing_acceleration(equation, t, t + chatter) - change
+      may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
+   end function may_rest_moving
+
+   !> By how much the other states may change what the wall bears within a time.
+   subroutine bound_change(equation, t, y, duration, change)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: duration
+      !! much shorter than their shortest period [s]
+      real(wp), intent(out) :: change
+      !! [m/s2]
+      real(wp) :: held(size(y))
+      real(wp) :: rates(size(y))
+      real(wp) :: present(-1:1)
+      real(wp) :: later(-1:1)
+      real(wp) :: displaced
+
+      held = y
+      held(:2) = 0
+      present = equation%bearing
+      call hold_wall(equation, .true.)
+      call rhs(equation, t, held, rates)
+      call hold_wall(equation, .false.)
+      call find_bearing(equation, held + duration*rates)
+      later = equation%bearing
+      call find_bearing(equation, y)
+      displaced = maxval(abs(present([-1, 1]) - equation%threshold))
+      change = 2*maxval(abs(later([-1, 1]) - present([-1, 1]))) &
+         + (duration*equation%quickest)**2*displaced
+   end subroutine bound_change
+
+end module rwmf_simulation_held_wall

@@ -1,0 +1,98 @@
+!> State of the hybrid system, and what a knot of the motion does to it.
+module rwmf_simulation_hybrid_state
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
+   use rwmf_model_restitution, only: restitution_t
+   use rwmf_motion_ground_motion, only: has_jump, interval_end
+   use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, observer_t
+   use rwmf_simulation_result, only: event_branch
+   implicit none
+   private
+
+   public :: hybrid_t, count_steps, pass_knot
+   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
+   public :: change_storey
+
+   integer, parameter :: mode_rest = 0
+   integer, parameter :: mode_rocking = 1
+   integer, parameter :: mode_overturned = 2
+   integer, parameter :: mode_no_impacts = 3
+   !! bare frame or hinged wall: one smooth regime
+
+   integer(i8), parameter :: cost_of_restart = 30_i8
+   !! steps that a multistep method takes to be up to speed
+
+   !> State of the hybrid system and the numbers that its transitions need.
+   type :: hybrid_t
+      integer :: mode
+      real(wp) :: t
+      !! [s]
+      real(wp), allocatable :: y(:)
+      !! (states)
+      logical :: must_restart
+      !! the integrator has to begin anew at (t, y)
+      type(restitution_t) :: restitution
+      !! what an impact leaves of the velocity
+      logical :: is_rising = .false.
+      !! theta grew when a branch of a spring ended
+      real(wp) :: overturning_angle
+      !! [rad]
+      real(wp) :: rtol
+      !! requested relative tolerance [-]
+      integer(i8) :: max_steps
+      integer(i8) :: steps_at_knot = 0_i8
+      !! of the integrator when the present interval of the motion began
+   end type hybrid_t
+
+contains
+
+   !> Begin to count the steps of the interval in force: at the first knot of the motion there are
+   !> enough of them for a restart.
+   subroutine count_steps(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(in) :: equation
+
+      hybrid%steps_at_knot = 0_i8
+      if (interval_of(equation) == 0) hybrid%steps_at_knot = -cost_of_restart - 1_i8
+   end subroutine count_steps
+
+   !> Enter the next interval of the motion when the present one is over.
+   !>
+   !> A multistep method that carries its past over a kink loses two digits there, and a restart
+   !> costs it some 30 small steps. So it begins anew at jumps, and where an interval has taken more
+   !> steps than that; not at the samples of a record, where a step is about as long as an interval.
+   !>
+   !> Before the first knot nothing may have moved, and steps have grown without bound: the first
+   !> one into a pulse would reach to its end, where the acceleration is zero again, and miss it. So
+   !> the count of steps begins with those of a restart there (`count_steps`). At later knots, which
+   !> a vertical record may put before a pulse, it is a state of nothing but zeros that says so.
+   subroutine pass_knot(hybrid, equation, steps)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      integer(i8), intent(in) :: steps
+      !! that the integrator has taken
+
+      if (hybrid%t < interval_end(equation%motion, interval_of(equation))) return
+      call enter_interval(equation, interval_of(equation) + 1)
+      if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
+      if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
+      if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
+      hybrid%steps_at_knot = steps
+   end subroutine pass_knot
+
+   !> The branch of a storey ends at the present state.
+   subroutine change_storey(hybrid, equation, observer, ending)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(inout) :: observer
+      type(storey_end_t), intent(in) :: ending
+
+      call observe_state(observer, equation, hybrid%t, hybrid%y)
+      call end_branch(equation, ending, hybrid%y)
+      if (.not. allocated(equation%floors%laws)) call observe_event(observer, event_branch, &
+         hybrid%t, hybrid%y)
+      hybrid%must_restart = .true.
+   end subroutine change_storey
+
+end module rwmf_simulation_hybrid_state

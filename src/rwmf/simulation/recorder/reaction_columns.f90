@@ -1,0 +1,112 @@
+!> Reactions as a run reports them: columns of the history, and extrema.
+module rwmf_simulation_recorder_reaction_columns
+   use rwmf_model_assembly, only: equation_t
+   use rwmf_simulation_recorder_reaction_extremes, only: demand, force_observer_t, low_normal, shear
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
+   use rwmf_simulation_result, only: reaction_extremes_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+   implicit none
+   private
+
+   public :: force_columns, force_values, force_extremes
+
+contains
+
+   !> Columns of the history that apply to the scene.
+   pure function force_columns(equation, m_w_g) result(names)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: m_w_g
+      !! weight of the wall, 0 when it is not known [N]
+      character(32), allocatable :: names(:)
+
+      names = [character(32) :: 'base_shear_over_weight']
+      if (.not. equation%has_wall) return
+      names = [character(32) :: names, 'pivot_normal_over_m_w_g', 'pivot_horizontal_over_m_w_g', &
+         'friction_demand', 'wall_drift']
+      if (equation%has_frame) names = [character(32) :: names, 'frame_drift']
+      if (m_w_g > 0) names = [character(32) :: names, 'pivot_normal_N', 'pivot_horizontal_N']
+   end function force_columns
+
+   !> Their values at one instant.
+   function force_values(equation, m_w_g, t, y, y_ddot, u_s) result(row)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: m_w_g
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' or u''
+      real(wp), intent(in) :: u_s
+      !! displacement of the frame [m]
+      real(wp), allocatable :: row(:)
+      !! (columns)
+      type(reactions_t) :: reactions
+
+      reactions = reactions_at(equation, t, y, y_ddot)
+      associate (g => equation%p%g)
+         row = [reactions%base_shear/weight(equation)]
+         if (.not. equation%has_wall) return
+         row = [row, reactions%normal/g, reactions%horizontal/g, &
+            infinite_where_lifted(friction_demand(reactions)), wall_drift(equation, y(1))]
+         if (equation%has_frame) row = [row, u_s/roof_height(equation)]
+         if (m_w_g > 0) row = [row, [reactions%normal, reactions%horizontal]*m_w_g/g]
+      end associate
+   end function force_values
+
+   !> What the run has seen.
+   function force_extremes(forces, equation, theta_min, theta_max, u_s_max) result(extremes)
+      type(force_observer_t), intent(in) :: forces
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta_min
+      !! [rad]
+      real(wp), intent(in) :: theta_max
+      !! [rad]
+      real(wp), intent(in) :: u_s_max
+      !! largest |u_s| [m]
+      type(reaction_extremes_t) :: extremes
+      real(wp) :: largest_demand
+
+      extremes%base_shear_max = forces%largest(shear)/weight(equation)
+      extremes%t_base_shear_max = forces%t_largest(shear)
+      if (.not. equation%has_wall) return
+      extremes%normal_min = -forces%largest(low_normal)/equation%p%g
+      extremes%t_normal_min = forces%t_largest(low_normal)
+      extremes%pivot_lifts = extremes%normal_min <= 0
+      largest_demand = forces%largest(demand)
+      if (extremes%pivot_lifts) largest_demand = huge(largest_demand)
+      extremes%demand_max = infinite_where_lifted(largest_demand)
+      if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_largest(demand)
+      if (allocated(forces%limit)) then
+         extremes%is_exceeded = allocated(forces%t_exceeded)
+         if (extremes%is_exceeded) extremes%t_exceeded = forces%t_exceeded
+      end if
+      ! drifts are monotone in the rotation, whose peaks are events
+      extremes%wall_drift_max = max(wall_drift(equation, theta_max), &
+         -wall_drift(equation, theta_min))
+      if (equation%has_frame) extremes%frame_drift_max = u_s_max/roof_height(equation)
+   end function force_extremes
+
+   elemental real(wp) function infinite_where_lifted(largest) result(shown)
+      real(wp), intent(in) :: largest
+      !! demand [-]
+
+      shown = largest
+      if (largest >= huge(largest)) shown = ieee_value(largest, ieee_positive_inf)
+   end function infinite_where_lifted
+
+   !> Of wall and frame over m_w (bare frame: over m_s) [m/s2].
+   pure real(wp) function weight(equation)
+      type(equation_t), intent(in) :: equation
+
+      weight = equation%p%g*(1 + equation%p%gamma + equation%floor_mass)
+   end function weight
+
+   pure real(wp) function roof_height(equation)
+      type(equation_t), intent(in) :: equation
+
+      roof_height = 2*equation%p%R*equation%cos_alpha
+   end function roof_height
+
+end module rwmf_simulation_recorder_reaction_columns

@@ -1,0 +1,393 @@
+!> Extrema of the reactions over a run, found while the observer passes by.
+!>
+!> Reactions are smooth between two events or knots, but their extrema are at no event of their
+!> own. Each span of smooth motion is sampled where a polynomial tells most about it; an extremum
+!> that shows between the samples is then closed in on, to sqrt(epsilon) of the span in time, so
+!> that its value is exact to the tolerance of the integration. Both ends of a span count with
+!> their one-sided values. The impulses at impacts have no reaction and do not count.
+module rwmf_simulation_recorder_reaction_extremes
+   use rwmf_problem_case, only: case_t
+   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_simulation_events_event_time, only: count_parts
+   use rwmf_motion_ground_motion, only: turning_point
+   use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
+   use rwmf_integrator_integrator, only: stepper_t
+   implicit none
+   private
+
+   public :: force_observer_t, create_force_observer
+   public :: observe_last, observe_moving, observe_resting
+   public :: low_normal, demand, shear
+
+   integer, parameter :: low_normal = 1
+   integer, parameter :: demand = 2
+   integer, parameter :: shear = 3
+   integer, parameter :: n_quantities = 3
+   !! -N, |H|/N and |V|, each to be maximised
+
+   integer, parameter :: n_nodes = 5
+   !! per span
+
+   !> Running maxima.
+   type :: force_observer_t
+      real(wp) :: largest(n_quantities) = -huge(1.0_wp)
+      !! [m/s2], [-], [m/s2]
+      real(wp) :: t_largest(n_quantities) = 0
+      !! [s]
+      real(wp) :: smallest(n_quantities) = huge(1.0_wp)
+      !! which tells how far they vary
+      real(wp), allocatable :: limit
+      !! coefficient of friction to compare the demand with [-]
+      real(wp), allocatable :: t_exceeded
+      !! first time at which the demand exceeds it [s]
+   end type force_observer_t
+
+contains
+
+   !> Begin, when the case asks for reactions.
+   subroutine create_force_observer(forces, case)
+      type(force_observer_t), allocatable, intent(out) :: forces
+      type(case_t), intent(in) :: case
+
+      if (.not. allocated(case%output)) return
+      if (.not. case%output%reactions) return
+      allocate (forces)
+      if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
+   end subroutine create_force_observer
+
+   !> The state in the end, which is all that there is of a run that takes no time.
+   subroutine observe_last(forces, equation, t, y, y_ddot)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' or u''
+
+      if (forces%largest(shear) >= 0) return
+      call keep_largest(forces, t, quantities(reactions_at(equation, t, y, y_ddot)))
+   end subroutine observe_last
+
+   !> Smooth motion inside the last step of the integrator.
+   subroutine observe_moving(forces, equation, stepper, t_b, y_b, error)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: t_b
+      !! end of the motion on this side [s]
+      real(wp), intent(in) :: y_b(:)
+      !! (states) there
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: t_a
+      integer :: n
+      integer :: i
+
+      if (is_plain(forces, equation, stepper, t_b, y_b)) return
+      t_a = stepper%t0
+      n = count_parts(equation, t_a, t_b)
+      do i = 1, n
+         call search_span(forces, equation, t_a + (i - 1)*((t_b - t_a)/n), &
+            t_a + i*((t_b - t_a)/n), error, stepper)
+         if (allocated(error)) return
+      end do
+   end subroutine observe_moving
+
+   !> Is it plain from both ends of a short step that it holds no extremum? Most steps are so short,
+   !> and so far from the extrema so far, that no state inside needs to be asked for.
+   logical function is_plain(forces, equation, stepper, t_b, y_b)
+      type(force_observer_t), intent(in) :: forces
+      type(equation_t), intent(in) :: equation
+      class(stepper_t), intent(in) :: stepper
+      real(wp), intent(in) :: t_b
+      real(wp), intent(in) :: y_b(:)
+      real(wp), parameter :: short = 0.4_wp
+      !! over 1/omega: the second harmonic departs from a chord by (2*0.4)**2/8 of its amplitude
+      real(wp), parameter :: margin = 0.25_wp
+      !! of the range so far
+      real(wp) :: at_ends(n_quantities)
+      real(wp) :: t_a
+
+      t_a = stepper%t0
+      is_plain = (t_b - t_a)*max(equation%p%omega_s, equation%quickest, &
+         sqrt(equation%p%g/equation%p%R)) < short
+      if (is_plain) then
+         is_plain = turning_point(equation%motion, interval_of(equation), t_a) >= t_b
+      end if
+      is_plain = is_plain .and. all(forces%largest >= forces%smallest)
+      if (.not. is_plain) return
+      at_ends = max(quantities(reactions_at(equation, t_a, stepper%y0, &
+         second_derivative(equation, t_a, stepper%y0))), &
+         quantities(reactions_at(equation, t_b, y_b, second_derivative(equation, t_b, y_b))))
+      is_plain = all(at_ends + margin*(forces%largest - forces%smallest) < forces%largest)
+   end function is_plain
+
+   !> The wall stays at rest while the motion goes through the interval in force.
+   subroutine observe_resting(forces, equation, t_a, t_b)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: t_b
+      !! [s]
+      type(error_t), allocatable :: error
+      !! stays empty: no integrator is asked
+      real(wp) :: at_begin(n_quantities)
+      real(wp) :: at_end(n_quantities)
+      real(wp) :: t
+      real(wp) :: t_next
+
+      t = t_a
+      do while (t < t_b)
+         t_next = min(turning_point(equation%motion, interval_of(equation), t), t_b)
+         call sample(equation, t, at_begin, error)
+         call sample(equation, t_next, at_end, error)
+         ! Without further effects nothing but the ground varies, from end to end of the span.
+         if (allocated(equation%extras) .or. any(max(at_begin, at_end) > forces%largest)) then
+            call search_span(forces, equation, t, t_next, error)
+         end if
+         t = t_next
+      end do
+   end subroutine observe_resting
+
+   !> Extrema over a span in which motion and reactions go through a quarter of a period at most.
+   subroutine search_span(forces, equation, t_a, t_b, error, stepper)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_a
+      real(wp), intent(in) :: t_b
+      type(error_t), allocatable, intent(out) :: error
+      class(stepper_t), intent(inout), optional :: stepper
+      !! absent: at rest
+      real(wp) :: t(n_nodes)
+      real(wp) :: found(n_quantities, n_nodes)
+      real(wp) :: t_peak
+      real(wp) :: t_safe
+      integer :: i
+      integer :: q
+
+      do i = 1, n_nodes
+         t(i) = t_a + (t_b - t_a)*sin((i - 1)*(pi/2)/(n_nodes - 1))**2
+         call sample(equation, t(i), found(:, i), error, stepper)
+         if (allocated(error)) return
+      end do
+      do i = 1, n_nodes
+         call keep_largest(forces, t(i), found(:, i))
+      end do
+      do q = 1, n_quantities
+         call refine(forces, equation, q, t, found(q, :), t_peak, error, stepper)
+         if (allocated(error)) return
+         if (q /= demand .or. .not. allocated(forces%limit)) cycle
+         if (allocated(forces%t_exceeded) .or. .not. forces%largest(q) > forces%limit) cycle
+         ! This is the first span whose largest demand exceeds the limit.
+         i = findloc(found(q, :) > forces%limit, .true., dim=1)
+         if (i > 0) t_peak = min(t_peak, t(i))
+         t_safe = maxval(t, mask=t < t_peak .and. found(q, :) <= forces%limit)
+         call find_exceedance(forces, equation, max(t_safe, t_a), t_peak, error, stepper)
+         if (allocated(error)) return
+      end do
+   end subroutine search_span
+
+   !> Close in on the maximum of a quantity, when the samples show one between them that can be the
+   !> largest so far. `t_peak` is its time, or the end of the span.
+   subroutine refine(forces, equation, q, t, found, t_peak, error, stepper)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: q
+      !! which quantity
+      real(wp), intent(in) :: t(n_nodes)
+      real(wp), intent(in) :: found(n_nodes)
+      !! its samples
+      real(wp), intent(out) :: t_peak
+      type(error_t), allocatable, intent(out) :: error
+      class(stepper_t), intent(inout), optional :: stepper
+      real(wp), parameter :: margin = 0.25_wp
+      !! of the range of the samples, beyond the largest of them: more than they can miss
+      real(wp) :: vertex
+      integer :: best
+      integer :: k
+
+      t_peak = t(n_nodes)
+      if (maxval(found) >= huge(found)) return
+      if (maxval(found) + margin*(maxval(found) - minval(found)) <= forces%largest(q)) return
+      best = maxloc(found, dim=1)
+      k = min(max(best, 2), n_nodes - 1)
+      vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
+      if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) return
+      call climb(forces, equation, q, [t(k - 1), t(k + 1)], vertex, t_peak, error, stepper)
+   end subroutine refine
+
+   !> Maximum inside a bracket by Brent's method: parabolas, golden sections where they fail.
+   subroutine climb(forces, equation, q, bracket, t_start, t_peak, error, stepper)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: q
+      real(wp), intent(in) :: bracket(2)
+      real(wp), intent(in) :: t_start
+      !! inside the bracket
+      real(wp), intent(out) :: t_peak
+      type(error_t), allocatable, intent(out) :: error
+      class(stepper_t), intent(inout), optional :: stepper
+      integer, parameter :: most_iterations = 60
+      real(wp), parameter :: golden = (3 - sqrt(5.0_wp))/2
+      real(wp) :: low, high
+      real(wp) :: x(3)
+      !! the best three points, best first [s]
+      real(wp) :: f(3)
+      real(wp) :: all_values(n_quantities)
+      real(wp) :: smallest
+      !! distance that matters [s]
+      real(wp) :: step, before_last
+      real(wp) :: t
+      integer :: i
+
+      low = bracket(1)
+      high = bracket(2)
+      smallest = max(sqrt(epsilon(1.0_wp))*(high - low), 4*spacing(high))
+      t = t_start
+      step = high - low
+      before_last = step
+      do i = 1, most_iterations
+         call sample(equation, t, all_values, error, stepper)
+         if (allocated(error)) return
+         call keep_largest(forces, t, all_values)
+         if (i == 1) then
+            x = t
+            f = all_values(q)
+         else
+            call insert(t, all_values(q), x, f, low, high)
+         end if
+         t_peak = x(1)
+         ! the pivot lifts here: no demand is larger
+         if (f(1) >= huge(f)) return
+         if (max(x(1) - low, high - x(1)) <= 2*smallest) return
+         t = vertex_of_parabola(x, f)
+         if (.not. (t > low + smallest .and. t < high - smallest &
+            .and. abs(t - x(1)) < before_last/2)) then
+            t = x(1) + golden*(merge(low, high, x(1) > (low + high)/2) - x(1))
+         end if
+         before_last = step
+         step = abs(t - x(1))
+         if (step < smallest) t = x(1) + sign(smallest, merge(low, high, x(1) - low > high - x(1)) &
+            - x(1))
+      end do
+   end subroutine climb
+
+   !> Let a new point take its rank among the best three, and tighten the bracket.
+   pure subroutine insert(t, value, x, f, low, high)
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: value
+      real(wp), intent(inout) :: x(3)
+      real(wp), intent(inout) :: f(3)
+      real(wp), intent(inout) :: low
+      real(wp), intent(inout) :: high
+      real(wp) :: worse
+
+      worse = t
+      if (value >= f(1)) worse = x(1)
+      if (value >= f(1) .neqv. t > x(1)) then
+         high = max(t, x(1))
+      else
+         low = min(t, x(1))
+      end if
+      if (value >= f(1)) then
+         x = [t, x(:2)]
+         f = [value, f(:2)]
+      else if (value >= f(2) .or. abs(x(2) - x(1)) <= 0) then
+         x = [x(1), t, x(2)]
+         f = [f(1), value, f(2)]
+      else if (value >= f(3) .or. abs(x(3) - x(1)) <= 0 .or. abs(x(3) - x(2)) <= 0) then
+         x(3) = t
+         f(3) = value
+      end if
+   end subroutine insert
+
+   !> Bisect to the instant at which the demand passes the limit.
+   subroutine find_exceedance(forces, equation, t_below, t_above, error, stepper)
+      type(force_observer_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_below
+      !! the demand is below the limit here, or exceeds it from here on [s]
+      real(wp), intent(in) :: t_above
+      !! it exceeds the limit here [s]
+      type(error_t), allocatable, intent(out) :: error
+      class(stepper_t), intent(inout), optional :: stepper
+      real(wp) :: found(n_quantities)
+      real(wp) :: low
+      real(wp) :: high
+      real(wp) :: middle
+
+      low = t_below
+      high = t_above
+      do while (high - low > 2*spacing(high))
+         middle = low + (high - low)/2
+         call sample(equation, middle, found, error, stepper)
+         if (allocated(error)) return
+         if (found(demand) > forces%limit) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+      forces%t_exceeded = high
+   end subroutine find_exceedance
+
+   !> What is to be maximised, at one instant.
+   subroutine sample(equation, t, found, error, stepper)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: found(n_quantities)
+      type(error_t), allocatable, intent(out) :: error
+      class(stepper_t), intent(inout), optional :: stepper
+      real(wp) :: y(equation%n)
+      real(wp) :: y_ddot
+
+      y = 0
+      y_ddot = 0
+      if (present(stepper)) then
+         call stepper%state_at(t, y, error)
+         if (allocated(error)) return
+         y_ddot = second_derivative(equation, t, y)
+      end if
+      found = quantities(reactions_at(equation, t, y, y_ddot))
+   end subroutine sample
+
+   pure function quantities(reactions) result(found)
+      type(reactions_t), intent(in) :: reactions
+      real(wp) :: found(n_quantities)
+
+      found(low_normal) = -reactions%normal
+      found(demand) = friction_demand(reactions)
+      found(shear) = abs(reactions%base_shear)
+   end function quantities
+
+   pure subroutine keep_largest(forces, t, found)
+      type(force_observer_t), intent(inout) :: forces
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: found(n_quantities)
+
+      where (found > forces%largest)
+         forces%largest = found
+         forces%t_largest = t
+      end where
+      forces%smallest = min(forces%smallest, found)
+   end subroutine keep_largest
+
+   !> Where the parabola through three points is stationary, when it has a maximum; else not a
+   !> number that lies between them.
+   pure real(wp) function vertex_of_parabola(x, f) result(vertex)
+      real(wp), intent(in) :: x(3)
+      real(wp), intent(in) :: f(3)
+      real(wp) :: p
+      real(wp) :: q
+
+      p = (x(2) - x(1))**2*(f(2) - f(3)) - (x(2) - x(3))**2*(f(2) - f(1))
+      q = 2*((x(2) - x(1))*(f(2) - f(3)) - (x(2) - x(3))*(f(2) - f(1)))
+      vertex = huge(vertex)
+      if (abs(p) < abs(q)*sqrt(huge(p))) vertex = x(2) - p/q
+   end function vertex_of_parabola
+
+end module rwmf_simulation_recorder_reaction_extremes

@@ -1,0 +1,415 @@
+!> One run of the hybrid system: from a valid case to its result, at the case's tolerances.
+module rwmf_simulation_run
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_core_control, only: control_t
+   use rwmf_model_assembly, only: build_equation, cable_at, equation_t
+   use rwmf_core_error, only: error_t
+   use rwmf_model_effects_list, only: extra_sizes
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, &
+      mode_rest
+   use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
+   use rwmf_core_kinds, only: i8, pi, wp
+   use rwmf_model_hysteresis_spring_set, only: storey_strengths, yield_displacement, &
+      frame_residual, frame_residuals, prestress_loss, tendon_is_broken
+   use rwmf_integrator_factory, only: new_stepper, run_method
+   use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
+   use rwmf_simulation_recorder_recorder, only: create_observer, finish_observer, observer_t
+   use rwmf_simulation_recorder_reaction_columns, only: force_extremes
+   use rwmf_model_rest, only: inverse_inertia
+   use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_model_equation, only: frame_travel
+   use rwmf_integrator_integrator, only: stepper_t, tolerance_t
+   use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
+   use rwmf_text_strings, only: real_to_text
+   use rwmf_simulation_warnings, only: warn_of_fuses, warn_of_reactions, warn_of_weight
+   implicit none
+   private
+
+   public :: run_once, restitution, impact_law, guess_size, tolerances, initial_state
+
+   integer, parameter :: most_passes = 5
+
+contains
+
+   !> Integrate a case under a ground motion that the caller holds (many runs share one).
+   subroutine run_once(case, motion, control, result, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in), target :: motion
+      type(control_t), intent(in) :: control
+      type(result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(equation_t), target :: equation
+      class(stepper_t), allocatable :: stepper
+      integer(i8) :: started
+      integer(i8) :: finished
+      integer(i8) :: rate
+
+      call system_clock(started, rate)
+      call build_equation(case, motion, equation)
+      call new_stepper(case%solver%method, stepper)
+      call repeat_until_scaled(case, equation, stepper, control, result, error)
+      call stepper%destroy()
+      if (allocated(result%reactions)) call warn_of_reactions(result)
+      call system_clock(finished)
+      result%seconds = real(finished - started, wp)/real(rate, wp)
+   end subroutine run_once
+
+   !> Integrate with absolute tolerances for a guessed size of the response; when the response turns
+   !> out to be much smaller, integrate again for its true size. So tiny responses are as accurate
+   !> as large ones.
+   subroutine repeat_until_scaled(case, equation, stepper, control, result, error)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout), target :: equation
+      class(stepper_t), intent(inout) :: stepper
+      type(control_t), intent(in) :: control
+      type(result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: size_guess(2)
+      real(wp) :: size_found(2)
+      integer :: pass
+
+      size_guess = guess_size(case, equation)
+      do pass = 1, most_passes
+         call integrate(case, equation, stepper, size_guess, size_found, control, result, error)
+         if (allocated(error) .or. allocated(case%solver%atol)) return
+         if (all(size_found <= 0) .or. all(size_found > 0.1_wp*size_guess)) return
+         size_guess = merge(size_found, size_guess, size_found < 0.1_wp*size_guess)
+      end do
+   end subroutine repeat_until_scaled
+
+   !> Cautious (small) first guess of the largest |theta| and |theta'| (bare frame: |u|, |u'|).
+   function guess_size(case, equation) result(guess)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp) :: guess(2)
+      !! [rad], [rad/s] or [m], [m/s]
+      real(wp) :: rate
+      !! angular frequency that relates both [rad/s]
+      real(wp) :: length
+      !! from rotation to displacement [m/rad]
+
+      length = frame_travel(equation)
+      rate = sqrt(equation%p%g/equation%p%R)
+      if (equation%has_frame) rate = max(2.0_wp, 2*pi/case%frame%T_s)
+      guess(1) = 0.02_wp*peak_acceleration(equation%motion)/rate**2/length
+      if (equation%has_wall) guess(1) = min(guess(1), 0.01_wp*equation%p%alpha)
+      guess(2) = rate*guess(1)
+      if (allocated(case%initial)) then
+         guess(1) = max(guess(1), 0.1_wp*abs(case%initial%theta_over_alpha)*equation%p%alpha)
+         guess(2) = max(guess(2), 0.1_wp*abs(case%initial%theta_dot))
+         guess = max(guess, [guess(2)/rate, guess(1)*rate]*0.1_wp)
+      end if
+   end function guess_size
+
+   !> Run the hybrid system once from 0 to t_end.
+   subroutine integrate(case, equation, stepper, size_guess, size_found, control, result, error)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout), target :: equation
+      class(stepper_t), intent(inout) :: stepper
+      real(wp), intent(in) :: size_guess(2)
+      real(wp), intent(out) :: size_found(2)
+      type(control_t), intent(in) :: control
+      type(result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(hybrid_t) :: hybrid
+      type(observer_t) :: observer
+
+      size_found = 0
+      equation%rhs_evaluations = 0
+      call stepper%create(equation, above_round_off(tolerances(case, equation, size_guess), &
+         equation, size_guess), error)
+      if (allocated(error)) return
+      hybrid%restitution = impact_law(case, equation%p%alpha)
+      hybrid%overturning_angle = case%model%overturning_angle
+      hybrid%rtol = case%solver%rtol
+      hybrid%max_steps = case%solver%max_steps
+      call begin_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
+      call create_observer(observer, case, equation, case%solver%t_end, hybrid%y, error)
+      if (allocated(error)) return
+      call advance_hybrid(hybrid, equation, stepper, observer, case%solver%t_end, control, error)
+      if (allocated(error)) return
+      call finish_observer(observer, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
+      size_found = [max(observer%theta_max, -observer%theta_min), observer%theta_dot_max]
+      call fill_result(case, equation, hybrid, observer, result)
+      result%steps = stepper%steps
+      result%method = trim(run_method(case%solver%method))
+      result%rtol = case%solver%rtol
+   end subroutine integrate
+
+   !> Local error per step from the tolerance that the case asks for.
+   type(tolerance_t) function tolerances(case, equation, size_guess) result(tolerance)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+
+      tolerance%rtol = case%solver%rtol
+      if (allocated(case%solver%atol)) then
+         tolerance%atol = case%solver%atol/max(size_guess(1), tiny(1.0_wp)) &
+            *extra_sizes(equation, size_guess)
+         tolerance%atol(1) = case%solver%atol
+      else
+         tolerance%atol = max(case%solver%rtol*extra_sizes(equation, size_guess), &
+            1.0e3_wp*tiny(1.0_wp))
+      end if
+   end function tolerances
+
+   !> Tolerances that the round-off of the acceleration allows.
+   !>
+   !> A wall that hardly lifts off is driven by the small difference of large accelerations. When
+   !> its round-off, over the time that the response takes, exceeds the tolerance, no step is short
+   !> enough.
+   pure type(tolerance_t) function above_round_off(tolerance, equation, size_guess) result(floored)
+      type(tolerance_t), intent(in) :: tolerance
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+      real(wp) :: noise
+      !! [rad/s2]
+      real(wp) :: duration
+      !! [s]
+
+      floored = tolerance
+      if (.not. equation%has_impacts .or. minval(size_guess) <= 0) return
+      noise = epsilon(1.0_wp)*equation%threshold*inverse_inertia(equation)
+      duration = size_guess(1)/size_guess(2)
+      floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
+   end function above_round_off
+
+   pure function initial_state(case, equation) result(y)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp) :: y(equation%n)
+      !! (states)
+
+      y = 0
+      if (allocated(case%initial)) then
+         y(1) = case%initial%theta_over_alpha*equation%p%alpha
+         y(2) = case%initial%theta_dot
+      end if
+   end function initial_state
+
+   !> What an impact leaves of the velocity by the case's rule.
+   pure type(restitution_t) function impact_law(case, alpha) result(law)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      law%e = restitution(case, alpha)
+      if (.not. allocated(case%impact)) return
+      if (case%impact%rule /= 'table') return
+      law%speed = case%impact%table_theta_dot
+      law%factor = case%impact%table_e
+   end function impact_law
+
+   !> Velocity factor of the case's rule, of a table the largest one; 1 without `&impact` [-].
+   pure real(wp) function restitution(case, alpha) result(e)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      e = 1
+      if (.not. allocated(case%impact)) return
+      select case (case%impact%rule)
+      case ('housner')
+         e = restitution_housner(alpha)
+      case ('coupled')
+         e = restitution_momentum(alpha, mass_ratio(case), inertance(case))
+      case ('table')
+         e = maxval(case%impact%table_e)
+      case default
+         e = case%impact%e
+      end select
+   end function restitution
+
+   pure real(wp) function mass_ratio(case) result(gamma)
+      type(case_t), intent(in) :: case
+
+      gamma = 0
+      if (.not. allocated(case%frame)) return
+      if (allocated(case%frame%gamma)) gamma = case%frame%gamma
+   end function mass_ratio
+
+   pure real(wp) function inertance(case) result(beta)
+      type(case_t), intent(in) :: case
+
+      beta = 0
+      if (allocated(case%inerter)) beta = case%inerter%inertance_over_m_w
+   end function inertance
+
+   !> What applies to the scene, and only that.
+   subroutine fill_result(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(inout) :: observer
+      type(result_t), intent(inout) :: result
+
+      result%impacts = observer%impacts
+      result%lift_offs = observer%lift_offs
+      result%has_impacts = equation%has_impacts
+      result%overturned = hybrid%mode == mode_overturned
+      result%rhs_evaluations = equation%rhs_evaluations
+      result%t_end = hybrid%t
+      result%final_state = hybrid%y
+      if (.not. allocated(result%warnings)) call collect_warnings(case, equation, result)
+      if (equation%has_frame) then
+         result%u_s_max = observer%u_max
+         result%t_u_s_max = observer%t_u_max
+      end if
+      if (equation%has_memory .or. equation%has_course) then
+         call fill_memory(case, equation, hybrid, result)
+      end if
+      if (allocated(case%yielding) .and. allocated(case%storeys)) then
+         if (allocated(case%yielding%storey_u_y)) call fill_storeys(case, equation, hybrid, &
+            observer, result)
+      end if
+      if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
+      if (observer%keeps_energy) result%energy = observer%energy
+      if (allocated(observer%forces)) then
+         result%reactions = force_extremes(observer%forces, equation, observer%theta_min, &
+            observer%theta_max, observer%u_max)
+      end if
+      if (observer%keeps_history) then
+         call move_alloc(observer%events, result%events)
+         result%history = observer%history
+      end if
+   end subroutine fill_result
+
+   !> What yielding and rupture leave behind.
+   subroutine fill_memory(case, equation, hybrid, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(result_t), intent(inout) :: result
+
+      if (equation%cable%is_tendon) then
+         result%prestress_loss = prestress_loss(equation, hybrid%y(1))
+         result%has_ruptured = tendon_is_broken(equation)
+      end if
+      if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
+      if (allocated(case%yielding)) then
+         if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
+            /yield_displacement(case)
+         if (equation%has_course) then
+            result%residual_displacement = bouc_wen_residual(equation, hybrid%y)
+         else
+            result%residual_displacement = frame_residual(equation, hybrid%y(1))
+         end if
+      end if
+   end subroutine fill_memory
+
+   !> What yielding of the single storeys leaves behind. Where a straight line links them all to the
+   !> roof, they have their shares of its displacement.
+   subroutine fill_storeys(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      !! with `&yielding storey_u_y`
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(in) :: observer
+      type(result_t), intent(inout) :: result
+      real(wp) :: share(size(case%storeys%frame%m))
+      !! of each storey in the height [-]
+
+      associate (height => case%storeys%frame%height)
+         if (equation%floors%yields) then
+            result%storey_ductility = observer%drifts/storey_strengths(case)
+            result%storey_residual_drift = storey_residuals(equation, hybrid%y)
+            result%residual_displacement = sum(result%storey_residual_drift)
+            result%storey_residual_drift = result%storey_residual_drift/height
+         else
+            share = height/sum(height)
+            result%storey_ductility = result%u_s_max*share/storey_strengths(case)
+            result%storey_residual_drift = frame_residuals(equation, hybrid%y(1))/sum(height)
+         end if
+      end associate
+      result%ductility = maxval(result%storey_ductility)
+   end subroutine fill_storeys
+
+   !> What the user should know about the scene itself.
+   subroutine collect_warnings(case, equation, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      type(result_t), intent(inout) :: result
+      real(wp) :: e
+      real(wp) :: e_max
+
+      allocate (result%warnings(0))
+      if (case%solver%method == 'fast') then
+         call add_warning(result, 'method fast is for spectra: this run was integrated by dop853')
+      end if
+      if (.not. allocated(case%wall)) return
+      if (case%wall%base == 'pinned') return
+      if (equation%has_vertical) call warn_of_weight(equation, result)
+      if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
+      e = restitution(case, equation%p%alpha)
+      e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
+      if (allocated(case%impact)) then
+         if (e <= 0 .and. (case%impact%rule == 'housner' .or. case%impact%rule == 'coupled')) then
+            call add_warning(result, 'the momentum balance leaves no velocity at impact for so ' &
+               //'squat a wall: e = 0')
+         end if
+      end if
+      if (e > e_max) then
+         ! gfortran keeps the length of such texts in static memory: one thread at a time
+         !$omp critical (rwmf_text)
+         call add_warning(result, 'e = '//real_to_text(e)//' exceeds e_max = ' &
+            //real_to_text(e_max)//', the most that the momentum balance of wall and frame allows')
+         !$omp end critical (rwmf_text)
+      end if
+      if (.not. allocated(case%cable)) return
+      if (case%model%formulation == 'published' .and. &
+         abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
+         call add_warning(result, 'published: for theta < 0 the cable force of Eq. (1) falls ' &
+            //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
+      end if
+   end subroutine collect_warnings
+
+   subroutine fill_wall(case, equation, hybrid, observer, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(observer_t), intent(in) :: observer
+      type(result_t), intent(inout) :: result
+
+      result%theta_max = observer%theta_max
+      result%theta_min = observer%theta_min
+      result%theta_max_over_alpha = max(observer%theta_max, -observer%theta_min)/equation%p%alpha
+      result%theta_dot_max = observer%theta_dot_max
+      if (equation%has_impacts) then
+         ! a table has no single factor
+         if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
+         result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
+      end if
+      if (equation%has_cable) result%cable_increment_max = largest_increment(equation, observer)
+   end subroutine fill_wall
+
+   !> Maximum of P/(m_w g) - eta_0: the force is monotone in |theta| on each side [-].
+   real(wp) function largest_increment(equation, observer) result(increment)
+      type(equation_t), intent(inout) :: equation
+      type(observer_t), intent(in) :: observer
+      type(cable_state_t) :: cable
+
+      if (equation%cable%is_tendon) then
+         increment = observer%cable_max - equation%cable%eta_0
+         return
+      end if
+      increment = -huge(increment)
+      if (observer%theta_max >= 0) then
+         equation%side = 1
+         cable = cable_at(equation, observer%theta_max)
+         increment = max(increment, cable%force)
+         cable = cable_at(equation, max(0.0_wp, observer%theta_min))
+         increment = max(increment, cable%force)
+      end if
+      if (observer%theta_min <= 0) then
+         equation%side = -1
+         cable = cable_at(equation, observer%theta_min)
+         increment = max(increment, cable%force)
+         cable = cable_at(equation, min(0.0_wp, observer%theta_max))
+         increment = max(increment, cable%force)
+      end if
+      increment = increment - equation%cable%eta_0
+   end function largest_increment
+
+end module rwmf_simulation_run

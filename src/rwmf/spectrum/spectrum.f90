@@ -1,0 +1,243 @@
+!> Response spectra: the loop over frame periods, mass ratios and widths of the wall, in parallel.
+module rwmf_spectrum_spectrum
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_problem_case, only: case_t, spectrum_spec_t
+   use rwmf_core_control, only: control_t, count_done, is_cancelled
+   use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
+   use rwmf_spectrum_fast_bare_frame, only: run_frames
+   use rwmf_spectrum_fast_driver, only: run_fast
+   use rwmf_spectrum_fast_eligibility, only: is_supported
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_factory, only: spectrum_method
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate_under
+   !$ use omp_lib, only: omp_get_max_threads
+   implicit none
+   private
+
+   public :: spectrum_t, compute_spectrum, spectrum_periods
+
+   !> Peak displacements over the grid of a `&spectrum` group.
+   type :: spectrum_t
+      real(wp), allocatable :: T_s(:)
+      !! (n_T) periods [s]
+      real(wp), allocatable :: gamma(:)
+      !! (n_gamma) mass ratios [-]; absent for the bare frame
+      real(wp), allocatable :: b(:)
+      !! (n_b) half widths [m]; absent for the bare frame
+      real(wp), allocatable :: u_s_max(:, :, :)
+      !! (n_T, n_gamma, n_b) [m]; NaN where the simulation failed
+      character(24), allocatable :: status(:, :, :)
+      !! (n_T, n_gamma, n_b) 'ok', 'overturned' or the name of an error
+      integer(i8) :: rhs_evaluations
+      real(wp) :: seconds
+      !! wall-clock time [s]
+      integer :: threads
+      !! in use
+   end type spectrum_t
+
+contains
+
+   !> Compute the spectrum that a case's `&spectrum` asks for.
+   !>
+   !> Each ordinate is a simulation of its own, so that the result has the same bits for every
+   !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
+   !> on.
+   subroutine compute_spectrum(case, threads, spectrum, error, control)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: threads
+      !! 0: all that OpenMP offers
+      type(spectrum_t), intent(out) :: spectrum
+      type(error_t), allocatable, intent(out) :: error
+      !! no `&spectrum`, no memory, or interrupted
+      type(control_t), intent(in), optional :: control
+      type(control_t) :: signals
+      integer(i8) :: started
+      integer(i8) :: finished
+      integer(i8) :: rate
+
+      if (.not. allocated(case%spectrum)) then
+         call fail(error, err_input, 'no &spectrum group: nothing to loop over')
+         return
+      end if
+      if (present(control)) signals = control
+      call system_clock(started, rate)
+      call prepare_grid(case, spectrum, error)
+      if (allocated(error)) return
+      spectrum%threads = usable_threads(threads)
+      call run_all(case, motion_from_case(case), signals, spectrum)
+      call system_clock(finished)
+      spectrum%seconds = real(finished - started, wp)/real(rate, wp)
+      if (is_cancelled(signals)) call fail(error, err_interrupt, 'spectrum interrupted')
+   end subroutine compute_spectrum
+
+   pure subroutine prepare_grid(case, spectrum, error)
+      type(case_t), intent(in) :: case
+      type(spectrum_t), intent(inout) :: spectrum
+      type(error_t), allocatable, intent(out) :: error
+      integer :: n_gamma
+      integer :: n_b
+      integer :: status
+
+      spectrum%T_s = spectrum_periods(case%spectrum)
+      n_gamma = 1
+      n_b = 1
+      if (allocated(case%wall)) then
+         if (allocated(case%spectrum%gamma)) then
+            spectrum%gamma = case%spectrum%gamma
+         else
+            spectrum%gamma = [case%frame%gamma]
+         end if
+         spectrum%b = [case%wall%b]
+         if (allocated(case%spectrum%b)) spectrum%b = case%spectrum%b
+         n_gamma = size(spectrum%gamma)
+         n_b = size(spectrum%b)
+      end if
+      allocate (spectrum%u_s_max(size(spectrum%T_s), n_gamma, n_b), stat=status)
+      if (status == 0) then
+         allocate (spectrum%status(size(spectrum%T_s), n_gamma, n_b), stat=status)
+      end if
+      if (status /= 0) then
+         call fail(error, err_numerical, 'out of memory for the spectrum', 'out_of_memory')
+         return
+      end if
+      spectrum%u_s_max = ieee_value(1.0_wp, ieee_quiet_nan)
+      spectrum%status = 'interrupted'
+      spectrum%rhs_evaluations = 0_i8
+   end subroutine prepare_grid
+
+   !> Periods of a `&spectrum`: the list, or the grid with both ends included [s].
+   pure function spectrum_periods(spec) result(T_s)
+      type(spectrum_spec_t), intent(in) :: spec
+      real(wp), allocatable :: T_s(:)
+      !! (n_T)
+      real(wp) :: x
+      integer :: i
+
+      if (allocated(spec%T_s)) then
+         T_s = spec%T_s
+         return
+      end if
+      allocate (T_s(spec%n))
+      do i = 1, spec%n
+         x = real(i - 1, wp)/real(max(1, spec%n - 1), wp)
+         if (spec%spacing == 'log') then
+            T_s(i) = spec%T_s_min*(spec%T_s_max/spec%T_s_min)**x
+         else
+            T_s(i) = spec%T_s_min + x*(spec%T_s_max - spec%T_s_min)
+         end if
+      end do
+      if (spec%n > 1) T_s(spec%n) = spec%T_s_max
+   end function spectrum_periods
+
+   integer function usable_threads(threads)
+      integer, intent(in) :: threads
+      !! as asked for
+
+      usable_threads = max(1, threads)
+      !$ if (threads <= 0) usable_threads = omp_get_max_threads()
+   end function usable_threads
+
+   !> All ordinates. Each thread takes the next one when it is free: short periods cost more.
+   subroutine run_all(case, motion, control, spectrum)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(spectrum_t), intent(inout) :: spectrum
+      integer(i8) :: evaluations
+      integer :: i
+
+      if (spectrum_method(case%solver%method) == 'fast') then
+         call run_lanes(case, motion, control, spectrum)
+      end if
+      evaluations = 0_i8
+      !$omp parallel do num_threads(spectrum%threads) schedule(dynamic) default(shared) &
+      !$omp reduction(+:evaluations)
+      do i = 1, size(spectrum%u_s_max)
+         call run_one(case, motion, control, spectrum, i, evaluations)
+      end do
+      !$omp end parallel do
+      spectrum%rhs_evaluations = evaluations
+   end subroutine run_all
+
+   !> The ordinates that advance in lanes; the others keep their status and are run one by one.
+   subroutine run_lanes(case, motion, control, spectrum)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(spectrum_t), intent(inout) :: spectrum
+      logical :: is_done(size(spectrum%T_s), size(spectrum%u_s_max, 2), size(spectrum%u_s_max, 3))
+
+      is_done = .false.
+      if (.not. is_supported(case)) return
+      if (allocated(case%wall)) then
+         call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
+            spectrum%b, spectrum%u_s_max, is_done)
+      else
+         call run_frames(case, motion, spectrum%threads, control, spectrum%T_s, &
+            spectrum%u_s_max(:, 1, 1), is_done(:, 1, 1))
+      end if
+      where (is_done) spectrum%status = 'ok'
+   end subroutine run_lanes
+
+   !> One ordinate. Everything that a thread needs for itself is local here.
+   subroutine run_one(case, motion, control, spectrum, number, evaluations)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(spectrum_t), intent(inout) :: spectrum
+      integer, intent(in) :: number
+      !! of the ordinate, T_s running fastest
+      integer(i8), intent(inout) :: evaluations
+      type(case_t) :: one
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: i, j, k
+
+      if (is_cancelled(control)) return
+      i = mod(number - 1, size(spectrum%T_s)) + 1
+      j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
+      k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
+      if (spectrum%status(i, j, k) == 'ok') return
+      call copy_scene(case, one)
+      one%frame%T_s = spectrum%T_s(i)
+      if (allocated(one%wall)) then
+         one%frame%gamma = spectrum%gamma(j)
+         one%wall%b = spectrum%b(k)
+      end if
+      call simulate_under(one, motion, control, result, error)
+      call count_done(control)
+      if (allocated(error)) then
+         spectrum%status(i, j, k) = error%name
+         return
+      end if
+      spectrum%u_s_max(i, j, k) = result%u_s_max
+      spectrum%status(i, j, k) = 'ok'
+      if (result%overturned) spectrum%status(i, j, k) = 'overturned'
+      evaluations = evaluations + result%rhs_evaluations
+   end subroutine run_one
+
+   !> The case without what an ordinate does not need: text, record, outputs.
+   pure subroutine copy_scene(case, scene)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(out) :: scene
+
+      if (allocated(case%wall)) scene%wall = case%wall
+      if (allocated(case%frame)) scene%frame = case%frame
+      if (allocated(case%storeys)) scene%storeys = case%storeys
+      if (allocated(case%link)) scene%link = case%link
+      if (allocated(case%damper)) scene%damper = case%damper
+      if (allocated(case%fuse)) scene%fuse = case%fuse
+      if (allocated(case%yielding)) scene%yielding = case%yielding
+      if (allocated(case%inerter)) scene%inerter = case%inerter
+      if (allocated(case%vertical)) scene%vertical = case%vertical
+      if (allocated(case%cable)) scene%cable = case%cable
+      if (allocated(case%impact)) scene%impact = case%impact
+      if (allocated(case%initial)) scene%initial = case%initial
+      scene%model = case%model
+      scene%solver = case%solver
+      scene%solver%method = trim(spectrum_method(case%solver%method))
+   end subroutine copy_scene
+
+end module rwmf_spectrum_spectrum

@@ -1,0 +1,350 @@
+!> Text helpers: numbers to text and back, words of a line, names that resemble each other.
+module rwmf_text_strings
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use rwmf_core_kinds, only: dp, i8, wp
+   implicit none
+   private
+
+   public :: string_t
+   public :: integer_to_text, real_to_text, parse_real, parse_integer
+   public :: to_lower, shown, next_line, next_word, is_separator, nearest_name
+
+   !> A text in an array of texts of different lengths.
+   type :: string_t
+      character(:), allocatable :: text
+   end type string_t
+
+   !> Integer as text without blanks.
+   interface integer_to_text
+      module procedure :: default_integer_to_text
+      module procedure :: long_integer_to_text
+   end interface integer_to_text
+
+contains
+
+   pure function default_integer_to_text(value) result(text)
+      integer, intent(in) :: value
+      character(:), allocatable :: text
+
+      text = long_integer_to_text(int(value, i8))
+   end function default_integer_to_text
+
+   pure function long_integer_to_text(value) result(text)
+      integer(i8), intent(in) :: value
+      character(:), allocatable :: text
+      character(20) :: buffer
+
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function long_integer_to_text
+
+   !> Real as the shortest text that gives the same double precision number when it is read.
+   pure function real_to_text(x) result(text)
+      real(wp), intent(in) :: x
+      !! [any]; in the quadruple build rounded to double precision
+      character(:), allocatable :: text
+      integer, parameter :: most_digits = 17
+      character(40) :: buffer
+      character(12) :: form
+      real(dp) :: value
+      real(dp) :: read_back
+      integer :: digits
+      integer :: stat
+
+      value = real(x, dp)
+      if (ieee_is_nan(value)) then
+         text = 'nan'
+      else if (.not. ieee_is_finite(value)) then
+         text = merge('inf ', '-inf', value > 0)
+         text = trim(text)
+      else
+         ! with 15 digits the shortest text only has zeros behind, which plain_number drops
+         do digits = 15, most_digits
+            write (form, '("(es40.", i0, "e3)")') digits - 1
+            write (buffer, form) value
+            read (buffer, *, iostat=stat) read_back
+            if (stat == 0 .and. abs(read_back - value) <= 0) exit
+         end do
+         text = plain_number(trim(adjustl(buffer)))
+      end if
+   end function real_to_text
+
+   !> `-1.25E-002` as -0.0125: without exponent where that is easier to read.
+   pure function plain_number(scientific) result(text)
+      character(*), intent(in) :: scientific
+      !! sign, one digit, point, digits, `E`, sign, three digits
+      character(:), allocatable :: text
+      character(:), allocatable :: digits
+      character(:), allocatable :: sign
+      integer :: at
+      integer :: exponent
+      integer :: first
+      integer :: stat
+
+      sign = merge('-', ' ', scientific(1:1) == '-')
+      first = verify(scientific, '-')
+      at = index(scientific, 'E')
+      read (scientific(at + 1:), *, iostat=stat) exponent
+      digits = scientific(first:first)//scientific(first + 2:at - 1)
+      digits = digits(:max(1, verify(digits, '0', back=.true.)))
+      if (stat /= 0) then
+         text = scientific
+         return
+      else if (exponent >= 15 .or. exponent < -4) then
+         text = digits(1:1)//'.'//padded(digits(2:), 1)//'e'//integer_to_text(exponent)
+      else if (exponent < 0) then
+         text = '0.'//repeat('0', -exponent - 1)//digits
+      else
+         digits = padded(digits, exponent + 2)
+         text = digits(:exponent + 1)//'.'//digits(exponent + 2:)
+      end if
+      text = trim(adjustl(sign//text))
+   end function plain_number
+
+   !> Digits with zeros behind up to a length.
+   pure function padded(digits, length) result(text)
+      character(*), intent(in) :: digits
+      integer, intent(in) :: length
+      character(:), allocatable :: text
+
+      text = digits//repeat('0', max(0, length - len(digits)))
+   end function padded
+
+   !> Read a decimal number, and nothing else: no list, no repeat, no NaN, no infinity.
+   !>
+   !> Point and exponent (`e` or `d`) are optional, a zero before or after the point as well.
+   !> The nearest double precision number is returned, whatever the working precision is, so that
+   !> all builds see the same input.
+   pure subroutine parse_real(text, value, ok)
+      character(*), intent(in) :: text
+      !! without blanks
+      real(dp), intent(out) :: value
+      !! [any], zero when the text is not such a number
+      logical, intent(out) :: ok
+      !! false: not a number, or its magnitude is 1e308 or more
+      integer, parameter :: most_digits = 15, most_exponent = 22
+      integer(i8) :: mantissa
+      integer :: digits
+      integer :: exponent
+      integer :: stat
+
+      value = 0
+      call split_number(text, mantissa, digits, exponent, ok)
+      if (.not. ok) return
+      if (digits == 0) then
+         return
+      else if (digits + exponent > range(value) + 1) then
+         ok = .false.
+      else if (digits <= most_digits .and. abs(exponent) <= most_exponent) then
+         ! both factors are exact, hence the result is correctly rounded; 20 times faster
+         value = real(mantissa, dp)
+         if (exponent < 0) value = value/10.0_dp**(-exponent)
+         if (exponent > 0) value = value*10.0_dp**exponent
+         if (text(1:1) == '-') value = -value
+      else
+         read (text, *, iostat=stat) value
+         ok = stat == 0
+      end if
+   end subroutine parse_real
+
+   !> The digits of a number as an integer, and its decimal exponent.
+   pure subroutine split_number(text, mantissa, digits, exponent, ok)
+      character(*), intent(in) :: text
+      integer(i8), intent(out) :: mantissa
+      !! the first 15 significant digits
+      integer, intent(out) :: digits
+      !! number of significant digits
+      integer, intent(out) :: exponent
+      !! decimal exponent of the last digit
+      logical, intent(out) :: ok
+      logical :: has_digit
+      logical :: has_point
+      integer :: i
+
+      mantissa = 0
+      digits = 0
+      exponent = 0
+      has_digit = .false.
+      has_point = .false.
+      ok = .true.
+      i = 1
+      if (scan(text(:min(1, len(text))), '+-') == 1) i = 2
+      do i = i, len(text)
+         select case (text(i:i))
+         case ('0':'9')
+            has_digit = .true.
+            if (has_point) exponent = exponent - 1
+            if (digits > 0 .or. text(i:i) /= '0') digits = digits + 1
+            if (digits <= 15) mantissa = 10*mantissa + (iachar(text(i:i)) - iachar('0'))
+         case ('.')
+            ok = ok .and. .not. has_point
+            has_point = .true.
+         case ('e', 'E', 'd', 'D')
+            call add_exponent(text(i + 1:), exponent, ok)
+            exit
+         case default
+            ok = .false.
+         end select
+         if (.not. ok) exit
+      end do
+      ok = ok .and. has_digit
+   end subroutine split_number
+
+   !> Add the number behind the letter of the exponent.
+   pure subroutine add_exponent(text, exponent, ok)
+      character(*), intent(in) :: text
+      integer, intent(inout) :: exponent
+      logical, intent(inout) :: ok
+      integer, parameter :: most = 100000
+      integer :: value
+
+      call parse_integer(text, value, ok)
+      ! beyond this bound the result is zero or too large anyway
+      exponent = exponent + max(-most, min(most, value))
+   end subroutine add_exponent
+
+   !> Read an integer, and nothing else.
+   pure subroutine parse_integer(text, value, ok)
+      character(*), intent(in) :: text
+      !! without blanks
+      integer, intent(out) :: value
+      !! zero when the text is not an integer or out of range
+      logical, intent(out) :: ok
+      integer(i8) :: long
+      integer :: first
+      integer :: i
+
+      value = 0
+      long = 0
+      first = 1
+      if (scan(text(:min(1, len(text))), '+-') == 1) first = 2
+      ok = len(text) >= first .and. verify(text(first:), '0123456789') == 0
+      if (.not. ok) return
+      do i = first, len(text)
+         long = 10*long + (iachar(text(i:i)) - iachar('0'))
+         ok = long <= huge(value)
+         if (.not. ok) return
+      end do
+      value = int(long)
+      if (text(1:1) == '-') value = -value
+   end subroutine parse_integer
+
+   !> The same text with small letters.
+   elemental function to_lower(text) result(lower)
+      character(*), intent(in) :: text
+      character(len(text)) :: lower
+      integer :: i
+
+      lower = text
+      do i = 1, len(text)
+         if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lower(i:i) = achar(iachar(text(i:i)) + 32)
+      end do
+   end function to_lower
+
+   !> A piece of a file as it may stand in a message: short, on one line, printable.
+   pure function shown(text) result(short)
+      character(*), intent(in) :: text
+      character(:), allocatable :: short
+      integer, parameter :: longest = 60
+      integer :: i
+
+      short = text(:min(len(text), longest))
+      do i = 1, len(short)
+         if (iachar(short(i:i)) < 32 .or. iachar(short(i:i)) >= 127) short(i:i) = '?'
+      end do
+      if (len(text) > longest) short = short//'...'
+   end function shown
+
+   !> The line that begins at `position`, which then moves behind it.
+   pure subroutine next_line(text, position, first, last)
+      character(*), intent(in) :: text
+      integer, intent(inout) :: position
+      !! where the line begins; on return beyond its line feed
+      integer, intent(out) :: first
+      integer, intent(out) :: last
+      !! the line is text(first:last), without line feed and carriage return
+      integer :: length
+
+      first = position
+      length = index(text(first:), achar(10))
+      if (length == 0) length = len(text) - first + 2
+      last = first + length - 2
+      position = last + 2
+      if (last >= first) then
+         if (text(last:last) == achar(13)) last = last - 1
+      end if
+   end subroutine next_line
+
+   !> The first word at or after `position`, which then moves behind it.
+   pure subroutine next_word(line, position, first, last)
+      character(*), intent(in) :: line
+      integer, intent(inout) :: position
+      integer, intent(out) :: first
+      integer, intent(out) :: last
+      !! the word is line(first:last), empty at the end of the line
+
+      do first = position, len(line)
+         if (.not. is_separator(line(first:first))) exit
+      end do
+      do last = first, len(line)
+         if (is_separator(line(last:last))) exit
+      end do
+      position = last
+      last = last - 1
+   end subroutine next_word
+
+   !> Blank, tab, carriage return or comma.
+   elemental logical function is_separator(letter)
+      character(1), intent(in) :: letter
+
+      is_separator = letter == ' ' .or. letter == ',' .or. letter == achar(9) &
+         .or. letter == achar(13)
+   end function is_separator
+
+   !> The name that a mistyped one may have been meant for; '' when none is close.
+   pure function nearest_name(word, names) result(name)
+      character(*), intent(in) :: word
+      character(*), intent(in) :: names(:)
+      !! (n), padded with blanks
+      character(:), allocatable :: name
+      integer :: best
+      integer :: i
+      integer :: found
+
+      name = ''
+      best = 1 + len(word)/3
+      if (len(word) > 2*len(names)) return
+      do i = 1, size(names)
+         found = distance(to_lower(word), to_lower(trim(names(i))))
+         if (found <= best .and. found < len_trim(names(i))) then
+            if (found == best .and. len(name) > 0) cycle
+            best = found
+            name = trim(names(i))
+         end if
+      end do
+   end function nearest_name
+
+   !> Least number of letters to insert, delete or replace (Levenshtein distance).
+   pure integer function distance(a, b)
+      character(*), intent(in) :: a
+      character(*), intent(in) :: b
+      integer :: row(0:len(b))
+      integer :: diagonal
+      integer :: above
+      integer :: i
+      integer :: j
+
+      row = [(j, j=0, len(b))]
+      do i = 1, len(a)
+         diagonal = row(0)
+         row(0) = i
+         do j = 1, len(b)
+            above = row(j)
+            row(j) = min(above + 1, row(j - 1) + 1, diagonal + merge(0, 1, a(i:i) == b(j:j)))
+            diagonal = above
+         end do
+      end do
+      distance = row(len(b))
+   end function distance
+
+end module rwmf_text_strings
