@@ -8,11 +8,11 @@
 !> the sums of all rates but theta' of both, by which they are compared, and the number of steps of
 !> the run.
 program effects
-   use effects_by_hand, only: choose, follow_by_hand => follow_course, hand_i, hand_t, mark, &
-      prepare
+   use effects_by_hand, only: choose, follow_by_hand => follow_loading_direction, hand_i, hand_t, &
+      mark, prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
-   use rwmf_model_hysteresis_bouc_wen, only: follow_course
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, rhs
+   use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
    implicit none
@@ -27,7 +27,7 @@ program effects
       real(wp), allocatable :: y(:, :)
       !! (as many as the equation has, n_states)
       integer :: side(n_states)
-      integer :: course(n_states)
+      integer :: loading_direction(n_states)
       !! sign of theta'
    end type table_t
 
@@ -144,7 +144,7 @@ contains
          table%side(j) = merge(1, -1, mod(j, 2) == 1)
          table%y(1, j) = table%side(j)*0.9_wp*alpha*mod(7*j, n_states)/n_states
          table%y(2, j) = sin(1.0_wp*j)
-         table%course(j) = merge(1, -1, table%y(2, j) > 0)
+         table%loading_direction(j) = merge(1, -1, table%y(2, j) > 0)
          do i = 3, n
             table%y(i, j) = 0.9_wp*sin(1.7_wp*i*j)
          end do
@@ -183,8 +183,9 @@ contains
       total = 0
       do j = 1, n_states
          if (rocks) side = table%side(j)
-         equations(side)%course = table%course(j)
-         if (equations(side)%has_course) call follow_course(equations(side), table%y(3, j))
+         equations(side)%loading_direction = table%loading_direction(j)
+         if (equations(side)%has_loading_direction) call &
+            follow_loading_direction(equations(side), table%y(3, j))
          call rhs(equations(side), table%t(j), table%y(:, j), y_dot)
          total = total + sum(y_dot(2:))
       end do
@@ -202,7 +203,7 @@ contains
       total = 0
       do j = 1, n_states
          if (rocks) p%side = table%side(j)
-         if (p%n > 2) call follow_by_hand(table%course(j), table%y(3, j), p)
+         if (p%n > 2) call follow_by_hand(table%loading_direction(j), table%y(3, j), p)
          call by_hand(p, table%t(j), table%y(:, j), y_dot)
          total = total + sum(y_dot(2:))
       end do

@@ -11,7 +11,7 @@ module effects_by_hand
    implicit none
    private
 
-   public :: hand_t, hand_i, prepare, follow_course, choose, mark
+   public :: hand_t, hand_i, prepare, follow_loading_direction, choose, mark
 
    !> Constants of a scene, and what holds during one flight in one interval of the record.
    type :: hand_t
@@ -194,17 +194,17 @@ contains
    end subroutine prepare_springs
 
    !> Smooth hysteresis in the piece of motion that begins: what the signs of theta' and z say.
-   subroutine follow_course(course, z, p)
-      integer, intent(in) :: course
+   subroutine follow_loading_direction(loading_direction, z, p)
+      integer, intent(in) :: loading_direction
       !! sign of theta'
       real(wp), intent(in) :: z
       type(hand_t), intent(inout) :: p
 
       p%lost = p%grow_lost
-      if (course*z < 0) p%lost = p%fall_lost
+      if (loading_direction*z < 0) p%lost = p%fall_lost
       p%signed_lost = p%lost
       if (z < 0) p%signed_lost = -p%lost
-   end subroutine follow_course
+   end subroutine follow_loading_direction
 
    !> Program of a scene, by its name.
    subroutine choose(name, right_hand_side)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from rwmf import _library
 from rwmf._wire import encode, fetch_text, message_buffer
 
-__all__ = ["Measurement", "Reference", "measure_method", "measure_practice", "solve_reference"]
+__all__ = ["Measurement", "Reference", "measure_method", "measure_baseline", "solve_reference"]
 
 # impacts beyond are counted, their times left out: only chatter has so many
 _ROOM = 20000
@@ -112,7 +112,7 @@ def measure_method(text: str, source: str, method: str, rtol: float, budget: flo
     return Measurement(**room.content(found["impacts"]), **found)
 
 
-def measure_practice(
+def measure_baseline(
     text: str, source: str, name: str, divisor: float, budget: float
 ) -> Measurement:
     """Run a case with one of today's procedures, repeatedly.
@@ -142,7 +142,7 @@ def measure_practice(
     def call(
         _: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
     ) -> tuple[dict[str, Any], int, int]:
-        seconds, dt, counts, status, n = _library.cost_kernel.measure_practice(
+        seconds, dt, counts, status, n = _library.cost_kernel.measure_baseline(
             *_encoded(text, source, name),
             divisor,
             budget,

@@ -228,7 +228,7 @@ def _method(case: Case, method: str, rtol: float) -> Callable[[float], Measureme
 
 
 def _practice(case: Case, name: str, divisor: float) -> Callable[[float], Measurement]:
-    return lambda budget: _measure.measure_practice(
+    return lambda budget: _measure.measure_baseline(
         case.text, case.kernel_source(), name, divisor, budget
     )
 

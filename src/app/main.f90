@@ -4,13 +4,13 @@ program rwmf_batch
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
       error_t, instruction_set, read_case_file, result_t, simulate, spectrum_t, version, &
       write_result, write_spectrum
-   use rwmf_text_atomic_file, only: check_folder, join_path
    use rwmf_app_cli, only: command_line_t, path_t, read_command_line, usage
-   use rwmf_core_error, only: add_context, fail
    use rwmf_app_signals, only: is_interrupted, watch_interrupts
+   use rwmf_core_error, only: add_context, fail
    use rwmf_core_kinds, only: wp
    use rwmf_output_csv, only: case_name
    use rwmf_spectrum_spectrum, only: spectrum_periods
+   use rwmf_text_atomic_file, only: check_folder, join_path
    use rwmf_text_strings, only: integer_to_text
    implicit none
 

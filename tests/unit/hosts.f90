@@ -1,11 +1,11 @@
 !> What a host program does with a wall, for several test programs.
 module hosts
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
-      restore_stepping, save_stepping, snapshot_t, stepping_t, query_forces, query_state, &
+      query_forces, query_state, restore_stepping, save_stepping, snapshot_t, stepping_t, &
       wall_forces_t, wall_state_t
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 

@@ -1,7 +1,7 @@
 !> Scenes that several test programs start from, built in memory.
 module scenes
-   use rwmf_problem_case, only: case_t
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 

@@ -5,16 +5,16 @@ program test_balance
    use reaction_scenes, only: damped, fused, hysteretic, linked, linked_pinned, linked_storeys, &
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_problem_case, only: case_t
+   use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
-   use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_hysteresis_spring_set, only: load_to, frame_residuals
-   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
-   use rwmf_model_reactions, only: cable_force, link_force, reactions_at, reactions_t
    use rwmf_model_equation, only: ground
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_model_hysteresis_spring_set, only: frame_residuals, load_to
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_reactions, only: cable_force, link_force, reactions_at, reactions_t
+   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: damping_matrix
    implicit none
 
@@ -82,14 +82,14 @@ contains
          call enter_interval(equation, interval_at(motion, t))
          if (equation%has_impacts) equation%side = side
          ! what yields has done so, and unloads
-         if (equation%has_memory) call load_to(equation, side*0.13_wp)
+         if (equation%has_bilinear_springs) call load_to(equation, side*0.13_wp)
          do i = -1, 1, 2
             y = [side*0.11_wp, i*0.7_wp, (0.1_wp*j*i, j=3, equation%n)]
             y_ddot = second_derivative(equation, t, y)
             reactions = reactions_at(equation, t, y, y_ddot)
             damper = 0
-            if (allocated(equation%extras)) then
-               if (associated(equation%extras(1)%force)) call equation%extras(1)%force(equation, &
+            if (allocated(equation%effects)) then
+               if (associated(equation%effects(1)%force)) call equation%effects(1)%force(equation, &
                   t, y, y_ddot, damper)
             end if
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
@@ -189,7 +189,7 @@ contains
       kin = kinematics_at(equation, y(1))
       u = equation%p%R*(equation%side*kin%u + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
       if (.not. allocated(case%yielding)) return
-      if (equation%has_course) then
+      if (equation%has_loading_direction) then
          u = u - bouc_wen_residual(equation, y)
       else
          residuals = frame_residuals(equation, y(1))
@@ -383,10 +383,10 @@ contains
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
       force = 0
-      call equation%extras(1)%force(equation, t, y, 0.0_wp, force)
+      call equation%effects(1)%force(equation, t, y, 0.0_wp, force)
       velocity = (lifting_corner(equation, y + step) - lifting_corner(equation, y - step)) &
          /(2*step)*y(2)
-      call checks%close_to(-sum(force*velocity), equation%extras(1)%power(equation, t, y), &
+      call checks%close_to(-sum(force*velocity), equation%effects(1)%power(equation, t, y), &
          'power of the damper', rtol=1.0e-9_wp)
    end subroutine check_damper_power
 

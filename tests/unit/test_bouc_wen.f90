@@ -2,11 +2,11 @@
 program test_bouc_wen
    use check, only: checks_t
    use hosts, only: repeats_the_bits
-   use rwmf_problem_case, only: case_t
-   use rwmf_input_reader, only: read_case_text
    use rwmf_core_error, only: err_input, error_t
-   use rwmf_model_hysteresis_bouc_wen_backbone, only: first_loading
    use rwmf_core_kinds, only: wp
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: frame_scene, rwmf_scene
@@ -62,15 +62,15 @@ contains
       integer :: i
 
       do i = 1, size(x)
-         call checks%close_to(first_loading(x(i), 1.0_wp), 1 - exp(-x(i)), 'n = 1', &
+         call checks%close_to(virgin_displacement(x(i), 1.0_wp), 1 - exp(-x(i)), 'n = 1', &
             rtol=1.0e-14_wp, atol=1.0e-16_wp)
-         call checks%close_to(first_loading(-x(i), 2.0_wp), -tanh(x(i)), 'n = 2', &
+         call checks%close_to(virgin_displacement(-x(i), 2.0_wp), -tanh(x(i)), 'n = 2', &
             rtol=1.0e-14_wp, atol=1.0e-16_wp)
          ! no knee left: the elastic-plastic law
-         call checks%close_to(first_loading(x(i), 1000.0_wp), min(x(i), 1.0_wp), 'n = 1000', &
+         call checks%close_to(virgin_displacement(x(i), 1000.0_wp), min(x(i), 1.0_wp), 'n = 1000', &
             rtol=1.0e-6_wp)
       end do
-      call checks%that(abs(first_loading(0.0_wp, 3.0_wp)) <= 0, 'nothing')
+      call checks%that(abs(virgin_displacement(0.0_wp, 3.0_wp)) <= 0, 'nothing')
    end subroutine check_closed_forms
 
    !> While u grows, z is a function of u/u_y alone, whatever the motion: 1 - exp(-x) for n = 1,

@@ -1,12 +1,12 @@
 !> From text to a validated case: defaults, values, rules between groups, messages, description.
 program test_case
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_input_reader, only: read_case_file, read_case_text
-   use rwmf_input_describe, only: describe_case
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: dp, i8, pi, wp
+   use rwmf_input_describe, only: describe_case
+   use rwmf_input_reader, only: read_case_file, read_case_text
    use rwmf_input_schema, only: all_keys, group_names, key_t, schema_text
+   use rwmf_problem_case, only: case_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
 

@@ -1,19 +1,19 @@
 !> Effects beyond the paper's scene: each against its limit, its derivative and its energy.
 program test_effects
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      query_state, stepping_t, wall_state_t
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, kinematics_at, &
       second_derivative
-   use rwmf_core_error, only: err_input, error_t
    use rwmf_model_jacobian, only: jacobian
-   use rwmf_core_kinds, only: wp
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_motion_polyline, only: merged_times
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_motion_polyline, only: merged_times
+   use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
-      stepping_t, query_state, wall_state_t
    use scenes, only: rwmf_scene
    implicit none
 

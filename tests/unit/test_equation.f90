@@ -1,16 +1,16 @@
 !> The equation of motion against the printed coefficients, its Jacobian and its other forms.
 program test_equation
    use check, only: checks_t
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_model_published, only: coefficients_a, coefficients_b
+   use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, equation_t, &
       interval_of, kinematics_at, second_derivative
+   use rwmf_model_cable, only: cable_state_t
    use rwmf_model_jacobian, only: jacobian
-   use rwmf_core_kinds, only: wp
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_published, only: coefficients_a, coefficients_b
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
-   use rwmf_model_parameters, only: paper_t
+   use rwmf_problem_case, only: case_t
    use scenes, only: block_scene, rwmf_scene
    implicit none
 
@@ -60,7 +60,7 @@ contains
 
    !> Eq. (15a), theta < 0.
    function printed_a(p, theta) result(A)
-      type(paper_t), intent(in) :: p
+      type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: theta
       !! [rad]
       real(wp) :: A(4)
@@ -81,7 +81,7 @@ contains
 
    !> Eq. (15b), theta > 0.
    function printed_b(p, theta) result(B)
-      type(paper_t), intent(in) :: p
+      type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: theta
       !! [rad]
       real(wp) :: B(4)

@@ -2,9 +2,9 @@
 program test_extrema
    use check, only: checks_t
    use reaction_scenes, only: column, damped, scene
-   use rwmf_problem_case, only: case_t, output_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t, output_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: rwmf_scene

@@ -2,9 +2,9 @@
 program test_hybrid
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_core_error, only: error_t, err_numerical
+   use rwmf_core_error, only: err_numerical, error_t
    use rwmf_core_kinds, only: i8, pi, wp
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: block_scene, frame_scene, rwmf_scene

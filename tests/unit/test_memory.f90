@@ -3,17 +3,17 @@ program test_memory
    use check, only: checks_t
    use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, query_state, &
       restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
-   use rwmf_problem_case, only: case_t, fuse_t
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
    use rwmf_core_error, only: err_input, error_t
-   use rwmf_simulation_hybrid_loop, only: begin_hybrid, hybrid_t
-   use rwmf_model_jacobian, only: jacobian
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_simulate, only: simulate
+   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
    use rwmf_model_hysteresis_bilinear, only: is_broken, new_spring, pass_limit, spring_energy, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
+   use rwmf_model_jacobian, only: jacobian
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t, fuse_t
+   use rwmf_simulation_hybrid_loop, only: hybrid_t, start_hybrid
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 
@@ -344,7 +344,7 @@ contains
       do n = 1, size(rotations)
          do side = -1, 1, 2
             y = side*[rotations(n), 0.3_wp]
-            call begin_hybrid(hybrid, equation, 0.1_wp, y)
+            call start_hybrid(hybrid, equation, 0.1_wp, y)
             call jacobian(equation, 0.1_wp, y, by_theta, by_theta_dot)
             call checks%close_to(by_theta, (second_derivative(equation, 0.1_wp, &
                y + [step, 0.0_wp]) - second_derivative(equation, 0.1_wp, y - [step, 0.0_wp])) &

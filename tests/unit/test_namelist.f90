@@ -1,10 +1,10 @@
 !> Text helpers, checksum and the splitting of namelist text.
 program test_namelist
    use check, only: checks_t
-   use rwmf_text_crc32, only: crc32
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_namelist, only: group_t, parse_namelist
+   use rwmf_text_crc32, only: crc32
    use rwmf_text_strings, only: integer_to_text, nearest_name, parse_integer, parse_real, &
       real_to_text
    implicit none

@@ -3,13 +3,13 @@ program test_output
    use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_long, c_null_funptr
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
+   use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
-   use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text
    use rwmf_text_strings, only: integer_to_text
    implicit none
 

@@ -1,10 +1,10 @@
 !> Today's procedures tend to the kernel's answer, each with its order.
 program test_practice
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline, usual_interval
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_baseline_run, only: ode45_atol, ode45_rtol, practice_t, run_practice, usual_interval
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: block_scene, frame_scene, rwmf_scene
@@ -43,24 +43,24 @@ contains
       real(wp), parameter :: allowed_of_maximum = 1.0e-5_wp
       !! the maximum stays one of the points kept: (omega dt)**2/8
       type(case_t) :: case
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       type(result_t) :: result
       type(error_t), allocatable :: error
 
       case = rocking_scene()
       call simulate(case, result, error)
       call checks%no_error(error, 'reference of ode45')
-      call run_practice(case, 'ode45', 0.01_wp, tight, tight, practice, error)
+      call run_baseline(case, 'ode45', 0.01_wp, tight, tight, baseline, error)
       call checks%no_error(error, 'ode45 with tight tolerances')
-      call checks%close_to(practice%u_s_max, result%u_s_max, 'tight ode45: u_s_max', &
+      call checks%close_to(baseline%u_s_max, result%u_s_max, 'tight ode45: u_s_max', &
          rtol=allowed_of_maximum)
-      call checks%close_to(practice%final_state(1), result%final_state(1), 'tight ode45: theta', &
+      call checks%close_to(baseline%final_state(1), result%final_state(1), 'tight ode45: theta', &
          rtol=allowed)
-      call checks%that(size(practice%impact_times) == result%impacts, 'tight ode45: impacts')
+      call checks%that(size(baseline%impact_times) == result%impacts, 'tight ode45: impacts')
       case%model%formulation = 'published'
       call simulate(case, result, error)
-      call run_practice(case, 'ode45', 0.01_wp, tight, tight, practice, error)
-      call checks%close_to(practice%final_state(1), result%final_state(1), &
+      call run_baseline(case, 'ode45', 0.01_wp, tight, tight, baseline, error)
+      call checks%close_to(baseline%final_state(1), result%final_state(1), &
          'tight ode45, published: theta', rtol=allowed)
    end subroutine test_tight_ode45
 
@@ -68,18 +68,18 @@ contains
    subroutine test_default_ode45(checks)
       type(checks_t), intent(inout) :: checks
       type(case_t) :: case
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       type(result_t) :: result
       type(error_t), allocatable :: error
       real(wp) :: found
 
       case = rocking_scene()
       call simulate(case, result, error)
-      call run_practice(case, 'ode45', 0.01_wp, ode45_rtol, ode45_atol, practice, error)
+      call run_baseline(case, 'ode45', 0.01_wp, ode45_rtol, ode45_atol, baseline, error)
       call checks%no_error(error, 'ode45 with default tolerances')
-      found = abs(practice%u_s_max/result%u_s_max - 1)
+      found = abs(baseline%u_s_max/result%u_s_max - 1)
       call checks%that(found < 0.05_wp .and. found > 1.0e-7_wp, 'default ode45: first digits')
-      call checks%that(practice%steps > 20 .and. practice%steps < 500, 'default ode45: steps')
+      call checks%that(baseline%steps > 20 .and. baseline%steps < 500, 'default ode45: steps')
    end subroutine test_default_ode45
 
    !> An impact at the end of its step is an error of the order of the step.
@@ -132,12 +132,12 @@ contains
       !! [s]
       real(wp), intent(in) :: expected(:)
       !! (states)
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       type(error_t), allocatable :: error
 
-      call run_practice(case, name, dt, 0.0_wp, 0.0_wp, practice, error)
+      call run_baseline(case, name, dt, 0.0_wp, 0.0_wp, baseline, error)
       call checks%no_error(error, name)
-      found = norm2(practice%final_state - expected)/norm2(expected)
+      found = norm2(baseline%final_state - expected)/norm2(expected)
    end function end_error
 
    !> A weak motion lifts nothing; a free block calms down.
@@ -146,7 +146,7 @@ contains
       character(7), parameter :: names(3) = ['ode45  ', 'rk4    ', 'newmark']
       type(case_t) :: weak
       type(case_t) :: free
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       type(error_t), allocatable :: error
       integer :: i
 
@@ -160,14 +160,14 @@ contains
       free%impact%rule = 'housner'
       free%solver%t_end = 30
       do i = 1, size(names)
-         call run_practice(weak, trim(names(i)), 0.01_wp, ode45_rtol, ode45_atol, practice, error)
-         call checks%that(practice%steps == 0 .and. practice%theta_max <= 0 &
-            .and. practice%t_end >= 10, trim(names(i))//': a weak motion lifts nothing')
-         call run_practice(free, trim(names(i)), 1.0e-3_wp, ode45_rtol, ode45_atol, practice, error)
+         call run_baseline(weak, trim(names(i)), 0.01_wp, ode45_rtol, ode45_atol, baseline, error)
+         call checks%that(baseline%steps == 0 .and. baseline%theta_max <= 0 &
+            .and. baseline%t_end >= 10, trim(names(i))//': a weak motion lifts nothing')
+         call run_baseline(free, trim(names(i)), 1.0e-3_wp, ode45_rtol, ode45_atol, baseline, error)
          call checks%no_error(error, trim(names(i))//': free rocking')
          ! what a step overshoots at an impact is energy gained: fixed steps may rattle for ever
-         call checks%that(abs(practice%final_state(1)) < 1.0e-3_wp, trim(names(i))//': calms down')
-         call checks%that(size(practice%impact_times) > 5, trim(names(i))//': rocks before')
+         call checks%that(abs(baseline%final_state(1)) < 1.0e-3_wp, trim(names(i))//': calms down')
+         call checks%that(size(baseline%impact_times) > 5, trim(names(i))//': rocks before')
       end do
       call checks%close_to(usual_interval(weak), 0.01_wp, 'a hundredth of the pulse', &
          rtol=4*epsilon(1.0_wp))
@@ -182,7 +182,7 @@ contains
       type(checks_t), intent(inout) :: checks
       character(7), parameter :: names(3) = ['ode45  ', 'rk4    ', 'newmark']
       type(case_t) :: case
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       type(error_t), allocatable :: error
       integer :: i
 
@@ -190,9 +190,9 @@ contains
       case%motion%a_max_g = 1.5_wp
       case%motion%omega_p = 3
       do i = 1, size(names)
-         call run_practice(case, trim(names(i)), 0.01_wp, ode45_rtol, ode45_atol, practice, error)
+         call run_baseline(case, trim(names(i)), 0.01_wp, ode45_rtol, ode45_atol, baseline, error)
          call checks%no_error(error, trim(names(i))//': strong pulse')
-         call checks%that(practice%overturned .and. practice%t_end < case%solver%t_end, &
+         call checks%that(baseline%overturned .and. baseline%t_end < case%solver%t_end, &
             trim(names(i))//': overturns')
       end do
    end subroutine test_overturning
@@ -200,11 +200,11 @@ contains
    subroutine test_unknown_name(checks)
       type(checks_t), intent(inout) :: checks
       type(case_t) :: case
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       type(error_t), allocatable :: error
 
       case = block_scene('dop853')
-      call run_practice(case, 'euler', 0.01_wp, 0.0_wp, 0.0_wp, practice, error)
+      call run_baseline(case, 'euler', 0.01_wp, 0.0_wp, 0.0_wp, baseline, error)
       call checks%has_error(error, err_input, 'euler', 'a name that is not known')
    end subroutine test_unknown_name
 

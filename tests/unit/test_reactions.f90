@@ -3,15 +3,15 @@ program test_reactions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use check, only: checks_t
    use reaction_scenes, only: add_storeys, column, scene
-   use rwmf_problem_case, only: case_t, initial_t, output_t
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
-   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
    use rwmf_model_reactions, only: reactions_at, reactions_t
-   use rwmf_simulation_result, only: result_t
+   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t, initial_t, output_t
+   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_shear_frame, only: modal_mass
+   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: block_scene, frame_scene
    implicit none

@@ -31,14 +31,13 @@ end module host_sine
 program test_stepping
    use check, only: checks_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use host_sine, only: sine_t
    use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
       element_response_t, err_input, err_numerical, error_t, event_impact, event_t, i8, &
-      query_events, query_forces, query_state, respond, restore_stepping, result_t, &
-      save_stepping, simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, &
-      wall_state_t, wp
-   use rwmf_problem_case, only: damper_t, inerter_t
+      query_events, query_forces, query_state, respond, restore_stepping, result_t, save_stepping, &
+      simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, wall_state_t, wp
    use rwmf_core_kinds, only: pi
-   use host_sine, only: sine_t
+   use rwmf_problem_case, only: damper_t, inerter_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

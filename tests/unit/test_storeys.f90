@@ -2,18 +2,18 @@
 program test_storeys
    use check, only: checks_t
    use hosts, only: repeats_the_bits
-   use rwmf_problem_case, only: case_t
-   use rwmf_input_reader, only: read_case_text
-   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_core_error, only: err_input, error_t
-   use rwmf_model_restitution, only: restitution_momentum
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_simulation_result, only: event_branch, event_lift_off, event_rest, result_t
+   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      query_forces, query_state, stepping_t, wall_forces_t, wall_state_t
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_model_restitution, only: restitution_momentum
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, &
       roof_factor, shear_frame_t
+   use rwmf_simulation_result, only: event_branch, event_lift_off, event_rest, result_t
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
-      stepping_t, query_forces, query_state, wall_forces_t, wall_state_t
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text_strings, only: real_to_text
    use scenes, only: frame_scene, rwmf_scene

@@ -7,15 +7,15 @@ module rwmf_bindings_c_api
       c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_bindings_c_strings, only: put_message, put_text, read_case
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_version, only: version
+   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      query_events, query_forces, query_state, require, restore_stepping, save_stepping, &
+      snapshot_t, stepping_t, wall_forces_t, wall_state_t
    use rwmf_motion_ground_motion, only: ground_t
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: event_t, result_t
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
-      require, restore_stepping, save_stepping, snapshot_t, stepping_t, query_events, &
-      query_forces, query_state, wall_forces_t, wall_state_t
-   use rwmf_core_version, only: version
    implicit none
    private
 

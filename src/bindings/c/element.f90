@@ -4,11 +4,11 @@ module rwmf_bindings_c_element
       c_loc, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_bindings_c_strings, only: put_message, read_case
-   use rwmf_problem_case, only: case_t
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
       wall_element_t
    use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 

@@ -2,9 +2,9 @@
 module rwmf_bindings_c_strings
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, &
       c_ptr, c_size_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_input_reader, only: read_case_text
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 

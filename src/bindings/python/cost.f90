@@ -2,13 +2,13 @@
 !> `rwmf._kernel` beside `rwmf_bindings_python_kernel`, whose conventions they follow.
 module rwmf_bindings_python_cost
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_core_error, only: error_t
-   use rwmf_bindings_python_handles, only: make_control, put_error, put_text, read_source
-   use rwmf_baseline_timed_run, only: empty_measured, measure_method, measured_t, &
-      names_of_values => value_names, put_measured, repeat_practice
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_baseline_run, only: usual_interval
+   use rwmf_baseline_timed_run, only: empty_measured, measure_method, &
+      names_of_values => value_names, put_measured, repeat_baseline, timed_run_t
+   use rwmf_bindings_python_handles, only: make_control, put_error, put_text, read_source
+   use rwmf_core_error, only: error_t
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
    implicit none
    public
 
@@ -49,7 +49,7 @@ contains
       integer(c_int), intent(out) :: message_length
       type(case_t) :: the_case
       type(motion_t) :: motion
-      type(measured_t) :: measured
+      type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
@@ -67,7 +67,7 @@ contains
 
    !> The same with one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
    !> interval of such a case over a divisor; `dt` returns it (s).
-   subroutine measure_practice(text, source, name, divisor, budget, n, values, seconds, dt, &
+   subroutine measure_baseline(text, source, name, divisor, budget, n, values, seconds, dt, &
       counts, n_room, impact_times, status, n_message, message, message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
@@ -86,7 +86,7 @@ contains
       integer(c_int8_t), intent(inout) :: message(n_message)
       integer(c_int), intent(out) :: message_length
       type(case_t) :: the_case
-      type(measured_t) :: measured
+      type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
@@ -95,11 +95,11 @@ contains
       call read_source(text, source, the_case, error)
       if (.not. allocated(error)) then
          dt = usual_interval(the_case)/divisor
-         call repeat_practice(the_case, name, dt, budget, measured, error)
+         call repeat_baseline(the_case, name, dt, budget, measured, error)
       end if
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)
-   end subroutine measure_practice
+   end subroutine measure_baseline
 
 end module rwmf_bindings_python_cost

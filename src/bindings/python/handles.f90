@@ -3,10 +3,10 @@
 module rwmf_bindings_python_handles
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_int8_t, c_loc, &
       c_null_ptr
-   use rwmf_problem_case, only: case_t
-   use rwmf_input_reader, only: read_case_text
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: add_context, error_t
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none

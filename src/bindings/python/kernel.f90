@@ -12,21 +12,21 @@
 module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_problem_case, only: case_t
-   use rwmf_input_describe, only: describe_case
-   use rwmf_core_error, only: error_t
-   use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
    use rwmf_bindings_python_handles, only: find_run, find_sweep, join_status, keep_run, &
       keep_sweep, make_control, put_error, put_text, read_source, run_t, sweep_t
-   use rwmf_output_preview, only: inventory_text
+   use rwmf_core_error, only: error_t
+   use rwmf_core_version, only: kernel_version => version
+   use rwmf_input_describe, only: describe_case
+   use rwmf_input_schema, only: schema_text
    use rwmf_motion_ground_motion, only: motion_end, motion_from_case
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
-   use rwmf_simulation_result, only: event_impact, event_name, event_rupture
-   use rwmf_input_schema, only: schema_text
-   use rwmf_simulation_simulate, only: run_simulation => simulate
-   use rwmf_spectrum_spectrum, only: compute_spectrum
+   use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: summarise, summary_item_t, summary_text
-   use rwmf_core_version, only: kernel_version => version
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: event_impact, event_name, event_rupture
+   use rwmf_simulation_simulate, only: run_simulation => simulate
+   use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
+   use rwmf_spectrum_spectrum, only: compute_spectrum
    implicit none
    public
 
@@ -134,7 +134,7 @@ contains
 
       length = 0_c_int
       call read_source(text, source, the_case, error)
-      if (.not. allocated(error)) call inventory_text(the_case, lines, error)
+      if (.not. allocated(error)) call preview_text(the_case, lines, error)
       ! texts: one thread at a time, see `read_case_text`
       !$omp critical (rwmf_text)
       if (.not. allocated(error)) call put_text(lines, buffer, length)

@@ -6,13 +6,13 @@
 !> everywhere: its numbers are those of double precision.
 module rwmf_bindings_python_reference
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_core_error, only: error_t
+   use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, &
+      put_differences, put_measured, timed_run_t
    use rwmf_bindings_python_handles, only: make_control, put_error, read_source
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, measured_t, &
-      put_differences, put_measured
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
    implicit none
    public
 
@@ -49,27 +49,27 @@ contains
       integer(c_int), intent(out) :: message_length
       character(*), parameter :: method = 'extrapolation'
       real(wp), parameter :: once = 0
-      type(case_t) :: the_case
+      type(case_t) :: case
       type(motion_t) :: motion
-      type(measured_t) :: loose
-      type(measured_t) :: tight
+      type(timed_run_t) :: loose
+      type(timed_run_t) :: tight
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       loose = empty_measured()
       tight = empty_measured()
-      call read_source(text, source, the_case, error)
+      call read_source(text, source, case, error)
       if (.not. allocated(error)) then
-         motion = motion_from_case(the_case)
-         call measure_method(the_case, motion, method, real(rtol_loose, wp), once, &
+         motion = motion_from_case(case)
+         call measure_method(case, motion, method, real(rtol_loose, wp), once, &
             make_control(control), loose, error)
          control(1) = control(1) + 1_c_int64_t
       end if
       if (.not. allocated(error)) then
-         if (allocated(the_case%record)) call halve_intervals(the_case%record)
-         if (allocated(the_case%vertical_record)) call halve_intervals(the_case%vertical_record)
-         motion = motion_from_case(the_case)
-         call measure_method(the_case, motion, method, real(rtol, wp), once, &
+         if (allocated(case%record)) call halve_intervals(case%record)
+         if (allocated(case%vertical_record)) call halve_intervals(case%vertical_record)
+         motion = motion_from_case(case)
+         call measure_method(case, motion, method, real(rtol, wp), once, &
             make_control(control), tight, error)
          control(1) = control(1) + 1_c_int64_t
       end if

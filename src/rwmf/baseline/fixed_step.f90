@@ -3,10 +3,10 @@
 !> The impact is applied at the end of the step in which theta changes its sign; theta stays where
 !> the step left it.
 module rwmf_baseline_fixed_step
-   use rwmf_model_jacobian, only: jacobian
+   use rwmf_baseline_problem, only: apply_impact, evaluate, lifting_side, observe, problem_t
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_baseline_problem, only: collide, evaluate, lifting_side, observe, scene_t
+   use rwmf_model_jacobian, only: jacobian
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -20,7 +20,7 @@ contains
    !> Errors: `too_many_steps`; a state that is not finite; Newton's iteration of Newmark's method
    !> that does not end.
    subroutine follow_with_fixed_steps(scene, is_newmark, dt, error)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       logical, intent(in) :: is_newmark
       !! Newmark's method, else Runge and Kutta's
       real(wp), intent(in) :: dt
@@ -45,7 +45,7 @@ contains
 
    !> Does the ground motion lift the wall at this sample?
    subroutine try_lift_off(scene)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       integer :: side
 
       side = lifting_side(scene, scene%t)
@@ -56,7 +56,7 @@ contains
 
    !> Go to the next sample.
    subroutine take_step(scene, is_newmark, t_new, error)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       logical, intent(in) :: is_newmark
       real(wp), intent(in) :: t_new
       !! [s]
@@ -80,17 +80,17 @@ contains
 
    !> Impact or overturning at the end of a step?
    subroutine end_step(scene, dt)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: dt
       !! a flight that would be shorter cannot be followed [s]
 
       scene%overturned = abs(scene%y(1)) >= scene%overturning_angle
       if (scene%overturned) return
-      if (scene%equation%side*scene%y(1) < 0) call collide(scene, dt)
+      if (scene%equation%side*scene%y(1) < 0) call apply_impact(scene, dt)
    end subroutine end_step
 
    subroutine runge_kutta_step(scene, h)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: h
       !! [s]
       real(wp) :: f(2, 4)
@@ -105,7 +105,7 @@ contains
    !> Average acceleration (beta = 1/4, gamma = 1/2), Newton's iteration on the acceleration at the
    !> end of the step.
    subroutine newmark_step(scene, h, error)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: h
       !! [s]
       type(error_t), allocatable, intent(out) :: error

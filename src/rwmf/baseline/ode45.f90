@@ -5,9 +5,9 @@
 !> points a step that Shampine and Reichelt describe (The MATLAB ODE Suite, SIAM J. Sci. Comput. 18,
 !> 1997). It integrates straight over the samples of a record.
 module rwmf_baseline_ode45
+   use rwmf_baseline_problem, only: apply_impact, evaluate, lifting_side, observe, problem_t
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_baseline_problem, only: collide, evaluate, lifting_side, observe, scene_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -60,7 +60,7 @@ contains
    !>
    !> Errors: `too_many_steps`; a step that becomes too small.
    subroutine follow_with_ode45(scene, rtol, atol, dt, error)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: rtol
       !! `RelTol` [-]
       real(wp), intent(in) :: atol
@@ -75,15 +75,15 @@ contains
             call wait_for_lift_off(scene, dt)
             cycle
          end if
-         call fly(scene, rtol, atol, hit, error)
+         call follow_flight(scene, rtol, atol, hit, error)
          if (allocated(error)) return
-         if (hit) call collide(scene, 0.0_wp)
+         if (hit) call apply_impact(scene, 0.0_wp)
       end do
    end subroutine follow_with_ode45
 
    !> Go to the next sample at which the ground motion lifts the wall, or to the end.
    subroutine wait_for_lift_off(scene, dt)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: dt
       integer(i8) :: k
       integer :: side
@@ -104,8 +104,8 @@ contains
    end subroutine wait_for_lift_off
 
    !> One call of ode45: from the present state to the end, an impact or overturning.
-   subroutine fly(scene, rtol, atol, hit, error)
-      type(scene_t), intent(inout) :: scene
+   subroutine follow_flight(scene, rtol, atol, hit, error)
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: rtol
       real(wp), intent(in) :: atol
       logical, intent(out) :: hit
@@ -138,7 +138,7 @@ contains
          step%y = step%y_new
          step%f(:, 1) = step%f(:, stages)
       end do
-   end subroutine fly
+   end subroutine follow_flight
 
    !> First step length [s].
    pure real(wp) function first_length(step, rtol, atol, h_max) result(h)
@@ -165,7 +165,7 @@ contains
 
    !> One step that the tolerances accept; time and state of its end go into the scene.
    subroutine advance(scene, step, rtol, atol, h, h_max, error)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       type(step_t), intent(inout) :: step
       real(wp), intent(in) :: rtol
       real(wp), intent(in) :: atol
@@ -205,7 +205,7 @@ contains
 
    !> The stages of a step of given length.
    subroutine attempt(scene, step)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       type(step_t), intent(inout) :: step
       real(wp) :: y(2)
       integer :: i
@@ -232,7 +232,7 @@ contains
 
    !> Keep the points between the ends of the step and its end.
    subroutine keep_points(scene, step, length)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: length
       !! of the step, or of its part before the impact [s]
@@ -248,7 +248,7 @@ contains
    !>
    !> A flight that begins on theta = 0 is judged from half the resolution later.
    subroutine find_impact(scene, step, hit)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       type(step_t), intent(in) :: step
       logical, intent(out) :: hit
       real(wp) :: left

@@ -5,18 +5,19 @@
 !> what is usually programmed, not what is best: the ground motion is a table that is interpolated,
 !> lift-off is noticed at a sample, maxima are those of the points that are kept.
 module rwmf_baseline_problem
-   use rwmf_problem_case, only: case_t
+   use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, frame_displacement, &
       lift_off_drive, rhs
    use rwmf_model_restitution, only: factor_at, restitution_t
-   use rwmf_core_kinds, only: i8, wp
    use rwmf_motion_ground_motion, only: interval_at, motion_t
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_run, only: impact_law
    implicit none
    private
 
-   public :: practice_t, scene_t
-   public :: create_scene, evaluate, observe, collide, lifting_side, finish_scene, usual_interval
+   public :: baseline_t, problem_t
+   public :: create_problem, evaluate, observe, apply_impact, lifting_side, finish_problem, &
+      usual_interval
 
    real(wp), parameter :: small_velocity = 1.0e-6_wp
    !! a wall that is pressed down and leaves an impact with less comes to rest [rad/s]
@@ -26,7 +27,7 @@ module rwmf_baseline_problem
    !! [s]
 
    !> What such a procedure reports.
-   type :: practice_t
+   type :: baseline_t
       real(wp), allocatable :: u_s_max
       !! largest |u_s| of the points kept [m]; absent without a frame
       real(wp), allocatable :: theta_max
@@ -42,10 +43,10 @@ module rwmf_baseline_problem
       integer(i8) :: rhs_evaluations
       real(wp) :: seconds
       !! wall-clock time [s]
-   end type practice_t
+   end type baseline_t
 
    !> A scene while it is computed.
-   type :: scene_t
+   type :: problem_t
       type(equation_t) :: equation
       type(restitution_t) :: restitution
       !! what an impact leaves of the velocity
@@ -68,17 +69,17 @@ module rwmf_baseline_problem
       real(wp), allocatable :: impact_times(:)
       !! (capacity) [s]
       integer :: impacts
-   end type scene_t
+   end type problem_t
 
 contains
 
    !> The scene of a case at t = 0.
-   subroutine create_scene(case, motion, scene)
+   subroutine create_problem(case, motion, scene)
       type(case_t), intent(in) :: case
       !! valid, with the frame's T_s given
       type(motion_t), intent(in), target :: motion
       !! of the case; outlives the scene
-      type(scene_t), intent(out) :: scene
+      type(problem_t), intent(out) :: scene
 
       call build_equation(case, motion, scene%equation)
       scene%restitution = impact_law(case, scene%equation%p%alpha)
@@ -99,7 +100,7 @@ contains
       allocate (scene%impact_times(64))
       if (scene%y(1) < 0 .or. (abs(scene%y(1)) <= 0 .and. scene%y(2) < 0)) scene%equation%side = -1
       call observe(scene, scene%y)
-   end subroutine create_scene
+   end subroutine create_problem
 
    !> The interval of time at which such a case is usually sampled: the record's own, a hundredth of
    !> the pulse's period, 0.01 s without a motion [s].
@@ -120,7 +121,7 @@ contains
 
    !> First-order form of the equation of the side in force, until the impact is applied.
    subroutine evaluate(scene, t, y, y_dot)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(2)
@@ -133,7 +134,7 @@ contains
 
    !> Let a point that is kept take part in the maxima.
    subroutine observe(scene, y)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: y(2)
       !! theta, theta'
       integer :: side
@@ -148,8 +149,8 @@ contains
 
    !> Impact at the present time: the velocity falls by the factor e and the other side begins, or
    !> the wall comes to rest.
-   subroutine collide(scene, least_flight)
-      type(scene_t), intent(inout) :: scene
+   subroutine apply_impact(scene, least_flight)
+      type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: least_flight
       !! a flight that would be shorter ends in rest; 0 for no such limit [s]
       real(wp) :: slope(2)
@@ -162,10 +163,10 @@ contains
       if (abs(scene%y(2)) > max(small_velocity, abs(slope(2))*least_flight/2)) return
       scene%y = 0
       scene%rests = .true.
-   end subroutine collide
+   end subroutine apply_impact
 
    subroutine remember_impact(scene)
-      type(scene_t), intent(inout) :: scene
+      type(problem_t), intent(inout) :: scene
       real(wp), allocatable :: grown(:)
 
       if (scene%impacts == size(scene%impact_times)) then
@@ -179,7 +180,7 @@ contains
 
    !> Side on which the ground motion lifts the wall at an instant, 0 for none.
    pure integer function lifting_side(scene, t) result(side)
-      type(scene_t), intent(in) :: scene
+      type(problem_t), intent(in) :: scene
       real(wp), intent(in) :: t
       !! [s]
       integer :: interval
@@ -191,18 +192,18 @@ contains
    end function lifting_side
 
    !> What applies to the scene.
-   subroutine finish_scene(scene, practice)
-      type(scene_t), intent(in) :: scene
-      type(practice_t), intent(inout) :: practice
+   subroutine finish_problem(scene, baseline)
+      type(problem_t), intent(in) :: scene
+      type(baseline_t), intent(inout) :: baseline
 
-      if (scene%equation%has_frame) practice%u_s_max = scene%u_max
-      if (scene%equation%has_wall) practice%theta_max = scene%angle_max
-      practice%impact_times = scene%impact_times(:scene%impacts)
-      practice%final_state = scene%y
-      practice%t_end = scene%t
-      practice%overturned = scene%overturned
-      practice%steps = scene%steps
-      practice%rhs_evaluations = scene%equation%rhs_evaluations
-   end subroutine finish_scene
+      if (scene%equation%has_frame) baseline%u_s_max = scene%u_max
+      if (scene%equation%has_wall) baseline%theta_max = scene%angle_max
+      baseline%impact_times = scene%impact_times(:scene%impacts)
+      baseline%final_state = scene%y
+      baseline%t_end = scene%t
+      baseline%overturned = scene%overturned
+      baseline%steps = scene%steps
+      baseline%rhs_evaluations = scene%equation%rhs_evaluations
+   end subroutine finish_problem
 
 end module rwmf_baseline_problem

@@ -6,17 +6,18 @@
 !> | `rk4`     | Runge and Kutta's method with fixed steps                                       |
 !> | `newmark` | Newmark's method, average acceleration, with fixed steps                        |
 module rwmf_baseline_run
-   use rwmf_problem_case, only: case_t
+   use rwmf_baseline_fixed_step, only: follow_with_fixed_steps
+   use rwmf_baseline_ode45, only: follow_with_ode45
+   use rwmf_baseline_problem, only: baseline_t, create_problem, finish_problem, problem_t, &
+      usual_interval
    use rwmf_core_error, only: err_input, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_baseline_fixed_step, only: follow_with_fixed_steps
-   use rwmf_baseline_ode45, only: follow_with_ode45
-   use rwmf_baseline_problem, only: create_scene, finish_scene, practice_t, scene_t, usual_interval
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: practice_t, run_practice, usual_interval
+   public :: baseline_t, run_baseline, usual_interval
    public :: ode45_rtol, ode45_atol
 
    real(wp), parameter :: ode45_rtol = 1.0e-3_wp
@@ -30,7 +31,7 @@ contains
    !>
    !> Errors: an unknown name; a scene with further states or with springs that remember, which
    !> these procedures have no place for; the numerical failures of the procedure.
-   subroutine run_practice(case, name, dt, rtol, atol, practice, error)
+   subroutine run_baseline(case, name, dt, rtol, atol, baseline, error)
       type(case_t), intent(in) :: case
       !! valid, with the frame's T_s given
       character(*), intent(in) :: name
@@ -41,18 +42,18 @@ contains
       !! of ode45 [-]
       real(wp), intent(in) :: atol
       !! of ode45 [rad] and [rad/s]
-      type(practice_t), intent(out) :: practice
+      type(baseline_t), intent(out) :: baseline
       type(error_t), allocatable, intent(out) :: error
       type(motion_t), target :: motion
-      type(scene_t) :: scene
+      type(problem_t) :: scene
       integer(i8) :: started
       integer(i8) :: finished
       integer(i8) :: rate
 
       motion = motion_from_case(case)
       call system_clock(started, rate)
-      call create_scene(case, motion, scene)
-      if (scene%equation%n > 2 .or. scene%equation%has_memory) then
+      call create_problem(case, motion, scene)
+      if (scene%equation%n > 2 .or. scene%equation%has_bilinear_springs) then
          call fail(error, err_numerical, 'today''s procedures know theta and its rate only: not ' &
             //'&storeys with all modes, &yielding, &fuse, or a cable that yields', 'not_practised')
          return
@@ -66,8 +67,8 @@ contains
          call fail(error, err_input, "practice '"//name//"': 'ode45', 'rk4' or 'newmark'")
       end select
       call system_clock(finished)
-      call finish_scene(scene, practice)
-      practice%seconds = real(finished - started, wp)/real(rate, wp)
-   end subroutine run_practice
+      call finish_problem(scene, baseline)
+      baseline%seconds = real(finished - started, wp)/real(rate, wp)
+   end subroutine run_baseline
 
 end module rwmf_baseline_run

@@ -2,22 +2,22 @@
 !> form for every method and for the reference.
 module rwmf_baseline_timed_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_baseline_run, only: ode45_atol, ode45_rtol, practice_t, run_practice
+   use rwmf_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: dp, i8, wp
-   use rwmf_problem_record, only: record_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_record, only: record_t
    use rwmf_simulation_result, only: event_impact, result_t
    use rwmf_simulation_run, only: run_once
    implicit none
    private
 
-   public :: measured_t, measure_method, value_names, empty_measured
+   public :: timed_run_t, measure_method, value_names, empty_measured
    public :: put_measured, put_differences, halve_intervals
    public :: n_values, at_u_s_max, at_theta_max, at_theta_end, at_theta_dot_end, at_t_end
-   public :: repeat_practice
+   public :: repeat_baseline
 
    integer, parameter :: n_values = 7
    integer, parameter :: at_u_s_max = 1
@@ -29,7 +29,7 @@ module rwmf_baseline_timed_run
    integer, parameter :: at_t_end = 7
 
    !> One simulation in numbers.
-   type :: measured_t
+   type :: timed_run_t
       real(wp) :: values(n_values)
       !! in the order of `value_names`; NaN for what does not apply to the scene
       real(wp), allocatable :: impact_times(:)
@@ -40,7 +40,7 @@ module rwmf_baseline_timed_run
       real(wp) :: seconds
       !! wall-clock time of one run that keeps nothing, the fastest of all repeats [s]
       integer :: repeats
-   end type measured_t
+   end type timed_run_t
 
 contains
 
@@ -55,7 +55,7 @@ contains
    end function value_names
 
    !> Nothing measured yet.
-   type(measured_t) function empty_measured() result(measured)
+   type(timed_run_t) function empty_measured() result(measured)
 
       measured%values = ieee_value(1.0_wp, ieee_quiet_nan)
       allocate (measured%impact_times(0))
@@ -80,7 +80,7 @@ contains
       real(wp), intent(in) :: budget
       !! repeat the run for its time until this much is spent, or not at all for 0 [s]
       type(control_t), intent(in) :: control
-      type(measured_t), intent(out) :: measured
+      type(timed_run_t), intent(out) :: measured
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_repeats = 1000, least_repeats = 3
       type(case_t) :: trial
@@ -126,7 +126,7 @@ contains
 
    subroutine take_result(result, measured)
       type(result_t), intent(in) :: result
-      type(measured_t), intent(inout) :: measured
+      type(timed_run_t), intent(inout) :: measured
 
       associate (values => measured%values)
          if (allocated(result%u_s_max)) values(at_u_s_max) = result%u_s_max
@@ -149,7 +149,7 @@ contains
 
    !> Copy a measurement into a caller's arrays in double precision, as much as there is room for.
    pure subroutine put_measured(measured, values, counts, impact_times)
-      type(measured_t), intent(in) :: measured
+      type(timed_run_t), intent(in) :: measured
       real(dp), intent(inout) :: values(:)
       !! in the order of `value_names`
       integer(i8), intent(out) :: counts(5)
@@ -169,8 +169,8 @@ contains
    !> How far two measurements are apart: values, and for each impact of the first the nearest one
    !> of the other (in chatter their numbers differ).
    pure subroutine put_differences(one, other, differences, impact_differences)
-      type(measured_t), intent(in) :: one
-      type(measured_t), intent(in) :: other
+      type(timed_run_t), intent(in) :: one
+      type(timed_run_t), intent(in) :: other
       real(dp), intent(inout) :: differences(:)
       !! in the order of `value_names`
       real(dp), intent(inout) :: impact_differences(:)
@@ -217,45 +217,45 @@ contains
 
    !> Run one of today's procedures again and again until the budget is spent.
    !>
-   !> Errors: those of `run_practice`.
-   subroutine repeat_practice(the_case, name, dt, budget, measured, error)
-      type(case_t), intent(in) :: the_case
+   !> Errors: those of `run_baseline`.
+   subroutine repeat_baseline(case, name, dt, budget, measured, error)
+      type(case_t), intent(in) :: case
       character(*), intent(in) :: name
       !! 'ode45', 'rk4' or 'newmark'
       real(wp), intent(in) :: dt
       !! [s]
       real(wp), intent(in) :: budget
       !! [s]
-      type(measured_t), intent(out) :: measured
+      type(timed_run_t), intent(out) :: measured
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_repeats = 1000
-      type(practice_t) :: practice
+      type(baseline_t) :: baseline
       real(wp) :: spent
 
       measured = empty_measured()
       spent = 0
       do while (measured%repeats < most_repeats .and. (measured%repeats < 1 .or. spent < budget))
-         call run_practice(the_case, name, dt, ode45_rtol, ode45_atol, practice, error)
+         call run_baseline(case, name, dt, ode45_rtol, ode45_atol, baseline, error)
          if (allocated(error)) return
          measured%repeats = measured%repeats + 1
-         measured%seconds = min(measured%seconds, practice%seconds)
-         spent = spent + practice%seconds
+         measured%seconds = min(measured%seconds, baseline%seconds)
+         spent = spent + baseline%seconds
       end do
-      call take_practice(practice, measured)
-   end subroutine repeat_practice
+      call take_baseline(baseline, measured)
+   end subroutine repeat_baseline
 
-   subroutine take_practice(practice, measured)
-      type(practice_t), intent(in) :: practice
-      type(measured_t), intent(inout) :: measured
+   subroutine take_baseline(baseline, measured)
+      type(baseline_t), intent(in) :: baseline
+      type(timed_run_t), intent(inout) :: measured
 
-      if (allocated(practice%u_s_max)) measured%values(at_u_s_max) = practice%u_s_max
-      if (allocated(practice%theta_max)) measured%values(at_theta_max) = practice%theta_max
-      measured%values([at_theta_end, at_theta_dot_end]) = practice%final_state
-      measured%values(at_t_end) = practice%t_end
-      measured%impact_times = practice%impact_times
-      measured%steps = practice%steps
-      measured%rhs_evaluations = practice%rhs_evaluations
-      measured%overturned = practice%overturned
-   end subroutine take_practice
+      if (allocated(baseline%u_s_max)) measured%values(at_u_s_max) = baseline%u_s_max
+      if (allocated(baseline%theta_max)) measured%values(at_theta_max) = baseline%theta_max
+      measured%values([at_theta_end, at_theta_dot_end]) = baseline%final_state
+      measured%values(at_t_end) = baseline%t_end
+      measured%impact_times = baseline%impact_times
+      measured%steps = baseline%steps
+      measured%rhs_evaluations = baseline%rhs_evaluations
+      measured%overturned = baseline%overturned
+   end subroutine take_baseline
 
 end module rwmf_baseline_timed_run

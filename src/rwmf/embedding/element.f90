@@ -15,15 +15,15 @@
 !> its rates, and asks `rwmf_embedding_element_events` when they change their course.
 module rwmf_embedding_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_model_assembly, only: build_equation
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: build_equation
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_equation, only: equation_t
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_run, only: restitution
-   use rwmf_model_equation, only: equation_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

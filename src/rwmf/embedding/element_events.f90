@@ -2,9 +2,9 @@
 !>
 !> The host knows its motion at both ends of a time step; these find the instant inside it.
 module rwmf_embedding_element_events
+   use rwmf_core_kinds, only: wp
    use rwmf_embedding_element, only: lift_off_drive_of, resting_inertia, velocity_factor, &
       wall_element_t
-   use rwmf_core_kinds, only: wp
    implicit none
    private
 

@@ -14,15 +14,16 @@ module rwmf_embedding_stepping
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_embedding_wall_instance, only: advance_machine, follow_host, hold_ground, identity_of, &
-      machine_t, put_back, snapshot_t, start_machine, take
-   use rwmf_integrator_factory, only: new_stepper
+   use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
+      identity_of, restore_state, save_state, snapshot_t, start_instance, use_host_motion, &
+      wall_instance_t
+   use rwmf_integrator_factory, only: new_integrator
    use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
       kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_storeys_shear_building, only: resistance
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_hysteresis_spring_set, only: foot_residual, frame_residual
+   use rwmf_model_hysteresis_spring_set, only: base_residual, frame_residual
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
@@ -40,7 +41,7 @@ module rwmf_embedding_stepping
 
    !> Handle of a wall. A copy of it is another name of the same wall.
    type :: stepping_t
-      type(machine_t), pointer :: machine => null()
+      type(wall_instance_t), pointer :: instance => null()
    end type stepping_t
 
    !> Advance to a later time under the case's own motion, samples, or a motion that is computed.
@@ -109,17 +110,17 @@ contains
 
       call check_case(stepping, case, t_begin, peak, error)
       if (allocated(error)) return
-      allocate (stepping%machine)
-      associate (machine => stepping%machine)
-         machine%case = case
-         machine%own_motion = motion_from_case(case)
-         if (allocated(machine%case%record)) deallocate (machine%case%record)
-         if (allocated(machine%case%vertical_record)) deallocate (machine%case%vertical_record)
-         if (allocated(machine%case%output)) deallocate (machine%case%output)
-         call build_equation(case, machine%own_motion, machine%equation)
-         call new_stepper(case%solver%method, machine%stepper)
+      allocate (stepping%instance)
+      associate (instance => stepping%instance)
+         instance%case = case
+         instance%own_motion = motion_from_case(case)
+         if (allocated(instance%case%record)) deallocate (instance%case%record)
+         if (allocated(instance%case%vertical_record)) deallocate (instance%case%vertical_record)
+         if (allocated(instance%case%output)) deallocate (instance%case%output)
+         call build_equation(case, instance%own_motion, instance%equation)
+         call new_integrator(case%solver%method, instance%integrator)
       end associate
-      call start_machine(stepping%machine, t_begin, peak, error)
+      call start_instance(stepping%instance, t_begin, peak, error)
       if (allocated(error)) call destroy_stepping(stepping)
    end subroutine create_stepping
 
@@ -130,7 +131,7 @@ contains
       real(wp), intent(in), optional :: peak
       type(error_t), allocatable, intent(out) :: error
 
-      if (associated(stepping%machine)) then
+      if (associated(stepping%instance)) then
          call fail(error, err_input, 'this handle holds a wall already: destroy it first')
       else if (allocated(case%solver%accuracy)) then
          call fail(error, err_input, '&solver: accuracy needs the whole motion; give rtol')
@@ -163,10 +164,10 @@ contains
    subroutine destroy_stepping(stepping)
       type(stepping_t), intent(inout) :: stepping
 
-      if (.not. associated(stepping%machine)) return
-      if (allocated(stepping%machine%stepper)) call stepping%machine%stepper%destroy()
-      deallocate (stepping%machine)
-      stepping%machine => null()
+      if (.not. associated(stepping%instance)) return
+      if (allocated(stepping%instance%integrator)) call stepping%instance%integrator%destroy()
+      deallocate (stepping%instance)
+      stepping%instance => null()
    end subroutine destroy_stepping
 
    !> Is there a wall behind the handle? Fails with `err_input`.
@@ -174,7 +175,7 @@ contains
       type(stepping_t), intent(in) :: stepping
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. associated(stepping%machine)) then
+      if (.not. associated(stepping%instance)) then
          call fail(error, err_input, 'no wall: it was never created, or it has been destroyed', &
             'no_wall')
       end if
@@ -189,14 +190,14 @@ contains
 
       call check_target(stepping, t, error)
       if (allocated(error)) return
-      associate (machine => stepping%machine)
-         if (machine%follows_host) then
-            machine%equation%motion => machine%own_motion
-            call enter_interval(machine%equation, interval_at(machine%own_motion, machine%t))
-            machine%hybrid%must_restart = .true.
-            machine%follows_host = .false.
+      associate (instance => stepping%instance)
+         if (instance%follows_host) then
+            instance%equation%motion => instance%own_motion
+            call enter_interval(instance%equation, interval_at(instance%own_motion, instance%t))
+            instance%hybrid%must_restart = .true.
+            instance%follows_host = .false.
          end if
-         call advance_machine(machine, t, error)
+         call advance_instance(instance, t, error)
       end associate
    end subroutine advance_own
 
@@ -214,10 +215,10 @@ contains
       call check_samples(stepping, t, a, error)
       if (.not. allocated(error)) call refuse_vertical(stepping, error)
       if (allocated(error)) return
-      associate (machine => stepping%machine)
-         call follow_samples(machine%given_motion, t, a)
-         call follow_host(machine, a(1))
-         call advance_machine(machine, t(size(t)), error)
+      associate (instance => stepping%instance)
+         call follow_samples(instance%given_motion, t, a)
+         call use_host_motion(instance, a(1))
+         call advance_instance(instance, t(size(t)), error)
       end associate
    end subroutine advance_samples
 
@@ -236,17 +237,17 @@ contains
       call check_target(stepping, t, error)
       if (.not. allocated(error)) call refuse_vertical(stepping, error)
       if (allocated(error)) return
-      associate (machine => stepping%machine)
-         if (.not. t > machine%t) return
+      associate (instance => stepping%instance)
+         if (.not. t > instance%t) return
          call check_finite(ground%acceleration_at(t), 'ground acceleration', error)
          if (allocated(error)) return
-         call check_finite(ground%acceleration_at(machine%t), 'ground acceleration', error)
+         call check_finite(ground%acceleration_at(instance%t), 'ground acceleration', error)
          if (allocated(error)) return
-         call follow_ground(machine%given_motion, machine%t, t, ground)
-         call follow_host(machine, ground%acceleration_at(machine%t))
-         call advance_machine(machine, t, error)
+         call follow_ground(instance%given_motion, instance%t, t, ground)
+         call use_host_motion(instance, ground%acceleration_at(instance%t))
+         call advance_instance(instance, t, error)
          ! what the host computes with may be gone by the next call
-         if (machine%follows_host) call hold_ground(machine)
+         if (instance%follows_host) call hold_ground_acceleration(instance)
       end associate
    end subroutine advance_ground
 
@@ -260,10 +261,11 @@ contains
       if (allocated(error)) return
       call check_finite(t, 'the time to advance to', error)
       if (allocated(error)) return
-      if (t < stepping%machine%t) then
+      if (t < stepping%instance%t) then
          !$omp critical (rwmf_text)
          call fail(error, err_input, 'cannot advance to t = '//real_to_text(t)//' s from ' &
-            //real_to_text(stepping%machine%t)//' s: restore a saved state to go back', 'backwards')
+            //real_to_text(stepping%instance%t)//' s: restore a saved state to go back', &
+               'backwards')
          !$omp end critical (rwmf_text)
       end if
    end subroutine check_target
@@ -274,8 +276,8 @@ contains
       type(stepping_t), intent(in) :: stepping
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. allocated(stepping%machine%case%vertical)) return
-      if (allocated(stepping%machine%case%vertical%ratio)) return
+      if (.not. allocated(stepping%instance%case%vertical)) return
+      if (allocated(stepping%instance%case%vertical%ratio)) return
       call fail(error, err_input, 'a host hands over the horizontal motion: a case with ' &
          //'&vertical takes a ratio to it, or advances under its own motion')
    end subroutine refuse_vertical
@@ -298,10 +300,10 @@ contains
             'not_finite')
       else if (any(t(2:) <= t(:n - 1))) then
          call fail(error, err_input, 'the times do not increase strictly', 'backwards')
-      else if (abs(t(1) - stepping%machine%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then
+      else if (abs(t(1) - stepping%instance%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then
          !$omp critical (rwmf_text)
          call fail(error, err_input, 'the first time is '//real_to_text(t(1)) &
-            //' s, expected is the present time, '//real_to_text(stepping%machine%t)//' s', &
+            //' s, expected is the present time, '//real_to_text(stepping%instance%t)//' s', &
             'wrong_time')
          !$omp end critical (rwmf_text)
       end if
@@ -317,9 +319,9 @@ contains
 
       call require(stepping, error)
       if (allocated(error)) return
-      call take(stepping%machine, snapshot)
+      call save_state(stepping%instance, snapshot)
       if (snapshot%is_one_step) return
-      stepping%machine%hybrid%must_restart = .true.
+      stepping%instance%hybrid%must_restart = .true.
       snapshot%must_restart = .true.
    end subroutine save_stepping
 
@@ -334,13 +336,13 @@ contains
       if (allocated(error)) return
       if (.not. snapshot%is_filled) then
          call fail(error, err_input, 'nothing was saved in this snapshot', 'empty_snapshot')
-      else if (any(abs(snapshot%identity - identity_of(stepping%machine%equation)) > 0)) then
+      else if (any(abs(snapshot%identity - identity_of(stepping%instance%equation)) > 0)) then
          call fail(error, err_input, 'the snapshot is that of another wall', 'other_wall')
       end if
       if (allocated(error)) return
-      call put_back(stepping%machine, snapshot)
-      if (snapshot%follows_host) call hold_ground(stepping%machine)
-      stepping%machine%observer%n_events = 0
+      call restore_state(stepping%instance, snapshot)
+      if (snapshot%follows_host) call hold_ground_acceleration(stepping%instance)
+      stepping%instance%recorder%n_events = 0
    end subroutine restore_stepping
 
    !> State at the present time.
@@ -351,32 +353,32 @@ contains
 
       call require(stepping, error)
       if (allocated(error)) return
-      associate (hybrid => stepping%machine%hybrid, observer => stepping%machine%observer)
+      associate (hybrid => stepping%instance%hybrid, recorder => stepping%instance%recorder)
          state%t = hybrid%t
          state%at_rest = hybrid%mode == mode_rest
          state%overturned = hybrid%mode == mode_overturned
-         state%impacts = observer%impacts
-         state%lift_offs = observer%lift_offs
-         state%steps = stepping%machine%steps
+         state%impacts = recorder%impacts
+         state%lift_offs = recorder%lift_offs
+         state%steps = stepping%instance%steps
          state%u_s_max = 0
          state%theta_max = 0
-         if (stepping%machine%equation%has_wall) then
-            state%theta_max = max(abs(hybrid%y(1)), observer%theta_max, -observer%theta_min)
+         if (stepping%instance%equation%has_wall) then
+            state%theta_max = max(abs(hybrid%y(1)), recorder%theta_max, -recorder%theta_min)
          end if
       end associate
-      call fill_motion(stepping%machine, state)
+      call fill_motion(stepping%instance, state)
    end subroutine query_state
 
    !> Rotation and displacement with their rates.
-   subroutine fill_motion(machine, state)
-      type(machine_t), intent(in) :: machine
+   subroutine fill_motion(instance, state)
+      type(wall_instance_t), intent(in) :: instance
       type(wall_state_t), intent(inout) :: state
       type(kinematics_t) :: kin
       real(wp) :: y_ddot
 
-      associate (equation => machine%equation, y => machine%hybrid%y)
+      associate (equation => instance%equation, y => instance%hybrid%y)
          y_ddot = 0
-         if (.not. state%at_rest) y_ddot = second_derivative(equation, machine%hybrid%t, y)
+         if (.not. state%at_rest) y_ddot = second_derivative(equation, instance%hybrid%t, y)
          state%theta = 0
          state%theta_dot = 0
          state%theta_ddot = 0
@@ -398,7 +400,7 @@ contains
                state%u_s_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
             end if
          end if
-         if (equation%has_frame) state%u_s_max = max(abs(state%u_s), machine%observer%u_max)
+         if (equation%has_frame) state%u_s_max = max(abs(state%u_s), instance%recorder%u_max)
       end associate
    end subroutine fill_motion
 
@@ -421,65 +423,69 @@ contains
       call query_state(stepping, state, error)
       if (allocated(error)) return
       forces = wall_forces_t(0, 0, 0)
-      associate (machine => stepping%machine, p => stepping%machine%equation%p)
-         frame_mass = machine%mass
-         if (machine%equation%has_wall) frame_mass = p%gamma*machine%mass
-         if (machine%equation%has_frame) then
-            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(machine)) &
+      associate (instance => stepping%instance, p => stepping%instance%equation%p)
+         frame_mass = instance%mass
+         if (instance%equation%has_wall) frame_mass = p%gamma*instance%mass
+         if (instance%equation%has_frame) then
+            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(instance)) &
                + 2*p%xi_s*state%u_s_dot)
-            forces%frame_shear = machine%equation%foot*(restoring + frame_mass*p%omega_squared &
-               *uneven_part(machine))
+            forces%frame_shear = instance%equation%base_shear_ratio*(restoring + &
+               frame_mass*p%omega_squared &
+               *uneven_part(instance))
          end if
-         if (allocated(machine%equation%floors%m)) then
-            floor_forces = machine%mass*resistance(machine%equation, machine%hybrid%y)
+         if (allocated(instance%equation%floors%m)) then
+            floor_forces = instance%mass*resistance(instance%equation, instance%hybrid%y)
             forces%frame_shear = sum(floor_forces)
             restoring = floor_forces(size(floor_forces))
          end if
-         if (machine%equation%has_frame .and. machine%equation%has_wall) then
-            forces%link = frame_mass*(state%u_s_ddot + machine%equation%push*machine%ground) &
+         if (instance%equation%has_frame .and. instance%equation%has_wall) then
+            forces%link = frame_mass*(state%u_s_ddot + &
+               instance%equation%excited_mass_ratio*instance%ground) &
                + restoring
-            if (machine%equation%links_floors) forces%link = link_of_floors(machine, state) &
+            if (instance%equation%links_floors) forces%link = link_of_floors(instance, state) &
                + forces%frame_shear
          end if
-         if (machine%equation%has_cable) then
-            cable = cable_at(machine%equation, machine%hybrid%y(1))
-            forces%cable = machine%mass*p%g*cable%force
+         if (instance%equation%has_cable) then
+            cable = cable_at(instance%equation, instance%hybrid%y(1))
+            forces%cable = instance%mass*p%g*cable%force
          end if
       end associate
    end subroutine query_forces
 
    !> What the floors' momentum takes from links at every floor, beyond the shear of the lowest
    !> storey [N].
-   real(wp) function link_of_floors(machine, state) result(force)
-      type(machine_t), intent(in) :: machine
+   real(wp) function link_of_floors(instance, state) result(force)
+      type(wall_instance_t), intent(in) :: instance
       type(wall_state_t), intent(in) :: state
 
-      associate (equation => machine%equation)
-         force = machine%mass*(equation%p%gamma*(equation%push*state%u_s_ddot + machine%ground) &
-            + equation%floor_mass*machine%ground)
+      associate (equation => instance%equation)
+         force = instance%mass*(equation%p%gamma*(equation%excited_mass_ratio*state%u_s_ddot + &
+            instance%ground) &
+            + equation%floor_mass*instance%ground)
       end associate
    end function link_of_floors
 
    !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
-   real(wp) function plastic_part(machine)
-      type(machine_t), intent(in) :: machine
+   real(wp) function plastic_part(instance)
+      type(wall_instance_t), intent(in) :: instance
 
       plastic_part = 0
-      if (machine%equation%has_course) then
-         plastic_part = bouc_wen_residual(machine%equation, machine%hybrid%y)
-      else if (machine%equation%has_memory) then
-         plastic_part = frame_residual(machine%equation, machine%hybrid%y(1))
+      if (instance%equation%has_loading_direction) then
+         plastic_part = bouc_wen_residual(instance%equation, instance%hybrid%y)
+      else if (instance%equation%has_bilinear_springs) then
+         plastic_part = frame_residual(instance%equation, instance%hybrid%y(1))
       end if
    end function plastic_part
 
    !> How far it differs from that of the lowest storey, where storeys yield one by one [m].
-   real(wp) function uneven_part(machine)
-      type(machine_t), intent(in) :: machine
+   real(wp) function uneven_part(instance)
+      type(wall_instance_t), intent(in) :: instance
 
       uneven_part = 0
-      if (machine%equation%has_course .or. .not. machine%equation%has_memory) return
-      associate (equation => machine%equation, theta => machine%hybrid%y(1))
-         uneven_part = frame_residual(equation, theta) - foot_residual(equation, theta)
+      if (instance%equation%has_loading_direction .or. .not. &
+         instance%equation%has_bilinear_springs) return
+      associate (equation => instance%equation, theta => instance%hybrid%y(1))
+         uneven_part = frame_residual(equation, theta) - base_residual(equation, theta)
       end associate
    end function uneven_part
 
@@ -492,8 +498,8 @@ contains
 
       call require(stepping, error)
       if (allocated(error)) return
-      associate (observer => stepping%machine%observer)
-         events = observer%events(:observer%n_events)
+      associate (recorder => stepping%instance%recorder)
+         events = recorder%events(:recorder%n_events)
       end associate
    end subroutine query_events
 

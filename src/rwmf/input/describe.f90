@@ -1,12 +1,12 @@
 !> A validated case as a table: what it says and what the defaults add.
 module rwmf_input_describe
-   use rwmf_input_value_check, only: parse_bound, parse_logical
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: error_t
-   use rwmf_input_group_values, only: has_group, has_key, text_of, values_for
    use rwmf_core_kinds, only: wp
+   use rwmf_input_group_values, only: has_group, has_key, text_of, values_for
    use rwmf_input_namelist, only: group_t, parse_namelist
    use rwmf_input_schema, only: all_keys, belongs_to, key_t
+   use rwmf_input_value_check, only: parse_bound, parse_logical
+   use rwmf_problem_case, only: case_t
    use rwmf_text_strings, only: integer_to_text, parse_integer, real_to_text, string_t
    implicit none
    private

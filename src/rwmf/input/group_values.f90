@@ -2,10 +2,10 @@
 !>
 !> The groups have passed `check_groups`, so that nothing here can fail.
 module rwmf_input_group_values
-   use rwmf_input_value_check, only: parse_bound, parse_logical
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_namelist, only: entry_t, group_t
    use rwmf_input_schema, only: find_key, key_t, keys_of
+   use rwmf_input_value_check, only: parse_bound, parse_logical
    use rwmf_text_strings, only: parse_integer, string_t, to_lower
    implicit none
    private

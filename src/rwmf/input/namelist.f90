@@ -6,9 +6,9 @@
 !> groups, empty values and subscripts are errors.
 module rwmf_input_namelist
    use rwmf_core_error, only: add_context, err_input, error_t, fail
-   use rwmf_text_strings, only: integer_to_text, parse_integer, shown, string_t, to_lower
    use rwmf_input_scanner, only: next_token, scanner_t, skip_blanks, start_scanner, token_comma, &
       token_end, token_equals, token_group, token_slash, token_string, token_t, token_word
+   use rwmf_text_strings, only: integer_to_text, parse_integer, shown, string_t, to_lower
    implicit none
    private
 

@@ -1,19 +1,19 @@
 !> From namelist text to a validated case.
 module rwmf_input_reader
-   use rwmf_problem_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, inerter_t, &
-      initial_t, link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t
-   use rwmf_input_rules_scene, only: check_rules
-   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_core_error, only: add_context, err_input, error_t, fail
-   use rwmf_text_file, only: read_file
+   use rwmf_core_kinds, only: wp
    use rwmf_input_group_values, only: entry_of, get_list, get_real, get_text, group_of, has_group, &
       has_key, integer_of, logical_of, real_of, text_of
-   use rwmf_core_kinds, only: wp
    use rwmf_input_namelist, only: group_t, parse_namelist
-   use rwmf_problem_record, only: record_t
    use rwmf_input_record_reader, only: read_record
-   use rwmf_text_strings, only: integer_to_text, real_to_text, shown
+   use rwmf_input_rules_scene, only: check_rules
    use rwmf_input_schema_check, only: check_groups
+   use rwmf_problem_case, only: cable_t, case_t, damper_t, frame_t, fuse_t, impact_t, inerter_t, &
+      initial_t, link_t, motion_spec_t, output_t, record_source_t, spectrum_spec_t, wall_t
+   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
+   use rwmf_problem_record, only: record_t
+   use rwmf_text_file, only: read_file
+   use rwmf_text_strings, only: integer_to_text, real_to_text, shown
    implicit none
    private
 

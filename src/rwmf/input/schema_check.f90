@@ -1,9 +1,9 @@
 !> Does namelist text hold to the schema: known groups and keys, once each, with allowed values?
 module rwmf_input_schema_check
-   use rwmf_input_value_check, only: requirement, value_problem
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_input_namelist, only: entry_t, group_t
    use rwmf_input_schema, only: find_key, group_names, key_t, keys_of
+   use rwmf_input_value_check, only: requirement, value_problem
    use rwmf_text_strings, only: integer_to_text, nearest_name, shown
    implicit none
    private

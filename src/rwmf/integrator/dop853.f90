@@ -1,9 +1,9 @@
 !> Dormand and Prince's explicit Runge-Kutta method of order 8 with error estimators of orders 5
 !> and 3. Coefficients: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5.
 module rwmf_integrator_dop853
-   use rwmf_model_assembly, only: rhs
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_one_step, only: one_step_t
+   use rwmf_model_assembly, only: rhs
    implicit none
    private
 

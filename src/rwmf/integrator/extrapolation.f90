@@ -4,9 +4,9 @@
 !> of the quadruple-precision reference. Hairer, Norsett, Wanner: Solving Ordinary Differential
 !> Equations I, section II.9, step numbers 2, 4, 6, ...
 module rwmf_integrator_extrapolation
-   use rwmf_model_assembly, only: rhs
    use rwmf_core_kinds, only: dp, wp
    use rwmf_integrator_one_step, only: error_norm, one_step_t
+   use rwmf_model_assembly, only: rhs
    implicit none
    private
 

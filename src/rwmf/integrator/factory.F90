@@ -4,7 +4,7 @@
 module rwmf_integrator_factory
    use rwmf_integrator_dop853, only: dop853_t
    use rwmf_integrator_extrapolation, only: extrapolation_t
-   use rwmf_integrator_integrator, only: stepper_t
+   use rwmf_integrator_integrator, only: integrator_t
 #ifndef RWMF_QUAD
    use rwmf_integrator_sundials_cvode, only: cvode_t
    use rwmf_integrator_sundials_arkode, only: erk_t
@@ -12,7 +12,7 @@ module rwmf_integrator_factory
    implicit none
    private
 
-   public :: new_stepper, run_method, spectrum_method
+   public :: new_integrator, run_method, spectrum_method
 
 contains
 
@@ -37,35 +37,35 @@ contains
    end function spectrum_method
 
    !> The integrator that `&solver method` names.
-   subroutine new_stepper(method, stepper)
+   subroutine new_integrator(method, integrator)
       character(*), intent(in) :: method
       !! 'auto', 'adams', 'bdf', 'erk54', 'dop853', 'extrapolation' or 'fast'
-      class(stepper_t), allocatable, intent(out) :: stepper
+      class(integrator_t), allocatable, intent(out) :: integrator
 
       select case (run_method(method))
       case ('dop853', 'fast')
          ! A single run has no lanes.
-         allocate (dop853_t :: stepper)
+         allocate (dop853_t :: integrator)
 #ifndef RWMF_QUAD
       case ('adams', 'bdf')
-         call new_cvode(method == 'bdf', stepper)
+         call new_cvode(method == 'bdf', integrator)
       case ('erk54')
-         allocate (erk_t :: stepper)
+         allocate (erk_t :: integrator)
 #endif
       case default
-         allocate (extrapolation_t :: stepper)
+         allocate (extrapolation_t :: integrator)
       end select
-   end subroutine new_stepper
+   end subroutine new_integrator
 
 #ifndef RWMF_QUAD
-   subroutine new_cvode(is_stiff, stepper)
+   subroutine new_cvode(is_stiff, integrator)
       logical, intent(in) :: is_stiff
-      class(stepper_t), allocatable, intent(out) :: stepper
+      class(integrator_t), allocatable, intent(out) :: integrator
       type(cvode_t), allocatable :: cvode
 
       allocate (cvode)
       cvode%is_stiff = is_stiff
-      call move_alloc(cvode, stepper)
+      call move_alloc(cvode, integrator)
    end subroutine new_cvode
 #endif
 

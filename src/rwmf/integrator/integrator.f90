@@ -1,13 +1,13 @@
 !> What the hybrid loop needs of an integrator, and what every integrator can use.
 module rwmf_integrator_integrator
-   use rwmf_model_assembly, only: equation_t, rhs
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_assembly, only: equation_t, rhs
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: fail_step, stepper_t, taylor_step, tolerance_t
+   public :: fail_step, integrator_t, taylor_step, tolerance_t
 
    !> Local error allowed per step: rtol*|y_i| + atol_i.
    type :: tolerance_t
@@ -21,7 +21,7 @@ module rwmf_integrator_integrator
    !>
    !> After `step` the solution is known in [t0, t1]: at the ends as `y0` and `y1`, inside through
    !> `state_at`. `start` begins a new initial value problem and forgets the past.
-   type, abstract :: stepper_t
+   type, abstract :: integrator_t
       real(wp) :: t0
       !! beginning of the last step [s]
       real(wp) :: t1
@@ -38,14 +38,14 @@ module rwmf_integrator_integrator
       procedure(step_i), deferred :: step
       procedure(state_at_i), deferred :: state_at
       procedure(destroy_i), deferred :: destroy
-   end type stepper_t
+   end type integrator_t
 
    abstract interface
       !> Prepare for an equation; the equation outlives the stepper.
       subroutine create_i(self, equation, tolerance, error)
-         import :: stepper_t, equation_t, tolerance_t, error_t
+         import :: integrator_t, equation_t, tolerance_t, error_t
          implicit none
-         class(stepper_t), intent(inout) :: self
+         class(integrator_t), intent(inout) :: self
          type(equation_t), intent(inout), target :: equation
          type(tolerance_t), intent(in) :: tolerance
          type(error_t), allocatable, intent(out) :: error
@@ -53,9 +53,9 @@ module rwmf_integrator_integrator
 
       !> Begin at time t with the state y.
       subroutine start_i(self, t, y, span, error)
-         import :: stepper_t, error_t, wp
+         import :: integrator_t, error_t, wp
          implicit none
-         class(stepper_t), intent(inout) :: self
+         class(integrator_t), intent(inout) :: self
          real(wp), intent(in) :: t
          !! [s]
          real(wp), intent(in) :: y(:)
@@ -68,9 +68,9 @@ module rwmf_integrator_integrator
 
       !> Take one step of the integrator's own choice, at most to t_limit.
       subroutine step_i(self, t_limit, error)
-         import :: stepper_t, error_t, wp
+         import :: integrator_t, error_t, wp
          implicit none
-         class(stepper_t), intent(inout) :: self
+         class(integrator_t), intent(inout) :: self
          real(wp), intent(in) :: t_limit
          !! > t1 [s]
          type(error_t), allocatable, intent(out) :: error
@@ -78,9 +78,9 @@ module rwmf_integrator_integrator
 
       !> State at a time inside the last step.
       subroutine state_at_i(self, t, y, error)
-         import :: stepper_t, error_t, wp
+         import :: integrator_t, error_t, wp
          implicit none
-         class(stepper_t), intent(inout) :: self
+         class(integrator_t), intent(inout) :: self
          real(wp), intent(in) :: t
          !! in [t0, t1] [s]
          real(wp), intent(out) :: y(:)
@@ -90,17 +90,17 @@ module rwmf_integrator_integrator
 
       !> Give back what the integrator holds. Safe to call twice.
       subroutine destroy_i(self)
-         import :: stepper_t
+         import :: integrator_t
          implicit none
-         class(stepper_t), intent(inout) :: self
+         class(integrator_t), intent(inout) :: self
       end subroutine destroy_i
    end interface
 
 contains
 
    !> Say where and with what state an integration failed. Fails with `err_numerical`.
-   subroutine fail_step(stepper, what, rtol, cause, error)
-      class(stepper_t), intent(in) :: stepper
+   subroutine fail_step(integrator, what, rtol, cause, error)
+      class(integrator_t), intent(in) :: integrator
       character(*), intent(in) :: what
       !! what failed
       real(wp), intent(in) :: rtol
@@ -111,9 +111,9 @@ contains
 
       ! gfortran keeps the length of such texts in static memory: one thread at a time
       !$omp critical (rwmf_text)
-      call fail(error, err_numerical, what//' failed at t = '//real_to_text(stepper%t1) &
-         //' s, theta = '//real_to_text(stepper%y1(1))//', theta_dot = ' &
-         //real_to_text(stepper%y1(2))//', rtol = '//real_to_text(rtol)//': '//cause)
+      call fail(error, err_numerical, what//' failed at t = '//real_to_text(integrator%t1) &
+         //' s, theta = '//real_to_text(integrator%y1(1))//', theta_dot = ' &
+         //real_to_text(integrator%y1(2))//', rtol = '//real_to_text(rtol)//': '//cause)
       !$omp end critical (rwmf_text)
    end subroutine fail_step
 

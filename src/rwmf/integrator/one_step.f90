@@ -5,17 +5,17 @@
 !> an event is located on the method's own solution and not on an interpolant.
 module rwmf_integrator_one_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use rwmf_model_assembly, only: equation_t, rhs
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, stepper_t, tolerance_t
+   use rwmf_integrator_integrator, only: fail_step, integrator_t, tolerance_t
+   use rwmf_model_assembly, only: equation_t, rhs
    implicit none
    private
 
    public :: one_step_t, error_norm
 
    !> A one-step method with error estimate.
-   type, abstract, extends(stepper_t) :: one_step_t
+   type, abstract, extends(integrator_t) :: one_step_t
       type(equation_t), pointer :: equation => null()
       type(tolerance_t) :: tolerance
       integer :: error_order = 1

@@ -7,25 +7,24 @@
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_model_assembly
-   use rwmf_model_right_hand_sides, only: bare_frame, corner, corner_with_floors, &
-      corner_with_hysteresis, corner_with_lines, &
-      frame_with_extras, frame_with_hysteresis, frame_with_lines, hinged, &
-      wall_alone, wall_and_frame, with_extras
-   use rwmf_model_hysteresis_spring_set, only: follow_branches
+   use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_model_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, &
       signed_linear_cable, signed_linear_moment, truss_cable, truss_moment, yielding_cable, &
       yielding_moment
-   use rwmf_problem_case, only: cable_t, case_t
-   use rwmf_model_published, only: published
-   use rwmf_model_effects_list, only: are_lines, choose_extras, is_smooth_hysteresis
-   use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_model_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
-      linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
-   use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_model_parameters, only: paper_t
+   use rwmf_model_effects_list, only: are_lines, choose_effects, is_smooth_hysteresis
    use rwmf_model_equation, only: cable_at, enter_interval, equation_t, frame_displacement, &
       ground, interval_of, kinematics_at, lift_off_drive, right_hand_side_i
    use rwmf_model_hysteresis_bilinear, only: new_spring
+   use rwmf_model_hysteresis_spring_set, only: follow_branches
+   use rwmf_model_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
+      linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
+   use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_published, only: published
+   use rwmf_model_right_hand_sides, only: bare_frame, corner, corner_with_floors, &
+      corner_with_hysteresis, corner_with_lines, frame_with_effects, frame_with_hysteresis, &
+      frame_with_lines, hinged, wall_alone, wall_and_frame, with_effects
+   use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_problem_case, only: cable_t, case_t
    implicit none
    private
 
@@ -47,7 +46,7 @@ contains
       equation%has_frame = allocated(case%frame)
       equation%has_cable = allocated(case%cable)
       equation%motion => motion
-      equation%p = paper_parameters(case)
+      equation%p = parameters_of(case)
       equation%sin_alpha = sin(equation%p%alpha)
       equation%cos_alpha = cos(equation%p%alpha)
       equation%has_impacts = equation%has_wall
@@ -59,23 +58,23 @@ contains
          call choose_cable(case, equation)
          call choose_acceleration(case%model%formulation, equation)
          if (.not. equation%has_impacts) call hinge_base(equation)
-         call choose_extras(case, equation)
-         equation%pushed = 2*equation%p%gamma*equation%push + 1
+         call choose_effects(case, equation)
+         equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
-            /(1 + 2*equation%p%gamma*equation%push)
-         equation%bearing = equation%threshold
-         equation%bears_extras = equation%has_impacts &
-            .and. (allocated(equation%extras) .or. equation%has_memory)
-         if (allocated(equation%extras)) then
-            equation%rates_positive => with_extras
-            equation%rates_negative => with_extras
+            /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
+         equation%uplift_acceleration = equation%threshold
+         equation%effects_act_at_rest = equation%has_impacts &
+            .and. (allocated(equation%effects) .or. equation%has_bilinear_springs)
+         if (allocated(equation%effects)) then
+            equation%rates_positive => with_effects
+            equation%rates_negative => with_effects
             if (equation%has_frame .and. equation%has_impacts) call write_out(equation)
          end if
       else
-         call choose_extras(case, equation)
+         call choose_effects(case, equation)
          equation%rates_positive => bare_frame
-         if (allocated(equation%extras)) then
-            equation%rates_positive => frame_with_extras
+         if (allocated(equation%effects)) then
+            equation%rates_positive => frame_with_effects
             if (are_lines(equation) .and. .not. allocated(case%storeys)) then
                equation%rates_positive => frame_with_lines
             end if
@@ -114,15 +113,15 @@ contains
    pure logical function has_rows(equation)
       type(equation_t), intent(in) :: equation
 
-      has_rows = equation%floors%below > 0 .and. size(equation%extras) == 1 &
+      has_rows = equation%floors%below > 0 .and. size(equation%effects) == 1 &
          .and. .not. allocated(equation%floors%laws)
    end function has_rows
 
    !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
-   pure type(paper_t) function paper_parameters(case) result(p)
+   pure type(parameters_t) function parameters_of(case) result(p)
       type(case_t), intent(in) :: case
 
-      p = paper_t(0, 1, 0, 0, 0, 0, 0, case%model%g)
+      p = parameters_t(0, 1, 0, 0, 0, 0, 0, case%model%g)
       if (allocated(case%wall)) then
          p%alpha = atan2(case%wall%b, case%wall%h)
          p%R = hypot(case%wall%h, case%wall%b)
@@ -141,7 +140,7 @@ contains
       p%g_over_R = p%g/p%R
       p%two_xi_omega = 2*p%xi_s*p%omega_s
       p%omega_squared = p%omega_s**2
-   end function paper_parameters
+   end function parameters_of
 
    !> A wall hinged at the middle of its base: m_w (4/3 h**2 + b**2/3) about the hinge, one smooth
    !> equation for both signs of theta.

@@ -3,14 +3,14 @@
 !> They belong to the virtual work of the kinematics u, j. The `published` formulation violates it
 !> for theta < 0; its ledger therefore does not close, and the residual shows by how much.
 module rwmf_model_energy
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_assembly, only: cable_at, equation_t, interval_of, kinematics_at
-   use rwmf_model_effects_list, only: extra_energy, extra_input, extra_power
    use rwmf_core_kinds, only: wp
-   use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_hysteresis_spring_set, only: tendon_power
-   use rwmf_motion_ground_motion, only: acceleration
+   use rwmf_model_assembly, only: cable_at, equation_t, interval_of, kinematics_at
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_list, only: effects_energy, effects_input, effects_power
    use rwmf_model_effects_vertical_motion, only: vertical_power
+   use rwmf_model_hysteresis_spring_set, only: tendon_power
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_motion_ground_motion, only: acceleration
    implicit none
    private
 
@@ -51,7 +51,7 @@ contains
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
 
-      stored%effects = extra_energy(equation, y)
+      stored%effects = effects_energy(equation, y)
       associate (p => equation%p)
          if (.not. equation%has_wall) then
             stored%kinetic = y(2)**2/2
@@ -95,7 +95,7 @@ contains
          power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
          if (equation%has_vertical) power = power + vertical_power(equation, t, y)
       end if
-      power = power + extra_input(equation, t, y)
+      power = power + effects_input(equation, t, y)
    end function input_power
 
    !> Power that the frame's damper and further viscous effects take [W/kg].
@@ -114,7 +114,7 @@ contains
             power = power*p%gamma*(p%R*kin%j)**2
          end if
       end associate
-      power = power + extra_power(equation, t, y, is_hysteretic=.false.)
+      power = power + effects_power(equation, t, y, is_hysteretic=.false.)
    end function viscous_power
 
    !> Power that effects take which yield [W/kg].
@@ -125,7 +125,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      power = extra_power(equation, t, y, is_hysteretic=.true.)
+      power = effects_power(equation, t, y, is_hysteretic=.true.)
       if (equation%cable%is_tendon) power = power + tendon_power(equation, y)
    end function hysteretic_power
 
@@ -136,9 +136,9 @@ contains
       integer :: i
 
       does = equation%cable%is_tendon
-      if (.not. allocated(equation%extras)) return
-      do i = 1, size(equation%extras)
-         does = does .or. associated(equation%extras(i)%plastic_power)
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         does = does .or. associated(equation%effects(i)%plastic_power)
       end do
    end function dissipates_hysteretically
 

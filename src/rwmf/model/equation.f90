@@ -1,17 +1,17 @@
 !> The scene that an equation of motion is written for: its parameters, the laws that were chosen
 !> for it, and what follows from both at a given rotation.
 module rwmf_model_equation
-   use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_moment_i, cable_state_t
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_moment_i, cable_state_t
+   use rwmf_model_hysteresis_bilinear, only: spring_t
    use rwmf_model_kinematics, only: geometry_t, kinematics_i, kinematics_t
+   use rwmf_model_parameters, only: parameters_t
    use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
       vertical_acceleration, vertical_line_of
-   use rwmf_model_parameters, only: paper_t
-   use rwmf_model_hysteresis_bilinear, only: spring_t
    implicit none
    private
 
-   public :: equation_t, right_hand_side_i, extra_t, floors_t, hysteresis_t, sprung_t
+   public :: equation_t, right_hand_side_i, effect_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: form_power, form_line, form_square, form_product
    public :: enter_interval, interval_of
@@ -21,8 +21,8 @@ module rwmf_model_equation
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
    !> states, energy, power and force on the wall that belong to it. One file brings its
-   !> procedures; `choose_extras` names them (docs/effects.md).
-   type :: extra_t
+   !> procedures; `choose_effects` names them (docs/effects.md).
+   type :: effect_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
       !! that viscous parts dissipate; not associated: nothing
@@ -42,7 +42,7 @@ module rwmf_model_equation
       !! place of its first state among all
       logical :: is_motion = .false.
       !! a motion of the ground: part of what drives the resting wall, not of what it bears
-   end type extra_t
+   end type effect_t
 
    integer, parameter :: form_power = 0
    !! any exponent
@@ -65,7 +65,7 @@ module rwmf_model_equation
       !! [-]
       integer :: place = 3
       !! of z among the states
-      real(wp) :: hold = 0
+      real(wp) :: force_at_z1 = 0
       !! force of z = 1 over m_s [m/s2]
       integer :: form = form_power
       !! of |z|**n, one of the `form_` numbers
@@ -73,7 +73,7 @@ module rwmf_model_equation
       !! n of `form_product`
       integer :: sense = 1
       !! sign of z in the piece of motion in force
-      integer :: course = 1
+      integer :: loading_direction = 1
       !! of a storey: sign that u_i' - u_(i-1)' has in it
       real(wp) :: lost = 1
       !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the
@@ -133,40 +133,40 @@ module rwmf_model_equation
 
    !> The equation of one scene, its ground motion, and the piece of both that is in force.
    type :: equation_t
-      type(paper_t) :: p
+      type(parameters_t) :: p
       !! parameters in the paper's letters; those of absent effects are zero
       real(wp) :: sin_alpha
       real(wp) :: cos_alpha
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
-      real(wp) :: bearing(-1:1)
+      real(wp) :: uplift_acceleration(-1:1)
       !! the same by side (+1: theta > 0) with further effects, see `rwmf_model_uplift` [m/s2]
-      logical :: bears_extras = .false.
+      logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
       real(wp) :: added_inertia = 0
       !! of further effects at theta = 0 over m_w R**2 [-]
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
-      real(wp) :: push = 1
+      real(wp) :: excited_mass_ratio = 1
       !! mass of the frame that the ground motion pushes over the mass that moves [-]
-      real(wp) :: pushed = 1
+      real(wp) :: effective_mass_ratio = 1
       !! 1 + 2 gamma push: what the ground motion pushes where the link is at the top corner [-]
       real(wp) :: floor_mass = 0
       !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
       logical :: links_floors = .false.
       !! every floor is linked to the wall, not the roof alone
-      real(wp) :: foot = 1
+      real(wp) :: base_shear_ratio = 1
       !! shear of the lowest storey over the force that resists the roof [-]
-      real(wp) :: quickest = 0
+      real(wp) :: max_frequency = 0
       !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors
       !! of `&storeys` with all modes
       type(hysteresis_t) :: hysteresis
       !! of the frame
-      logical :: has_course = .false.
+      logical :: has_loading_direction = .false.
       !! rates depend on the sign of theta'
-      integer :: course = 1
+      integer :: loading_direction = 1
       !! that sign until the next peak, set by the hybrid loop
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
@@ -180,9 +180,9 @@ module rwmf_model_equation
       type(cable_law_t) :: cable
       logical :: has_plain_cable = .false.
       !! its law, or that of no cable, is the linear one of both sides
-      type(extra_t), allocatable :: extras(:)
+      type(effect_t), allocatable :: effects(:)
       !! the further effects that the case calls for; not allocated without any
-      logical :: has_memory = .false.
+      logical :: has_bilinear_springs = .false.
       !! there are springs that yield or break
       logical :: has_fuses = .false.
       !! under the corners of a rocking wall
@@ -198,7 +198,7 @@ module rwmf_model_equation
       !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
       real(wp) :: high = huge(1.0_wp)
       !! and up to which they do [rad]
-      real(wp) :: farthest = 0
+      real(wp) :: angle_limit = 0
       !! largest |theta| at which the springs are asked for their elongation [rad]
       logical :: ends_at_peak = .false.
       !! a spring yields, and unloads when the motion turns back
@@ -397,7 +397,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      drive = -side*acceleration(equation%motion, interval, t) - equation%bearing(side)
+      drive = -side*acceleration(equation%motion, interval, t) - equation%uplift_acceleration(side)
       if (equation%has_vertical) then
          drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
       end if

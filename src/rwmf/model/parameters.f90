@@ -4,10 +4,10 @@ module rwmf_model_parameters
    implicit none
    private
 
-   public :: paper_t
+   public :: parameters_t
 
    !> Parameters of Eq. (15).
-   type :: paper_t
+   type :: parameters_t
       real(wp) :: alpha
       !! slenderness [rad]
       real(wp) :: R
@@ -32,6 +32,6 @@ module rwmf_model_parameters
       !! 2 xi_s omega_s [1/s]
       real(wp) :: omega_squared = 0
       !! omega_s**2 [1/s2]
-   end type paper_t
+   end type parameters_t
 
 end module rwmf_model_parameters

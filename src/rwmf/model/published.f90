@@ -7,8 +7,8 @@
 !> digits of a small rotation: sin(alpha) - sin(alpha - phi), with phi = |theta|, in b_5 and a_7.
 module rwmf_model_published
    use rwmf_core_kinds, only: wp
-   use rwmf_model_parameters, only: paper_t
    use rwmf_model_equation, only: equation_t, ground
+   use rwmf_model_parameters, only: parameters_t
    implicit none
    private
 
@@ -39,7 +39,7 @@ contains
 
    !> A_1 to A_4 of Eq. (15a), theta < 0.
    pure function coefficients_a(p, theta) result(A)
-      type(paper_t), intent(in) :: p
+      type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: theta
       !! rotation, <= 0 [rad]
       real(wp) :: A(4)
@@ -53,7 +53,7 @@ contains
       real(wp) :: cosine
       !! of theta
 
-      call turn(p, -theta, lift, c, cosine)
+      call half_angle_kinematics(p, -theta, lift, c, cosine)
       lever = p%cos_alpha*cosine
       a_1 = 1/(4.0_wp/3 + 4*p%gamma*lever*c)
       a_2 = -4*p%gamma*lever
@@ -71,7 +71,7 @@ contains
 
    !> B_1 to B_4 of Eq. (15b), theta > 0.
    pure function coefficients_b(p, theta) result(B)
-      type(paper_t), intent(in) :: p
+      type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: theta
       !! rotation, >= 0 [rad]
       real(wp) :: B(4)
@@ -85,7 +85,7 @@ contains
       real(wp) :: cosine
       !! of theta
 
-      call turn(p, theta, lift, c, cosine)
+      call half_angle_kinematics(p, theta, lift, c, cosine)
       s = p%sin_alpha - lift
       a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*p%sin_alpha
       b_1 = 1/(4.0_wp/3 + 4*p%gamma*c**2)
@@ -100,8 +100,8 @@ contains
    end function coefficients_b
 
    !> All sines and cosines from one sine of the half angle.
-   pure subroutine turn(p, phi, lift, c, cosine)
-      type(paper_t), intent(in) :: p
+   pure subroutine half_angle_kinematics(p, phi, lift, c, cosine)
+      type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: phi
       !! |theta| [rad]
       real(wp), intent(out) :: lift
@@ -118,6 +118,6 @@ contains
       lift = 2*half_sine*(p%sin_alpha*half_sine + p%cos_alpha*half_cosine)
       c = p%cos_alpha - 2*half_sine*(p%cos_alpha*half_sine - p%sin_alpha*half_cosine)
       cosine = 1 - 2*half_sine**2
-   end subroutine turn
+   end subroutine half_angle_kinematics
 
 end module rwmf_model_published

@@ -1,14 +1,14 @@
 !> What foundation and wall exert on each other, from the balance of momentum (docs/theory.md,
 !> "Reactions"). All forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_model_reactions
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_cable, only: cable_state_t
    use rwmf_core_kinds, only: wp
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
+   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_model_hysteresis_spring_set, only: base_residual, frame_residual
    use rwmf_model_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
       rise_of_top_corner
-   use rwmf_model_hysteresis_spring_set, only: foot_residual, frame_residual
-   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
-   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
    implicit none
    private
 
@@ -55,10 +55,10 @@ contains
       mean(1) = mean(1) + ground(equation, t)
       if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
       applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1))
-      if (allocated(equation%extras)) then
-         do i = 1, size(equation%extras)
-            if (associated(equation%extras(i)%force)) then
-               call equation%extras(i)%force(equation, t, y, y_ddot, applied)
+      if (allocated(equation%effects)) then
+         do i = 1, size(equation%effects)
+            if (associated(equation%effects(i)%force)) then
+               call equation%effects(i)%force(equation, t, y, y_ddot, applied)
             end if
          end do
       end if
@@ -105,7 +105,7 @@ contains
       if (.not. equation%has_frame) return
       associate (p => equation%p)
          u_ddot = roof_acceleration(equation, kin, y, y_ddot)
-         force(1) = -p%gamma*(u_ddot + equation%push*ground(equation, t))
+         force(1) = -p%gamma*(u_ddot + equation%excited_mass_ratio*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
             force(1) = force(1) - resisting(size(resisting))
@@ -113,9 +113,9 @@ contains
             force(1) = force(1) - p%gamma*p%omega_s*p%R &
                *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
          end if
-         if (equation%has_memory) force(1) = force(1) + p%gamma*p%omega_squared &
+         if (equation%has_bilinear_springs) force(1) = force(1) + p%gamma*p%omega_squared &
             *frame_residual(equation, y(1))
-         if (equation%has_course) force(1) = force(1) + p%gamma*p%omega_squared &
+         if (equation%has_loading_direction) force(1) = force(1) + p%gamma*p%omega_squared &
             *bouc_wen_residual(equation, y)
          if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
@@ -151,11 +151,11 @@ contains
       !! of spring and damper at the roof [m/s2]
 
       associate (gamma => equation%p%gamma, a => ground(equation, t))
-         resisting = -roof_alone - gamma*(u_ddot + equation%push*a)
-         if (equation%has_memory) resisting = resisting + gamma*equation%p%omega_squared &
-            *(frame_residual(equation, y(1)) - foot_residual(equation, y(1)))
+         resisting = -roof_alone - gamma*(u_ddot + equation%excited_mass_ratio*a)
+         if (equation%has_bilinear_springs) resisting = resisting + gamma*equation%p%omega_squared &
+            *(frame_residual(equation, y(1)) - base_residual(equation, y(1)))
          force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
-            - equation%foot*resisting
+            - equation%base_shear_ratio*resisting
       end associate
    end function sum_of_links
 

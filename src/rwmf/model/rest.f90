@@ -4,8 +4,8 @@
 !> the other, make a drive that is monotone where the horizontal motion is. A pulse beside a
 !> vertical record makes one that turns where their slopes meet (`drive_turns`).
 module rwmf_model_rest
-   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive
    use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until, steep_point, &
       turning_point
    implicit none
@@ -251,7 +251,7 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (p => equation%p, c => equation%cos_alpha)
-         gain = c*(2*p%gamma*equation%push + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
+         gain = c*(2*p%gamma*equation%excited_mass_ratio + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
             + equation%added_inertia))
       end associate
    end function inverse_inertia

@@ -2,15 +2,15 @@
 !> `build_equation` chooses.
 module rwmf_model_right_hand_sides
    use rwmf_core_kinds, only: wp
-   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_equation, only: equation_t, floors_t, form_line, form_product, form_square, &
       ground, hysteresis_t, vertical_ground
+   use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
 
    public :: bare_frame, corner, corner_with_floors, corner_with_hysteresis, corner_with_lines
-   public :: frame_with_extras, frame_with_hysteresis, frame_with_lines
-   public :: hinged, kept_part, wall_alone, wall_and_frame, with_extras
+   public :: frame_with_effects, frame_with_hysteresis, frame_with_lines
+   public :: hinged, kept_part, wall_alone, wall_and_frame, with_effects
 
 contains
 
@@ -30,7 +30,7 @@ contains
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call turn(equation, phi, half_sine, lift, c)
+      call half_angle_kinematics(equation, phi, half_sine, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 &
             + p%omega_s*(2*p%xi_s*c*phi_dot + p%omega_s*lift)) + p%g_over_R*(s &
@@ -54,13 +54,13 @@ contains
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call turn(equation, phi, half_sine, lift, c)
+      call half_angle_kinematics(equation, phi, half_sine, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift)
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
             + equation%frame_slope*lift) + p%g_over_R*(s &
             + cable_now(equation, phi, half_sine))) &
             + (2*p%gamma*c*equation%frame_offset + equation%side*s*vertical_now(equation, t) &
-            + equation%pushed*c*ground_now(equation, t))/p%R)/(equation%inertia &
+            + equation%effective_mass_ratio*c*ground_now(equation, t))/p%R)/(equation%inertia &
             + 4*p%gamma*c**2)
       end associate
    end subroutine corner_with_lines
@@ -80,12 +80,12 @@ contains
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call turn(equation, phi, half_sine, lift, c)
+      call half_angle_kinematics(equation, phi, half_sine, lift, c)
       associate (p => equation%p, s => equation%sin_alpha - lift, law => equation%hysteresis)
          y_dot(2) = -(equation%side*(4*p%gamma*c*(s*phi_dot**2 + p%two_xi_omega*c*phi_dot &
             + equation%frame_slope*lift) + p%g_over_R*(s &
             + cable_now(equation, phi, half_sine))) &
-            + c*(2*p%gamma*law%hold*y(3) + (2*p%gamma + 1)*ground_now(equation, t))/p%R) &
+            + c*(2*p%gamma*law%force_at_z1*y(3) + (2*p%gamma + 1)*ground_now(equation, t))/p%R) &
             /(equation%inertia + 4*p%gamma*c**2)
          y_dot(3) = 2*p%R*c*y(2)/law%u_y*kept_part(law, y(3))
       end associate
@@ -109,7 +109,7 @@ contains
 
       side = equation%side
       phi = side*y(1)
-      call turn(equation, phi, half_sine, lift, c)
+      call half_angle_kinematics(equation, phi, half_sine, lift, c)
       a_g = ground_now(equation, t)
       associate (p => equation%p, s => equation%sin_alpha - lift, floors => equation%floors)
          call move_floors(floors%below, floors%rows, y(3), y(3 + floors%below), &
@@ -184,7 +184,7 @@ contains
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
-      call turn(equation, phi, half_sine, lift, c)
+      call half_angle_kinematics(equation, phi, half_sine, lift, c)
       associate (p => equation%p)
          y_dot(2) = -0.75_wp/p%R*(c*ground_now(equation, t) + equation%side*p%g &
             *(equation%sin_alpha - lift + cable_now(equation, phi, half_sine)))
@@ -193,7 +193,7 @@ contains
 
    !> The same as `kinematics` says of the top corner: lift = sin(alpha) - sin(alpha - phi) and
    !> c = cos(alpha - phi).
-   pure subroutine turn(equation, phi, half_sine, lift, c)
+   pure subroutine half_angle_kinematics(equation, phi, half_sine, lift, c)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: phi
       !! [rad]
@@ -208,7 +208,7 @@ contains
          lift = 2*half_sine*(sin_alpha*half_sine + cos_alpha*half_cosine)
          c = cos_alpha - 2*half_sine*(cos_alpha*half_sine - sin_alpha*half_cosine)
       end associate
-   end subroutine turn
+   end subroutine half_angle_kinematics
 
    !> Ground acceleration of the interval in force [m/s2]: the line of a record without a call.
    real(wp) function ground_now(equation, t)
@@ -265,7 +265,7 @@ contains
       type(hysteresis_t), intent(in) :: law
       real(wp), intent(in) :: z
       !! [-]
-      real(wp), parameter :: farthest = 1.26_wp
+      real(wp), parameter :: angle_limit = 1.26_wp
       !! |z| of a trial state that no step keeps; its power of 1000 is a number [-]
       real(wp), parameter :: largest = 1.0e3_wp
       !! of such powers: the next trial state stays a number as well
@@ -277,9 +277,9 @@ contains
       case (form_line)
          kept_part = 1 - law%lost*z
       case (form_square)
-         kept_part = 1 - law%lost*min(abs(z), farthest)**2
+         kept_part = 1 - law%lost*min(abs(z), angle_limit)**2
       case (form_product)
-         factor = max(-farthest, min(z, farthest))
+         factor = max(-angle_limit, min(z, angle_limit))
          power = factor**2
          ! as many factors as are common: no call for the power
          do i = 3, law%factors
@@ -287,12 +287,12 @@ contains
          end do
          kept_part = 1 - law%lost*power
       case default
-         kept_part = 1 - law%lost*min(min(abs(z), farthest)**law%exponent, largest)
+         kept_part = 1 - law%lost*min(min(abs(z), angle_limit)**law%exponent, largest)
       end select
    end function kept_part
 
    !> Kinematics of the side in force.
-   subroutine see_side(equation, phi, kin)
+   subroutine kinematics_of_side(equation, phi, kin)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: phi
       !! [rad]
@@ -303,7 +303,7 @@ contains
       else
          call equation%kinematics_negative(equation%geometry, phi, kin)
       end if
-   end subroutine see_side
+   end subroutine kinematics_of_side
 
    !> Wall, with or without frame, any kinematics and cable law. With the kinematics of Eq. (10) and
    !> the cable of Eq. (1) it equals Eq. (15a), with those of Eq. (4) Eq. (15b).
@@ -320,7 +320,7 @@ contains
 
       y_dot(1) = y(2)
       phi = equation%side*y(1)
-      call see_side(equation, phi, kin)
+      call kinematics_of_side(equation, phi, kin)
       phi_dot = equation%side*y_dot(1)
       associate (p => equation%p)
          force = kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot + p%omega_squared*kin%u
@@ -355,7 +355,7 @@ contains
    end subroutine hinged
 
    !> Wall, with or without frame, and further effects.
-   subroutine with_extras(equation, t, y, y_dot)
+   subroutine with_effects(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
@@ -370,7 +370,7 @@ contains
       y_dot(1) = y(2)
       phi = equation%side*y(1)
       phi_dot = equation%side*y(2)
-      call see_side(equation, phi, kin)
+      call kinematics_of_side(equation, phi, kin)
       associate (p => equation%p)
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment = -p%gamma*kin%lever*(kin%k*phi_dot**2 + p%two_xi_omega*kin%j*phi_dot &
@@ -378,14 +378,14 @@ contains
             + cable_now(equation, phi, kin%half_sine)) &
             - (p%gamma*kin%lever + kin%c)*equation%side*ground_now(equation, t)/p%R
       end associate
-      do i = 1, size(equation%extras)
-         call equation%extras(i)%add(equation, t, y, kin, inertia, moment, y_dot)
+      do i = 1, size(equation%effects)
+         call equation%effects(i)%add(equation, t, y, kin, inertia, moment, y_dot)
       end do
       y_dot(2) = equation%side*moment/inertia
-   end subroutine with_extras
+   end subroutine with_effects
 
    !> Frame without wall, and further effects: lever arm and inertia are those of a mass.
-   subroutine frame_with_extras(equation, t, y, y_dot)
+   subroutine frame_with_effects(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
@@ -401,11 +401,11 @@ contains
       inertia = 1
       call bare_frame(equation, t, y, y_dot)
       force = y_dot(2)
-      do i = 1, size(equation%extras)
-         call equation%extras(i)%add(equation, t, y, kin, inertia, force, y_dot)
+      do i = 1, size(equation%effects)
+         call equation%effects(i)%add(equation, t, y, kin, inertia, force, y_dot)
       end do
       y_dot(2) = force/inertia
-   end subroutine frame_with_extras
+   end subroutine frame_with_effects
 
    !> Frame without wall on a branch of its spring.
    subroutine frame_with_lines(equation, t, y, y_dot)
@@ -428,7 +428,8 @@ contains
 
       y_dot(1) = y(2)
       associate (law => equation%hysteresis)
-         y_dot(2) = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - law%hold*y(3) &
+         y_dot(2) = -equation%p%two_xi_omega*y(2) - equation%frame_slope*y(1) - &
+            law%force_at_z1*y(3) &
             - ground_now(equation, t)
          y_dot(3) = y(2)/law%u_y*kept_part(law, y(3))
       end associate

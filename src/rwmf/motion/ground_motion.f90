@@ -4,14 +4,14 @@
 !> interval follows the last one; in both the ground acceleration is zero. An integrator that stops
 !> at every knot and asks for the acceleration *of an interval* never sees a kink or a jump.
 module rwmf_motion_ground_motion
-   use rwmf_problem_case, only: case_t
-   use rwmf_motion_pulse_curve, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
-      knots_with_bends, steep_time
-   use rwmf_motion_host_motion, only: ground_t
    use rwmf_core_kinds, only: wp
+   use rwmf_motion_host_motion, only: ground_t
    use rwmf_motion_polyline, only: last_until, line_t, lines_t, lines_through, merged_times, &
       next_eighth, on_knots
+   use rwmf_motion_pulse_curve, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
+      knots_with_bends, steep_time
    use rwmf_motion_pulse_shape, only: pulse_shape
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 

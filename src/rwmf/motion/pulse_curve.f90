@@ -4,11 +4,11 @@
 !> resting wall bears the horizontal motion less a straight line, which turns where the slope of the
 !> pulse is that of the line (`steep_time`).
 module rwmf_motion_pulse_curve
-   use rwmf_problem_case, only: motion_spec_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_polyline, only: next_extremum
    use rwmf_motion_pulse_shape, only: amplitude_of, angular_frequency, build_pulse, cut_times, &
       pulse_shape, pulse_slope, pulse_t, type_c_phase
+   use rwmf_problem_case, only: motion_spec_t
    implicit none
    private
 

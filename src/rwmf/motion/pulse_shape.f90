@@ -4,8 +4,8 @@
 !> Such a pulse is cut at its extrema and at its zeros. Between two cuts it is monotone, and no step
 !> of an integrator can pass over a narrow pulse that begins and ends with nothing.
 module rwmf_motion_pulse_shape
-   use rwmf_problem_case, only: motion_spec_t
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_problem_case, only: motion_spec_t
    implicit none
    private
 

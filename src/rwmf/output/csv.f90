@@ -4,17 +4,17 @@
 !> its checksum, the text of the case. Then one line of column names with units, then numbers that
 !> round-trip to the same bits.
 module rwmf_output_csv
-   use rwmf_text_atomic_file, only: atomic_file_t, discard, finish, join_path, open_atomic, &
-      publish, write_line
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_core_version, only: version
+   use rwmf_output_summary, only: summarise, summary_item_t
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t
    use rwmf_simulation_result, only: history_t, result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
-   use rwmf_output_summary, only: summarise, summary_item_t
+   use rwmf_text_atomic_file, only: atomic_file_t, discard, finish, join_path, open_atomic, &
+      publish, write_line
    use rwmf_text_strings, only: integer_to_text, next_line, real_to_text
-   use rwmf_core_version, only: version
    implicit none
    private
 

@@ -1,19 +1,18 @@
 !> What a case will simulate and report, before it is simulated.
 module rwmf_output_preview
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic
-   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_name, &
-      event_overturned, event_peak, &
-      event_rest, event_rupture, result_t
-   use rwmf_simulation_simulate, only: simulate
    use rwmf_output_summary, only: joined, list_absent_effects, list_effects, summarise, &
       summary_item_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_name, &
+      event_overturned, event_peak, event_rest, event_rupture, result_t
+   use rwmf_simulation_simulate, only: simulate
    implicit none
    private
 
-   public :: inventory_text
+   public :: preview_text
 
    character(*), parameter :: tab = achar(9)
 
@@ -25,7 +24,7 @@ contains
    !>
    !> The outputs are those of the same case when it ends as it begins: no list of them is kept
    !> that could differ from what is written. Errors: as `simulate`.
-   subroutine inventory_text(case, text, error)
+   subroutine preview_text(case, text, error)
       type(case_t), intent(in) :: case
       !! valid
       character(:), allocatable, intent(out) :: text
@@ -45,7 +44,7 @@ contains
       !$omp critical (rwmf_text)
       call compose(case, instant, result, text)
       !$omp end critical (rwmf_text)
-   end subroutine inventory_text
+   end subroutine preview_text
 
    subroutine compose(case, instant, result, text)
       type(case_t), intent(in) :: case

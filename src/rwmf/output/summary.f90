@@ -3,10 +3,10 @@
 !>
 !> A key that does not apply to the effects in the scene is absent.
 module rwmf_output_summary
-   use rwmf_problem_case, only: case_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private

@@ -1,8 +1,8 @@
 !> The single-degree-of-freedom frame that stands for the storeys of a case.
 module rwmf_problem_equivalent_frame
-   use rwmf_problem_case, only: case_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: enforce_straight_line, find_modes
    implicit none
    private

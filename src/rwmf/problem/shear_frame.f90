@@ -1,14 +1,14 @@
 !> A shear frame of several storeys: masses at its floors, stiffnesses and heights of its storeys,
 !> and what its modes make of them (Chopra, Dynamics of Structures, chapters 10 to 13).
 module rwmf_problem_shear_frame
-   use rwmf_math_symmetric_eigen, only: solve_modes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_math_symmetric_eigen, only: solve_modes
    implicit none
    private
 
    public :: shear_frame_t, find_modes, enforce_straight_line
-   public :: modal_mass, modal_height, roof_factor, foot_share, damping_matrix
+   public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix
 
    !> From the ground to the roof.
    type :: shear_frame_t
@@ -113,14 +113,14 @@ contains
 
    !> Shear of the lowest storey over the force at the roof that would bend the frame alike and do
    !> the same work, k_1 phi_1 phi_n/omega**2 [-]. Of a mode it is Gamma phi_n.
-   pure real(wp) function foot_share(frame)
+   pure real(wp) function base_shear_share(frame)
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
 
       associate (shape => frame%shape(:, 1))
-         foot_share = frame%k(1)*shape(1)*shape(size(shape))/frame%omega(1)**2
+         base_shear_share = frame%k(1)*shape(1)*shape(size(shape))/frame%omega(1)**2
       end associate
-   end function foot_share
+   end function base_shear_share
 
    !> Damping matrix that gives every mode the same damping ratio, Chopra's Eq. (11.4.16)
    !> [1/s times the unit of m].

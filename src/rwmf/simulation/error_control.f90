@@ -4,11 +4,11 @@
 !> first run up to that of the second, which is much smaller; so the first run is delivered together
 !> with an estimate of its true error, and not the second with none.
 module rwmf_simulation_error_control
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_text_strings, only: real_to_text

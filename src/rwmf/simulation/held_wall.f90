@@ -5,18 +5,18 @@
 !> so that lift-off is a root of a drive that is known only step by step, and no rest can be
 !> promised from the ground motion alone.
 module rwmf_simulation_held_wall
-   use rwmf_model_uplift, only: find_bearing
-   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_simulation_events_event_time, only: count_parts
-   use rwmf_motion_ground_motion, only: interval_end, is_known_until
-   use rwmf_simulation_recorder_recorder, only: observe_piece, observer_t
-   use rwmf_simulation_hybrid_state, only: hybrid_t, pass_knot, change_storey
-   use rwmf_model_rest, only: inverse_inertia, lifts, pressing_acceleration
-   use rwmf_integrator_integrator, only: stepper_t
-   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
+   use rwmf_model_rest, only: inverse_inertia, lifts, pressing_acceleration
+   use rwmf_model_uplift, only: find_uplift_acceleration
+   use rwmf_motion_ground_motion, only: interval_end, is_known_until
+   use rwmf_simulation_events_event_time, only: count_parts
+   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_simulation_hybrid_state, only: change_storey, hybrid_t, pass_knot
+   use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    implicit none
    private
 
@@ -52,11 +52,11 @@ contains
    end subroutine at_rest
 
    !> One step of the other states, cut where the wall lifts off.
-   subroutine move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
+   subroutine move_at_rest(hybrid, equation, integrator, recorder, t_target, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       !! [s]
       integer, intent(out) :: side
@@ -70,29 +70,29 @@ contains
       t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
          hybrid%t = t_limit
-         call pass_knot(hybrid, equation, stepper%steps)
+         call pass_knot(hybrid, equation, integrator%steps)
          return
       end if
       call hold_wall(equation, .true.)
       if (hybrid%must_restart) then
          if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
-         call stepper%start(hybrid%t, hybrid%y, huge(t_limit), error)
+         call integrator%start(hybrid%t, hybrid%y, huge(t_limit), error)
          if (allocated(error)) return
       end if
       hybrid%must_restart = .false.
-      call stepper%step(t_limit, error)
+      call integrator%step(t_limit, error)
       if (allocated(error)) return
-      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
+      if (equation%floors%yields) call stop_at_storey(equation, integrator, ending, error)
       if (allocated(error)) return
-      call search_lift_off(hybrid, equation, stepper, side, error)
+      call search_lift_off(hybrid, equation, integrator, side, error)
       if (allocated(error)) return
       ! an implicit method solves for all states together, which leaves round-off in those held
       hybrid%y(:2) = 0
-      call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
+      call observe_piece(recorder, equation, integrator, integrator%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return
       if (side /= 0) return
-      if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
-      call pass_knot(hybrid, equation, stepper%steps)
+      if (ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
+      call pass_knot(hybrid, equation, integrator%steps)
    end subroutine move_at_rest
 
    !> How far the scene exceeds what the resting wall bears, to the right and to the left [m/s2].
@@ -104,7 +104,7 @@ contains
       !! (states)
       real(wp) :: drive(2)
 
-      call find_bearing(equation, y)
+      call find_uplift_acceleration(equation, y)
       drive(1) = lift_off_drive(equation, 1, interval_of(equation), t)
       drive(2) = lift_off_drive(equation, -1, interval_of(equation), t)
    end function drives
@@ -124,10 +124,10 @@ contains
    !>
    !> The step is searched in parts of a quarter of the shortest period. A maximum inside a part
    !> shows in the parabola through its ends and its middle.
-   subroutine search_lift_off(hybrid, equation, stepper, side, error)
+   subroutine search_lift_off(hybrid, equation, integrator, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(out) :: side
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t(3)
@@ -136,42 +136,42 @@ contains
       real(wp) :: x
       integer :: i, n
 
-      n = count_parts(equation, stepper%t0, stepper%t1)
-      hybrid%y(:) = stepper%y0
-      t(3) = stepper%t0
+      n = count_parts(equation, integrator%t0, integrator%t1)
+      hybrid%y(:) = integrator%y0
+      t(3) = integrator%t0
       d(:, 3) = drives(equation, t(3), hybrid%y)
       do i = 1, n
-         t = [t(3), stepper%t0 + (i - 0.5_wp)*((stepper%t1 - stepper%t0)/n), &
-            stepper%t0 + i*((stepper%t1 - stepper%t0)/n)]
-         if (i == n) t(3) = stepper%t1
+         t = [t(3), integrator%t0 + (i - 0.5_wp)*((integrator%t1 - integrator%t0)/n), &
+            integrator%t0 + i*((integrator%t1 - integrator%t0)/n)]
+         if (i == n) t(3) = integrator%t1
          d(:, 1) = d(:, 3)
-         call look(t(2), t(1), d(:, 2))
+         call sample_drive(t(2), t(1), d(:, 2))
          if (allocated(error) .or. side /= 0) return
-         call look(t(3), t(2), d(:, 3))
+         call sample_drive(t(3), t(2), d(:, 3))
          if (allocated(error) .or. side /= 0) return
          x = promising_place(d)
-         if (x > 0 .and. x < 1) call look(t(1) + x*(t(3) - t(1)), t(1), d(:, 1))
+         if (x > 0 .and. x < 1) call sample_drive(t(1) + x*(t(3) - t(1)), t(1), d(:, 1))
          if (allocated(error) .or. side /= 0) return
       end do
-      hybrid%t = stepper%t1
-      hybrid%y(:) = stepper%y1
+      hybrid%t = integrator%t1
+      hybrid%y(:) = integrator%y1
 
    contains
 
       !> Drives at a time; when the wall has lifted by then, the first time at which it has.
-      subroutine look(at, before, drive)
+      subroutine sample_drive(at, before, drive)
          real(wp), intent(in) :: at
          real(wp), intent(in) :: before
          !! a time at which it rests [s]
          real(wp), intent(out) :: drive(2)
 
-         call stepper%state_at(at, hybrid%y, error)
+         call integrator%state_at(at, hybrid%y, error)
          if (allocated(error)) return
          drive = drives(equation, at, hybrid%y)
          side = lifting_side(drive, equation%threshold)
          hybrid%t = at
-         if (side /= 0) call refine(hybrid, equation, stepper, before, side, error)
-      end subroutine look
+         if (side /= 0) call refine(hybrid, equation, integrator, before, side, error)
+      end subroutine sample_drive
    end subroutine search_lift_off
 
    !> Place in a part at which the drive of a side may exceed zero between three values that do
@@ -194,11 +194,11 @@ contains
    end function promising_place
 
    !> Bisect to the first time at which the wall has lifted, from the time in hybrid.
-   subroutine refine(hybrid, equation, stepper, before, side, error)
+   subroutine refine(hybrid, equation, integrator, before, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       !! at a time when it has; on return at the first
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: before
       integer, intent(inout) :: side
       type(error_t), allocatable, intent(out) :: error
@@ -211,7 +211,7 @@ contains
       do while (hybrid%t - low > spacing(hybrid%t))
          middle = low + (hybrid%t - low)/2
          if (middle <= low .or. middle >= hybrid%t) exit
-         call stepper%state_at(middle, y, error)
+         call integrator%state_at(middle, y, error)
          if (allocated(error)) return
          side_there = lifting_side(drives(equation, middle, y), equation%threshold)
          if (side_there == 0) then
@@ -222,7 +222,7 @@ contains
             side = side_there
          end if
       end do
-      call find_bearing(equation, hybrid%y)
+      call find_uplift_acceleration(equation, hybrid%y)
    end subroutine refine
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?
@@ -259,7 +259,7 @@ contains
       may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
       if (may_rest .or. e >= 1 .or. v**2 > 2*press*gain*small_angle) return
       chatter = 4*v/(press*gain*(1 - e))
-      if (chatter*equation%quickest > 0.1_wp) return
+      if (chatter*equation%max_frequency > 0.1_wp) return
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       call bound_change(equation, t, y, chatter, change)
       press = pressing_acceleration(equation, t, t + chatter) - change
@@ -283,16 +283,16 @@ contains
 
       held = y
       held(:2) = 0
-      present = equation%bearing
+      present = equation%uplift_acceleration
       call hold_wall(equation, .true.)
       call rhs(equation, t, held, rates)
       call hold_wall(equation, .false.)
-      call find_bearing(equation, held + duration*rates)
-      later = equation%bearing
-      call find_bearing(equation, y)
+      call find_uplift_acceleration(equation, held + duration*rates)
+      later = equation%uplift_acceleration
+      call find_uplift_acceleration(equation, y)
       displaced = maxval(abs(present([-1, 1]) - equation%threshold))
       change = 2*maxval(abs(later([-1, 1]) - present([-1, 1]))) &
-         + (duration*equation%quickest)**2*displaced
+         + (duration*equation%max_frequency)**2*displaced
    end subroutine bound_change
 
 end module rwmf_simulation_held_wall

@@ -5,35 +5,35 @@
 !> one step, or a peak and an impact, are found as well. A flight knows its side, so that a start on
 !> theta = 0 is no event.
 module rwmf_simulation_hybrid_loop
-   use rwmf_model_uplift, only: find_bearing
-   use rwmf_model_hysteresis_bouc_wen, only: follow_course, load_bouc_wen
-   use rwmf_model_cable, only: cable_state_t
    use rwmf_core_control, only: control_t, is_cancelled
+   use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: cable_at, enter_interval, equation_t, interval_of, &
       second_derivative
-   use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
-   use rwmf_model_restitution, only: factor_at, largest_factor
-   use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_hysteresis_spring_set, only: load_to, pass_window, renew_window, reset_memory, &
-      turn_back, fuse_push, tendon_is_broken
-   use rwmf_motion_ground_motion, only: interval_at, interval_end
-   use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
-   use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_impact, &
-      observe_piece, observe_rest, observe_state, observer_t
-   use rwmf_simulation_hybrid_state, only: count_steps, hybrid_t, mode_no_impacts, &
-      mode_overturned, mode_rest, mode_rocking, pass_knot, change_storey
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys, start_storeys
+   use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction, load_bouc_wen
+   use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, pass_window, renew_window, &
+      reset_springs, tendon_is_broken, turn_back
    use rwmf_model_rest, only: find_lift_off, jumps, may_rest, pull_duration
+   use rwmf_model_restitution, only: factor_at, largest_factor
+   use rwmf_model_uplift, only: find_uplift_acceleration
+   use rwmf_motion_ground_motion, only: interval_at, interval_end
+   use rwmf_simulation_events_step_events, only: search_step
+   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
+   use rwmf_simulation_hybrid_state, only: change_storey, count_steps, hybrid_t, mode_no_impacts, &
+      mode_overturned, mode_rest, mode_rocking, pass_knot
+   use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_impact, &
+      observe_piece, observe_rest, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
-   use rwmf_simulation_events_step_events, only: search_step
-   use rwmf_integrator_integrator, only: stepper_t
-   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
-   use rwmf_model_effects_storeys_yielding_storeys, only: begin_storeys, settle_storeys
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: hybrid_t, begin_hybrid, advance_hybrid
+   public :: hybrid_t, start_hybrid, advance_hybrid
    public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
 
    real(wp), parameter :: negligible = 0.01_wp
@@ -42,7 +42,7 @@ module rwmf_simulation_hybrid_loop
 contains
 
    !> Set out at time t with the state y.
-   subroutine begin_hybrid(hybrid, equation, t, y)
+   subroutine start_hybrid(hybrid, equation, t, y)
       type(hybrid_t), intent(inout) :: hybrid
       !! with restitution, overturning_angle, rtol and max_steps set
       type(equation_t), intent(inout) :: equation
@@ -58,52 +58,54 @@ contains
       call count_steps(hybrid, equation)
       equation%side = 1
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
-      equation%course = 1
+      equation%loading_direction = 1
       if (equation%has_impacts) then
          if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
       end if
-      if (equation%has_memory) call begin_memory(equation, y(1))
-      if (equation%has_course .and. abs(y(1)) > 0) call begin_course(hybrid, equation)
+      if (equation%has_bilinear_springs) call start_springs(equation, y(1))
+      if (equation%has_loading_direction .and. abs(y(1)) > 0) call start_hysteresis(hybrid, &
+         equation)
       if (.not. equation%has_impacts) then
-         if (equation%floors%yields) call begin_storeys(equation, y)
+         if (equation%floors%yields) call start_storeys(equation, y)
          hybrid%mode = mode_no_impacts
          return
       end if
-      if (equation%floors%yields) call begin_storeys(equation, y)
-      call find_bearing(equation, y)
+      if (equation%floors%yields) call start_storeys(equation, y)
+      call find_uplift_acceleration(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
-   end subroutine begin_hybrid
+   end subroutine start_hybrid
 
    !> Smooth hysteresis that has not moved before, at the initial rotation; from rest the
    !> acceleration says where it goes.
-   subroutine begin_course(hybrid, equation)
+   subroutine start_hysteresis(hybrid, equation)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
 
       call load_bouc_wen(equation, hybrid%y)
-      equation%course = 1
-      if (abs(hybrid%y(2)) <= 0) equation%course = int(sign(1.0_wp, second_derivative(equation, &
+      equation%loading_direction = 1
+      if (abs(hybrid%y(2)) <= 0) equation%loading_direction = int(sign(1.0_wp, &
+         second_derivative(equation, &
          hybrid%t, hybrid%y)))
-   end subroutine begin_course
+   end subroutine start_hysteresis
 
    !> Springs that have not moved before, at the initial rotation.
-   subroutine begin_memory(equation, theta)
+   subroutine start_springs(equation, theta)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
 
-      call reset_memory(equation)
+      call reset_springs(equation)
       call load_to(equation, theta)
-   end subroutine begin_memory
+   end subroutine start_springs
 
    !> Follow the system to the time t_target, or to overturning.
-   subroutine advance_hybrid(hybrid, equation, stepper, observer, t_target, control, error)
+   subroutine advance_hybrid(hybrid, equation, integrator, recorder, t_target, control, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       !! [s]
       type(control_t), intent(in) :: control
@@ -111,25 +113,25 @@ contains
 
       do while (hybrid%t < t_target .and. hybrid%mode /= mode_overturned)
          if (hybrid%mode == mode_rest) then
-            call stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
+            call stay_at_rest(hybrid, equation, integrator, recorder, t_target, error)
             if (allocated(error)) return
          else
-            call fly(hybrid, equation, stepper, observer, t_target, error)
+            call integrate_step(hybrid, equation, integrator, recorder, t_target, error)
          end if
          if (allocated(error)) return
-         call check_work(hybrid, stepper, control, error)
+         call check_work(hybrid, integrator, control, error)
          if (allocated(error)) return
       end do
    end subroutine advance_hybrid
 
    !> Bound on the work, and the caller's wish to stop.
-   subroutine check_work(hybrid, stepper, control, error)
+   subroutine check_work(hybrid, integrator, control, error)
       type(hybrid_t), intent(in) :: hybrid
-      class(stepper_t), intent(in) :: stepper
+      class(integrator_t), intent(in) :: integrator
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. is_cancelled(control) .and. stepper%steps <= hybrid%max_steps) return
+      if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       ! gfortran keeps the length of such texts in static memory: one thread at a time
       !$omp critical (rwmf_text)
       if (is_cancelled(control)) then
@@ -143,11 +145,11 @@ contains
    end subroutine check_work
 
    !> Rest until the ground motion lifts the wall.
-   subroutine stay_at_rest(hybrid, equation, stepper, observer, t_target, error)
+   subroutine stay_at_rest(hybrid, equation, integrator, recorder, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_begin
@@ -157,7 +159,7 @@ contains
 
       side = 0
       if (equation%moves_at_rest) then
-         call move_at_rest(hybrid, equation, stepper, observer, t_target, side, error)
+         call move_at_rest(hybrid, equation, integrator, recorder, t_target, side, error)
          if (allocated(error)) return
       end if
       interval = interval_of(equation)
@@ -167,7 +169,7 @@ contains
          t_limit = min(t_target, interval_end(equation%motion, interval))
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
          ! A motion that begins with a jump lifts the wall at once: that is no rest.
-         if (hybrid%t > t_begin) call observe_rest(observer, equation, t_begin, hybrid%t)
+         if (hybrid%t > t_begin) call observe_rest(recorder, equation, t_begin, hybrid%t)
          call enter_interval(equation, interval)
       end do
       if (side == 0) return
@@ -177,8 +179,8 @@ contains
       equation%side = side
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
-      observer%lift_offs = observer%lift_offs + 1_i8
-      call observe_event(observer, event_lift_off, hybrid%t, hybrid%y)
+      recorder%lift_offs = recorder%lift_offs + 1_i8
+      call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
    end subroutine stay_at_rest
 
    !> A wall that stands on its base and would leave it on both sides at once jumps.
@@ -198,11 +200,11 @@ contains
    !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
    !> holds up at one corner rocks on the other; together stronger than weight and cable, they lift
    !> it off both, and it stands on its fuses. Fails at the first such time of the step.
-   subroutine check_fuses(hybrid, equation, stepper, error)
+   subroutine check_fuses(hybrid, equation, integrator, error)
       type(hybrid_t), intent(in) :: hybrid
       !! at the end of the step, or at the event that cuts it
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: low
       real(wp) :: high
@@ -212,12 +214,12 @@ contains
       ! forces grow with the stroke: what they are on the base mostly says that all is well
       if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
       if (.not. stands_on_fuses(equation, hybrid%y(1))) return
-      low = stepper%t0
+      low = integrator%t0
       high = hybrid%t
       do
          middle = low + (high - low)/2
          if (middle <= low .or. middle >= high) exit
-         call stepper%state_at(middle, y, error)
+         call integrator%state_at(middle, y, error)
          if (allocated(error)) return
          if (stands_on_fuses(equation, y(1))) then
             high = middle
@@ -241,15 +243,15 @@ contains
       type(cable_state_t) :: cable
 
       cable = cable_at(equation, theta)
-      stands_on_fuses = fuse_push(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
+      stands_on_fuses = fuse_uplift(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
    end function stands_on_fuses
 
    !> One step of the integrator, cut at the first event that ends the flight.
-   subroutine fly(hybrid, equation, stepper, observer, t_target, error)
+   subroutine integrate_step(hybrid, equation, integrator, recorder, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
       type(storey_end_t) :: ending
@@ -260,39 +262,39 @@ contains
       if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%t = t_limit
-         call pass_knot(hybrid, equation, stepper%steps)
+         call pass_knot(hybrid, equation, integrator%steps)
          return
       end if
       if (hybrid%must_restart) then
-         if (equation%has_memory) call renew_window(equation)
-         if (equation%has_course) call set_course(hybrid, equation)
+         if (equation%has_bilinear_springs) call renew_window(equation)
+         if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
          if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
-         call stepper%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
+         call integrator%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
       end if
       if (allocated(error)) return
       hybrid%must_restart = .false.
-      call stepper%step(t_limit, error)
+      call integrator%step(t_limit, error)
       if (allocated(error)) return
-      if (equation%floors%yields) call stop_at_storey(equation, stepper, ending, error)
+      if (equation%floors%yields) call stop_at_storey(equation, integrator, ending, error)
       if (allocated(error)) return
-      call search_step(hybrid, equation, stepper, observer, event, error)
+      call search_step(hybrid, equation, integrator, recorder, event, error)
       if (allocated(error)) return
-      if (equation%has_fuses) call check_fuses(hybrid, equation, stepper, error)
+      if (equation%has_fuses) call check_fuses(hybrid, equation, integrator, error)
       if (allocated(error)) return
-      call observe_piece(observer, equation, stepper, stepper%t0, hybrid%t, hybrid%y, error)
+      call observe_piece(recorder, equation, integrator, integrator%t0, hybrid%t, hybrid%y, error)
       if (allocated(error)) return
       select case (event)
       case (event_impact)
-         call bounce(hybrid, equation, observer)
+         call apply_impact(hybrid, equation, recorder)
          if (equation%has_vertical) call check_ground(hybrid, equation, error)
          if (allocated(error)) return
       case (event_branch)
-         call change_branch(hybrid, equation, observer)
+         call enter_branch(hybrid, equation, recorder)
       case (event_peak)
          hybrid%y(2) = 0
          call turn_back(equation, hybrid%y(1))
-         if (equation%has_course) then
-            equation%course = -equation%course
+         if (equation%has_loading_direction) then
+            equation%loading_direction = -equation%loading_direction
             hybrid%y(2) = 0
          end if
          hybrid%must_restart = .true.
@@ -300,47 +302,47 @@ contains
          hybrid%must_restart = .true.
       case (event_overturned)
          hybrid%mode = mode_overturned
-         call observe_event(observer, event_overturned, hybrid%t, hybrid%y)
+         call observe_event(recorder, event_overturned, hybrid%t, hybrid%y)
       case default
          ! Nothing else happened: the flight goes on with the next step.
-         if (ending%storey > 0) call change_storey(hybrid, equation, observer, ending)
+         if (ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
       end select
-      call pass_knot(hybrid, equation, stepper%steps)
-   end subroutine fly
+      call pass_knot(hybrid, equation, integrator%steps)
+   end subroutine integrate_step
 
    !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
    !> peak it is known already.
-   pure subroutine set_course(hybrid, equation)
+   pure subroutine set_loading_direction(hybrid, equation)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(inout) :: equation
 
       if (abs(hybrid%y(2)) > 0) then
-         equation%course = int(sign(1.0_wp, hybrid%y(2)))
+         equation%loading_direction = int(sign(1.0_wp, hybrid%y(2)))
       else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
-         equation%course = equation%side
+         equation%loading_direction = equation%side
       end if
-      call follow_course(equation, hybrid%y(equation%hysteresis%place))
-   end subroutine set_course
+      call follow_loading_direction(equation, hybrid%y(equation%hysteresis%place))
+   end subroutine set_loading_direction
 
    !> A spring enters another branch.
-   subroutine change_branch(hybrid, equation, observer)
+   subroutine enter_branch(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      type(observer_t), intent(inout) :: observer
+      type(recorder_t), intent(inout) :: recorder
       logical :: was_broken
 
       was_broken = tendon_is_broken(equation)
-      call observe_state(observer, equation, hybrid%t, hybrid%y)
-      call observe_branch(observer, equation, hybrid%y, +1)
+      call observe_state(recorder, equation, hybrid%t, hybrid%y)
+      call observe_branch(recorder, equation, hybrid%y, +1)
       call pass_window(equation, is_rising=hybrid%is_rising)
-      call observe_branch(observer, equation, hybrid%y, -1)
+      call observe_branch(recorder, equation, hybrid%y, -1)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then
-         call observe_event(observer, event_rupture, hybrid%t, hybrid%y)
+         call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
       else
-         call observe_event(observer, event_branch, hybrid%t, hybrid%y)
+         call observe_event(recorder, event_branch, hybrid%t, hybrid%y)
       end if
-   end subroutine change_branch
+   end subroutine enter_branch
 
    !> Estimated duration of a flight that begins at theta = 0: a little more than 2 v/a against an
    !> acceleration that pulls it back, or twice the time for which the motion pulls it off; else no
@@ -368,60 +370,60 @@ contains
    !>
    !> When one side is pressed hard and the other hardly at all, a flight can be over within a few
    !> spacings of the time: the wall is then back with the velocity that it left with, at once.
-   subroutine bounce(hybrid, equation, observer)
+   subroutine apply_impact(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      type(observer_t), intent(inout) :: observer
+      type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: followable = 64
       !! least duration of a flight in spacings of the time [-]
 
       hybrid%must_restart = .true.
       do
-         call hit(hybrid, equation, observer)
+         call apply_one_impact(hybrid, equation, recorder)
          if (hybrid%mode == mode_rest .or. abs(hybrid%y(2)) <= 0) return
          if (flight_time(hybrid, equation) > followable*spacing(hybrid%t)) return
          hybrid%y(2) = -hybrid%y(2)
       end do
-   end subroutine bounce
+   end subroutine apply_impact
 
    !> One impact and what follows from it.
-   subroutine hit(hybrid, equation, observer)
+   subroutine apply_one_impact(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      type(observer_t), intent(inout) :: observer
+      type(recorder_t), intent(inout) :: recorder
       real(wp) :: after
       logical :: rests
 
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
-      call observe_event(observer, event_impact, hybrid%t, hybrid%y)
-      call observe_impact(observer, equation, hybrid%y(2), after)
+      call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
+      call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
       call turn_back(equation, 0.0_wp)
       equation%side = -equation%side
-      call find_bearing(equation, hybrid%y)
+      call find_uplift_acceleration(equation, hybrid%y)
       if (equation%moves_at_rest) then
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
-            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
-            negligible*hybrid%rtol*observer%theta_dot_max)
+            negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
+            negligible*hybrid%rtol*recorder%theta_dot_max)
       else
          rests = may_rest(equation, hybrid%t, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
-            negligible*hybrid%rtol*max(observer%theta_max, -observer%theta_min), &
-            negligible*hybrid%rtol*observer%theta_dot_max)
+            negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
+            negligible*hybrid%rtol*recorder%theta_dot_max)
       end if
       if (rests) then
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
-         call observe_event(observer, event_rest, hybrid%t, hybrid%y)
+         call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
       else if (abs(after) <= 0) then
          ! Nothing bounces (e = 0) and the motion pulls: the drive says to which side.
-         call leave_with_no_velocity(hybrid, equation)
+         call leave_without_velocity(hybrid, equation)
       end if
-   end subroutine hit
+   end subroutine apply_one_impact
 
    !> The wall touches its base without velocity while one side is pulled.
-   subroutine leave_with_no_velocity(hybrid, equation)
+   subroutine leave_without_velocity(hybrid, equation)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       real(wp) :: t
@@ -436,6 +438,6 @@ contains
       else
          hybrid%mode = mode_rest
       end if
-   end subroutine leave_with_no_velocity
+   end subroutine leave_without_velocity
 
 end module rwmf_simulation_hybrid_loop

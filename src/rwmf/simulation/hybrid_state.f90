@@ -5,7 +5,7 @@ module rwmf_simulation_hybrid_state
    use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: has_jump, interval_end
    use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, observer_t
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch
    implicit none
    private
@@ -82,15 +82,15 @@ contains
    end subroutine pass_knot
 
    !> The branch of a storey ends at the present state.
-   subroutine change_storey(hybrid, equation, observer, ending)
+   subroutine change_storey(hybrid, equation, recorder, ending)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      type(observer_t), intent(inout) :: observer
+      type(recorder_t), intent(inout) :: recorder
       type(storey_end_t), intent(in) :: ending
 
-      call observe_state(observer, equation, hybrid%t, hybrid%y)
+      call observe_state(recorder, equation, hybrid%t, hybrid%y)
       call end_branch(equation, ending, hybrid%y)
-      if (.not. allocated(equation%floors%laws)) call observe_event(observer, event_branch, &
+      if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
          hybrid%t, hybrid%y)
       hybrid%must_restart = .true.
    end subroutine change_storey

@@ -1,29 +1,29 @@
 !> One run of the hybrid system: from a valid case to its result, at the case's tolerances.
 module rwmf_simulation_run
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t
-   use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_core_error, only: error_t
-   use rwmf_model_effects_list, only: extra_sizes
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, begin_hybrid, hybrid_t, mode_overturned, &
-      mode_rest
-   use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_model_hysteresis_spring_set, only: storey_strengths, yield_displacement, &
-      frame_residual, frame_residuals, prestress_loss, tendon_is_broken
-   use rwmf_integrator_factory, only: new_stepper, run_method
-   use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
-   use rwmf_simulation_recorder_recorder, only: create_observer, finish_observer, observer_t
-   use rwmf_simulation_recorder_reaction_columns, only: force_extremes
-   use rwmf_model_rest, only: inverse_inertia
-   use rwmf_simulation_result, only: add_warning, result_t
-   use rwmf_model_equation, only: frame_travel
-   use rwmf_integrator_integrator, only: stepper_t, tolerance_t
+   use rwmf_integrator_factory, only: new_integrator, run_method
+   use rwmf_integrator_integrator, only: integrator_t, tolerance_t
+   use rwmf_model_assembly, only: build_equation, cable_at, equation_t
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_list, only: state_sizes
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_model_equation, only: frame_travel
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
+   use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
+      storey_strengths, tendon_is_broken, yield_displacement
+   use rwmf_model_rest, only: inverse_inertia
+   use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
+   use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t, mode_overturned, mode_rest, &
+      start_hybrid
+   use rwmf_simulation_recorder_reaction_columns, only: force_extremes
+   use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
+   use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_warnings, only: warn_of_fuses, warn_of_reactions, warn_of_weight
+   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
@@ -41,16 +41,16 @@ contains
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
       type(equation_t), target :: equation
-      class(stepper_t), allocatable :: stepper
+      class(integrator_t), allocatable :: integrator
       integer(i8) :: started
       integer(i8) :: finished
       integer(i8) :: rate
 
       call system_clock(started, rate)
       call build_equation(case, motion, equation)
-      call new_stepper(case%solver%method, stepper)
-      call repeat_until_scaled(case, equation, stepper, control, result, error)
-      call stepper%destroy()
+      call new_integrator(case%solver%method, integrator)
+      call repeat_until_scaled(case, equation, integrator, control, result, error)
+      call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
@@ -59,10 +59,10 @@ contains
    !> Integrate with absolute tolerances for a guessed size of the response; when the response turns
    !> out to be much smaller, integrate again for its true size. So tiny responses are as accurate
    !> as large ones.
-   subroutine repeat_until_scaled(case, equation, stepper, control, result, error)
+   subroutine repeat_until_scaled(case, equation, integrator, control, result, error)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout), target :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       type(control_t), intent(in) :: control
       type(result_t), intent(inout) :: result
       type(error_t), allocatable, intent(out) :: error
@@ -72,7 +72,7 @@ contains
 
       size_guess = guess_size(case, equation)
       do pass = 1, most_passes
-         call integrate(case, equation, stepper, size_guess, size_found, control, result, error)
+         call integrate(case, equation, integrator, size_guess, size_found, control, result, error)
          if (allocated(error) .or. allocated(case%solver%atol)) return
          if (all(size_found <= 0) .or. all(size_found > 0.1_wp*size_guess)) return
          size_guess = merge(size_found, size_guess, size_found < 0.1_wp*size_guess)
@@ -104,36 +104,36 @@ contains
    end function guess_size
 
    !> Run the hybrid system once from 0 to t_end.
-   subroutine integrate(case, equation, stepper, size_guess, size_found, control, result, error)
+   subroutine integrate(case, equation, integrator, size_guess, size_found, control, result, error)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout), target :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: size_found(2)
       type(control_t), intent(in) :: control
       type(result_t), intent(inout) :: result
       type(error_t), allocatable, intent(out) :: error
       type(hybrid_t) :: hybrid
-      type(observer_t) :: observer
+      type(recorder_t) :: recorder
 
       size_found = 0
       equation%rhs_evaluations = 0
-      call stepper%create(equation, above_round_off(tolerances(case, equation, size_guess), &
+      call integrator%create(equation, above_round_off(tolerances(case, equation, size_guess), &
          equation, size_guess), error)
       if (allocated(error)) return
       hybrid%restitution = impact_law(case, equation%p%alpha)
       hybrid%overturning_angle = case%model%overturning_angle
       hybrid%rtol = case%solver%rtol
       hybrid%max_steps = case%solver%max_steps
-      call begin_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
-      call create_observer(observer, case, equation, case%solver%t_end, hybrid%y, error)
+      call start_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
+      call create_recorder(recorder, case, equation, case%solver%t_end, hybrid%y, error)
       if (allocated(error)) return
-      call advance_hybrid(hybrid, equation, stepper, observer, case%solver%t_end, control, error)
+      call advance_hybrid(hybrid, equation, integrator, recorder, case%solver%t_end, control, error)
       if (allocated(error)) return
-      call finish_observer(observer, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
-      size_found = [max(observer%theta_max, -observer%theta_min), observer%theta_dot_max]
-      call fill_result(case, equation, hybrid, observer, result)
-      result%steps = stepper%steps
+      call finish_recorder(recorder, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
+      size_found = [max(recorder%theta_max, -recorder%theta_min), recorder%theta_dot_max]
+      call fill_result(case, equation, hybrid, recorder, result)
+      result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
    end subroutine integrate
@@ -147,10 +147,10 @@ contains
       tolerance%rtol = case%solver%rtol
       if (allocated(case%solver%atol)) then
          tolerance%atol = case%solver%atol/max(size_guess(1), tiny(1.0_wp)) &
-            *extra_sizes(equation, size_guess)
+            *state_sizes(equation, size_guess)
          tolerance%atol(1) = case%solver%atol
       else
-         tolerance%atol = max(case%solver%rtol*extra_sizes(equation, size_guess), &
+         tolerance%atol = max(case%solver%rtol*state_sizes(equation, size_guess), &
             1.0e3_wp*tiny(1.0_wp))
       end if
    end function tolerances
@@ -238,15 +238,15 @@ contains
    end function inertance
 
    !> What applies to the scene, and only that.
-   subroutine fill_result(case, equation, hybrid, observer, result)
+   subroutine fill_result(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(hybrid_t), intent(in) :: hybrid
-      type(observer_t), intent(inout) :: observer
+      type(recorder_t), intent(inout) :: recorder
       type(result_t), intent(inout) :: result
 
-      result%impacts = observer%impacts
-      result%lift_offs = observer%lift_offs
+      result%impacts = recorder%impacts
+      result%lift_offs = recorder%lift_offs
       result%has_impacts = equation%has_impacts
       result%overturned = hybrid%mode == mode_overturned
       result%rhs_evaluations = equation%rhs_evaluations
@@ -254,30 +254,30 @@ contains
       result%final_state = hybrid%y
       if (.not. allocated(result%warnings)) call collect_warnings(case, equation, result)
       if (equation%has_frame) then
-         result%u_s_max = observer%u_max
-         result%t_u_s_max = observer%t_u_max
+         result%u_s_max = recorder%u_max
+         result%t_u_s_max = recorder%t_u_max
       end if
-      if (equation%has_memory .or. equation%has_course) then
-         call fill_memory(case, equation, hybrid, result)
+      if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
+         call fill_hysteresis(case, equation, hybrid, result)
       end if
       if (allocated(case%yielding) .and. allocated(case%storeys)) then
          if (allocated(case%yielding%storey_u_y)) call fill_storeys(case, equation, hybrid, &
-            observer, result)
+            recorder, result)
       end if
-      if (equation%has_wall) call fill_wall(case, equation, hybrid, observer, result)
-      if (observer%keeps_energy) result%energy = observer%energy
-      if (allocated(observer%forces)) then
-         result%reactions = force_extremes(observer%forces, equation, observer%theta_min, &
-            observer%theta_max, observer%u_max)
+      if (equation%has_wall) call fill_wall(case, equation, hybrid, recorder, result)
+      if (recorder%keeps_energy) result%energy = recorder%energy
+      if (allocated(recorder%forces)) then
+         result%reactions = force_extremes(recorder%forces, equation, recorder%theta_min, &
+            recorder%theta_max, recorder%u_max)
       end if
-      if (observer%keeps_history) then
-         call move_alloc(observer%events, result%events)
-         result%history = observer%history
+      if (recorder%keeps_history) then
+         call move_alloc(recorder%events, result%events)
+         result%history = recorder%history
       end if
    end subroutine fill_result
 
    !> What yielding and rupture leave behind.
-   subroutine fill_memory(case, equation, hybrid, result)
+   subroutine fill_hysteresis(case, equation, hybrid, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
@@ -291,29 +291,29 @@ contains
       if (allocated(case%yielding)) then
          if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
             /yield_displacement(case)
-         if (equation%has_course) then
+         if (equation%has_loading_direction) then
             result%residual_displacement = bouc_wen_residual(equation, hybrid%y)
          else
             result%residual_displacement = frame_residual(equation, hybrid%y(1))
          end if
       end if
-   end subroutine fill_memory
+   end subroutine fill_hysteresis
 
    !> What yielding of the single storeys leaves behind. Where a straight line links them all to the
    !> roof, they have their shares of its displacement.
-   subroutine fill_storeys(case, equation, hybrid, observer, result)
+   subroutine fill_storeys(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       !! with `&yielding storey_u_y`
       type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
-      type(observer_t), intent(in) :: observer
+      type(recorder_t), intent(in) :: recorder
       type(result_t), intent(inout) :: result
       real(wp) :: share(size(case%storeys%frame%m))
       !! of each storey in the height [-]
 
       associate (height => case%storeys%frame%height)
          if (equation%floors%yields) then
-            result%storey_ductility = observer%drifts/storey_strengths(case)
+            result%storey_ductility = recorder%drifts/storey_strengths(case)
             result%storey_residual_drift = storey_residuals(equation, hybrid%y)
             result%residual_displacement = sum(result%storey_residual_drift)
             result%storey_residual_drift = result%storey_residual_drift/height
@@ -365,48 +365,48 @@ contains
       end if
    end subroutine collect_warnings
 
-   subroutine fill_wall(case, equation, hybrid, observer, result)
+   subroutine fill_wall(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(hybrid_t), intent(in) :: hybrid
-      type(observer_t), intent(in) :: observer
+      type(recorder_t), intent(in) :: recorder
       type(result_t), intent(inout) :: result
 
-      result%theta_max = observer%theta_max
-      result%theta_min = observer%theta_min
-      result%theta_max_over_alpha = max(observer%theta_max, -observer%theta_min)/equation%p%alpha
-      result%theta_dot_max = observer%theta_dot_max
+      result%theta_max = recorder%theta_max
+      result%theta_min = recorder%theta_min
+      result%theta_max_over_alpha = max(recorder%theta_max, -recorder%theta_min)/equation%p%alpha
+      result%theta_dot_max = recorder%theta_dot_max
       if (equation%has_impacts) then
          ! a table has no single factor
          if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
          result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
       end if
-      if (equation%has_cable) result%cable_increment_max = largest_increment(equation, observer)
+      if (equation%has_cable) result%cable_increment_max = largest_increment(equation, recorder)
    end subroutine fill_wall
 
    !> Maximum of P/(m_w g) - eta_0: the force is monotone in |theta| on each side [-].
-   real(wp) function largest_increment(equation, observer) result(increment)
+   real(wp) function largest_increment(equation, recorder) result(increment)
       type(equation_t), intent(inout) :: equation
-      type(observer_t), intent(in) :: observer
+      type(recorder_t), intent(in) :: recorder
       type(cable_state_t) :: cable
 
       if (equation%cable%is_tendon) then
-         increment = observer%cable_max - equation%cable%eta_0
+         increment = recorder%cable_max - equation%cable%eta_0
          return
       end if
       increment = -huge(increment)
-      if (observer%theta_max >= 0) then
+      if (recorder%theta_max >= 0) then
          equation%side = 1
-         cable = cable_at(equation, observer%theta_max)
+         cable = cable_at(equation, recorder%theta_max)
          increment = max(increment, cable%force)
-         cable = cable_at(equation, max(0.0_wp, observer%theta_min))
+         cable = cable_at(equation, max(0.0_wp, recorder%theta_min))
          increment = max(increment, cable%force)
       end if
-      if (observer%theta_min <= 0) then
+      if (recorder%theta_min <= 0) then
          equation%side = -1
-         cable = cable_at(equation, observer%theta_min)
+         cable = cable_at(equation, recorder%theta_min)
          increment = max(increment, cable%force)
-         cable = cable_at(equation, min(0.0_wp, observer%theta_max))
+         cable = cable_at(equation, min(0.0_wp, recorder%theta_max))
          increment = max(increment, cable%force)
       end if
       increment = increment - equation%cable%eta_0

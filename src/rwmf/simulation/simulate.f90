@@ -1,16 +1,16 @@
 !> One simulation: from a valid case to its result, with the accuracy or the estimate asked for.
 module rwmf_simulation_simulate
-   use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: run_once
    implicit none
    private
 
-   public :: simulate, simulate_under
+   public :: simulate, simulate_with_motion
 
 contains
 
@@ -23,18 +23,18 @@ contains
       !! numerical failure or interruption, with time and state
       type(control_t), intent(in), optional :: control
       type(motion_t) :: motion
-      type(control_t) :: nobody
+      type(control_t) :: no_control
 
       motion = motion_from_case(case)
       if (present(control)) then
-         call simulate_under(case, motion, control, result, error)
+         call simulate_with_motion(case, motion, control, result, error)
       else
-         call simulate_under(case, motion, nobody, result, error)
+         call simulate_with_motion(case, motion, no_control, result, error)
       end if
    end subroutine simulate
 
    !> The same with a ground motion that the caller holds (many simulations share one).
-   subroutine simulate_under(case, motion, control, result, error)
+   subroutine simulate_with_motion(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
@@ -48,6 +48,6 @@ contains
       end if
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
-   end subroutine simulate_under
+   end subroutine simulate_with_motion
 
 end module rwmf_simulation_simulate

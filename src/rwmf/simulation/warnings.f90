@@ -1,10 +1,10 @@
 !> What the user should know about a scene or a run that the model does not follow to its end.
 module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
-   use rwmf_simulation_result, only: add_warning, result_t
-   use rwmf_model_equation, only: equation_t
-   use rwmf_text_strings, only: real_to_text
    use rwmf_model_effects_vertical_motion, only: lowest_vertical
+   use rwmf_model_equation, only: equation_t
+   use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 

@@ -1,17 +1,17 @@
 !> Response spectra: the loop over frame periods, mass ratios and widths of the wall, in parallel.
 module rwmf_spectrum_spectrum
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
-   use rwmf_spectrum_fast_bare_frame, only: run_frames
-   use rwmf_spectrum_fast_driver, only: run_fast
-   use rwmf_spectrum_fast_eligibility, only: is_supported
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_factory, only: spectrum_method
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_simulate, only: simulate_under
+   use rwmf_simulation_simulate, only: simulate_with_motion
+   use rwmf_spectrum_fast_bare_frame, only: run_frames
+   use rwmf_spectrum_fast_driver, only: run_fast
+   use rwmf_spectrum_fast_eligibility, only: is_supported
    !$ use omp_lib, only: omp_get_max_threads
    implicit none
    private
@@ -206,7 +206,7 @@ contains
          one%frame%gamma = spectrum%gamma(j)
          one%wall%b = spectrum%b(k)
       end if
-      call simulate_under(one, motion, control, result, error)
+      call simulate_with_motion(one, motion, control, result, error)
       call count_done(control)
       if (allocated(error)) then
          spectrum%status(i, j, k) = error%name

@@ -8,9 +8,9 @@
 !>     4096    0.0100    NPTS, DT
 !>     NPTS =   7500 , DT =   .020 SEC ,
 module rwmf_input_record_at2
-   use rwmf_input_record_columns, only: append_real, fail_at_word
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
+   use rwmf_input_record_columns, only: append_real, fail_at_word
    use rwmf_text_strings, only: integer_to_text, is_separator, next_line, next_word, &
       parse_integer, parse_real, shown, to_lower
    implicit none

@@ -3,13 +3,13 @@
 !> Words are separated by blanks or commas; lines that begin with `#` and one header line before
 !> the numbers are skipped. Sample 1 of one column and of AT2 is at t = 0.
 module rwmf_input_record_reader
-   use rwmf_input_record_at2, only: has_at2_header, read_at2
-   use rwmf_text_crc32, only: crc32
-   use rwmf_input_record_columns, only: read_columns
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_text_file, only: read_file
    use rwmf_core_kinds, only: dp, wp
+   use rwmf_input_record_at2, only: has_at2_header, read_at2
+   use rwmf_input_record_columns, only: read_columns
    use rwmf_problem_record, only: record_t
+   use rwmf_text_crc32, only: crc32
+   use rwmf_text_file, only: read_file
    implicit none
    private
 

@@ -2,11 +2,11 @@
 !> or a key.
 module rwmf_input_rules_common
    use rwmf_core_error, only: error_t
-   use rwmf_input_group_values, only: entry_of, group_of, has_group, has_key
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_input_group_values, only: entry_of, group_of, has_group, has_key
    use rwmf_input_namelist, only: group_t
-   use rwmf_text_strings, only: real_to_text
    use rwmf_input_schema_check, only: fail_at_entry, fail_at_group
+   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 

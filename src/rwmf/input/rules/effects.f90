@@ -1,8 +1,8 @@
 !> Rules of the impact, of the vertical ground motion, and of a frame without mass.
 module rwmf_input_rules_effects
    use rwmf_core_error, only: error_t
-   use rwmf_input_group_values, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_core_kinds, only: wp
+   use rwmf_input_group_values, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_input_namelist, only: group_t
    use rwmf_input_rules_common, only: check_one_of, fail_group, fail_key
    implicit none

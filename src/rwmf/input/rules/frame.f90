@@ -1,8 +1,8 @@
 !> Rules between the groups that describe the frame: period, mass ratio, storeys.
 module rwmf_input_rules_frame
    use rwmf_core_error, only: error_t
-   use rwmf_input_group_values, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_core_kinds, only: wp
+   use rwmf_input_group_values, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_input_namelist, only: group_t
    use rwmf_input_rules_common, only: fail_group, fail_key, too_stiff
    use rwmf_text_strings, only: integer_to_text, real_to_text

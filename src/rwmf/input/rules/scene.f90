@@ -1,14 +1,14 @@
 !> Rules between the keys and groups of a case file, on top of what the schema says of each alone.
 module rwmf_input_rules_scene
-   use rwmf_input_rules_springs, only: check_fuse, check_tendon, check_yielding
-   use rwmf_input_rules_effects, only: check_impact, check_massless, check_vertical
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_input_rules_frame, only: check_frame, check_hysteresis, check_storeys
+   use rwmf_core_kinds, only: wp
    use rwmf_input_group_values, only: get_list, has_group, has_key, integer_of, logical_of, &
       real_of, text_of
-   use rwmf_core_kinds, only: wp
    use rwmf_input_namelist, only: group_t
    use rwmf_input_rules_common, only: check_needs, check_one_of, fail_group, fail_key
+   use rwmf_input_rules_effects, only: check_impact, check_massless, check_vertical
+   use rwmf_input_rules_frame, only: check_frame, check_hysteresis, check_storeys
+   use rwmf_input_rules_springs, only: check_fuse, check_tendon, check_yielding
    use rwmf_input_schema, only: belongs_to, find_key, key_t, keys_of, pulse_kinds
    use rwmf_text_strings, only: real_to_text
    implicit none

@@ -1,10 +1,10 @@
 !> Rules of the springs with memory: a tendon that yields or breaks, a yielding frame.
 module rwmf_input_rules_springs
-   use rwmf_input_rules_common, only: check_one_of, fail_group, fail_key, too_stiff
    use rwmf_core_error, only: error_t
-   use rwmf_input_group_values, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_input_group_values, only: get_list, has_group, has_key, real_of, text_of
    use rwmf_input_namelist, only: group_t
+   use rwmf_input_rules_common, only: check_one_of, fail_group, fail_key, too_stiff
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private

@@ -1,5 +1,5 @@
-!> ARKODE's ERKStep behind the `stepper_t` interface, with the Dormand-Prince 5(4) pair: that of the
-!> paper's ode45.
+!> ARKODE's ERKStep behind the `integrator_t` interface, with the Dormand-Prince 5(4) pair: that of
+!> the paper's ode45.
 module rwmf_integrator_sundials_arkode
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_funloc, c_int, c_loc, c_long, &
       c_null_ptr, c_ptr
@@ -9,12 +9,12 @@ module rwmf_integrator_sundials_arkode
    use farkode_mod, only: ARK_ONE_STEP, ARKODE_DORMAND_PRINCE_7_4_5
    use fnvector_serial_mod, only: FN_VNew_Serial
    use fsundials_nvector_mod, only: N_Vector
-   use rwmf_model_assembly, only: equation_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: taylor_step, tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
       evaluate_rhs, first_end, free_vector, has_failed, made, stay_silent, step_end, sundials_t
+   use rwmf_model_assembly, only: equation_t
    implicit none
    private
 

@@ -9,10 +9,10 @@ module rwmf_integrator_sundials_common
    use fnvector_serial_mod, only: FN_VNew_Serial
    use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
    use fsundials_nvector_mod, only: FN_VDestroy, N_Vector
-   use rwmf_model_assembly, only: equation_t, rhs
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, stepper_t, tolerance_t
+   use rwmf_integrator_integrator, only: fail_step, integrator_t, tolerance_t
+   use rwmf_model_assembly, only: equation_t, rhs
    implicit none
    private
 
@@ -24,7 +24,7 @@ module rwmf_integrator_sundials_common
    !! flag of CVODE and ARKODE
 
    !> What both families share: context, vectors, equation.
-   type, abstract, extends(stepper_t) :: sundials_t
+   type, abstract, extends(integrator_t) :: sundials_t
       type(c_ptr) :: context = c_null_ptr
       type(c_ptr) :: memory = c_null_ptr
       type(equation_t), pointer :: equation => null()

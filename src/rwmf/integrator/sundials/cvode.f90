@@ -1,5 +1,5 @@
-!> CVODE behind the `stepper_t` interface: Adams with functional iteration, or BDF with Newton and
-!> the analytic Jacobian.
+!> CVODE behind the `integrator_t` interface: Adams with functional iteration, or BDF with Newton
+!> and the analytic Jacobian.
 module rwmf_integrator_sundials_cvode
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_funloc, c_int, &
       c_loc, c_null_ptr, c_ptr
@@ -15,13 +15,13 @@ module rwmf_integrator_sundials_cvode
    use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
    use fsunmatrix_dense_mod, only: FSUNDenseMatrix, FSUNDenseMatrix_Data
    use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
-   use rwmf_model_assembly, only: equation_t
-   use rwmf_model_jacobian, only: full_jacobian
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
       evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t
+   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_jacobian, only: full_jacobian
    implicit none
    private
 

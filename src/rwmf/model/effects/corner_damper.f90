@@ -5,8 +5,8 @@
 !> against the motion.
 module rwmf_model_effects_corner_damper
    use rwmf_core_kinds, only: wp
-   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_equation, only: equation_t
+   use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
 

@@ -6,8 +6,8 @@
 !> term in phi'**2.
 module rwmf_model_effects_corner_inerter
    use rwmf_core_kinds, only: wp
-   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_equation, only: equation_t
+   use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
 

@@ -4,10 +4,10 @@
 !> moves horizontally only. What is left is the arm of the wall's weight times m_w v_g''.
 module rwmf_model_effects_vertical_motion
    use rwmf_core_kinds, only: wp
+   use rwmf_model_equation, only: equation_t, kinematics_at, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
-   use rwmf_model_equation, only: equation_t, kinematics_at, vertical_ground
    implicit none
    private
 

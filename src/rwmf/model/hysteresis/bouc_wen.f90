@@ -10,18 +10,19 @@
 !> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
 !> natural number).
 module rwmf_model_hysteresis_bouc_wen
-   use rwmf_model_right_hand_sides, only: kept_part
-   use rwmf_problem_case, only: case_t, yielding_t
-   use rwmf_model_hysteresis_bouc_wen_backbone, only: first_loading
    use rwmf_core_kinds, only: wp
-   use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_hysteresis_spring_set, only: yield_displacement
    use rwmf_model_equation, only: equation_t, form_line, form_power, form_product, form_square, &
       frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
+   use rwmf_model_hysteresis_spring_set, only: yield_displacement
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_right_hand_sides, only: kept_part
+   use rwmf_problem_case, only: case_t, yielding_t
    implicit none
    private
 
-   public :: prepare_bouc_wen, new_hysteresis, follow_course, follow_signs, will_pass_zero
+   public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs, &
+      will_pass_zero
    public :: load_bouc_wen, add_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
@@ -37,7 +38,7 @@ contains
          equation%p%omega_squared)
       equation%hysteresis%place = equation%n + 1
       equation%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
-      equation%has_course = .true.
+      equation%has_loading_direction = .true.
       equation%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
 
@@ -49,7 +50,8 @@ contains
       !! (states)
 
       associate (law => equation%hysteresis)
-         y(law%place) = first_loading(frame_displacement(equation, y(1))/law%u_y, law%exponent)
+         y(law%place) = virgin_displacement(frame_displacement(equation, y(1))/law%u_y, &
+            law%exponent)
       end associate
    end subroutine load_bouc_wen
 
@@ -65,7 +67,7 @@ contains
       law%hardening = yielding%hardening
       law%exponent = yielding%exponent
       law%beta = yielding%beta
-      law%hold = (stiffness - law%hardening*stiffness)*law%u_y
+      law%force_at_z1 = (stiffness - law%hardening*stiffness)*law%u_y
       call choose_form(law)
    end function new_hysteresis
 
@@ -85,26 +87,26 @@ contains
    end subroutine choose_form
 
    !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
-   pure subroutine follow_course(equation, z)
+   pure subroutine follow_loading_direction(equation, z)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: z
       !! [-]
 
-      call follow_signs(equation%hysteresis, equation%course, z)
-   end subroutine follow_course
+      call follow_signs(equation%hysteresis, equation%loading_direction, z)
+   end subroutine follow_loading_direction
 
    !> What follows from them for one law.
-   pure subroutine follow_signs(law, course, z)
+   pure subroutine follow_signs(law, loading_direction, z)
       type(hysteresis_t), intent(inout) :: law
-      integer, intent(in) :: course
+      integer, intent(in) :: loading_direction
       !! sign of u'
       real(wp), intent(in) :: z
       !! [-]
 
-      law%sense = course
+      law%sense = loading_direction
       law%lost = 1
-      if (course*z < 0) then
-         law%sense = -course
+      if (loading_direction*z < 0) then
+         law%sense = -loading_direction
          law%lost = 1 - 2*law%beta
       end if
       if (modulo(law%factors, 2) == 1) law%lost = law%sense*law%lost
@@ -114,7 +116,7 @@ contains
    pure logical function will_pass_zero(equation)
       type(equation_t), intent(in) :: equation
 
-      will_pass_zero = equation%hysteresis%sense /= equation%course
+      will_pass_zero = equation%hysteresis%sense /= equation%loading_direction
    end function will_pass_zero
 
    !> What the frame's force differs by from the elastic one, which is in the equation already, and
@@ -130,7 +132,7 @@ contains
 
       associate (law => equation%hysteresis, p => equation%p)
          moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
-            - equation%frame_slope)*kin%u - equation%side*law%hold*y(law%place)/p%R)
+            - equation%frame_slope)*kin%u - equation%side*law%force_at_z1*y(law%place)/p%R)
          y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*kept_part(law, y(law%place))
       end associate
    end subroutine add_bouc_wen
@@ -151,7 +153,7 @@ contains
       real(wp), intent(in) :: y(:)
 
       associate (law => equation%hysteresis)
-         power = frame_mass(equation)*law%hold*y(law%place)*frame_velocity(equation, y) &
+         power = frame_mass(equation)*law%force_at_z1*y(law%place)*frame_velocity(equation, y) &
             *(1 - kept_part(law, y(law%place)))
       end associate
    end function bouc_wen_power

@@ -8,12 +8,12 @@ module rwmf_model_hysteresis_bouc_wen_backbone
    implicit none
    private
 
-   public :: first_loading
+   public :: virgin_displacement
 
 contains
 
    !> z after the first loading to x = u/u_y [-].
-   pure real(wp) function first_loading(x, n) result(z)
+   pure real(wp) function virgin_displacement(x, n) result(z)
       real(wp), intent(in) :: x
       !! [-]
       real(wp), intent(in) :: n
@@ -43,7 +43,7 @@ contains
       end do
       ! 1 - exp(-w) without loss of digits
       z = sign(2*sinh(w/2)*exp(-w/2), x)
-   end function first_loading
+   end function virgin_displacement
 
    !> Integral of h from 0 to w [-].
    pure real(wp) function distance(w, n)

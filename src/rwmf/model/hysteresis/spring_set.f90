@@ -19,11 +19,11 @@ module rwmf_model_hysteresis_spring_set
    public :: add_fuses, add_springs, add_yielding, follow_branches
    public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
-   public :: reset_memory, load_to, renew_window, pass_window, turn_back
+   public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, elongation_of, moves
    public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
-   public :: frame_residuals, foot_residual
-   public :: frame_force_column, fuse_push
+   public :: frame_residuals, base_residual
+   public :: frame_force_column, fuse_uplift
 
    character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
    !! of every law
@@ -86,7 +86,7 @@ contains
       type(equation_t), intent(inout) :: equation
       integer :: i
 
-      if (.not. equation%has_memory) return
+      if (.not. equation%has_bilinear_springs) return
       if (any(equation%springs%place == place_frame)) then
          equation%frame_offset = 0
          equation%frame_slope = 0
@@ -134,8 +134,8 @@ contains
             sprung_t(fuse, place_right)]
          equation%has_fuses = equation%has_impacts
       end if
-      equation%has_memory = .true.
-      equation%farthest = case%model%overturning_angle
+      equation%has_bilinear_springs = .true.
+      equation%angle_limit = case%model%overturning_angle
       call follow_branches(equation)
    end subroutine choose_springs
 
@@ -325,17 +325,17 @@ contains
    end function tendon_power
 
    !> All springs as they were before anything happened.
-   subroutine reset_memory(equation)
+   subroutine reset_springs(equation)
       type(equation_t), intent(inout) :: equation
       integer :: i
 
-      if (.not. equation%has_memory) return
+      if (.not. equation%has_bilinear_springs) return
       call reset_spring(equation%cable%tendon)
       do i = 1, size(equation%springs)
          call reset_spring(equation%springs(i)%spring)
       end do
       call follow_branches(equation)
-   end subroutine reset_memory
+   end subroutine reset_springs
 
    !> Bring springs that have not moved yet to an initial rotation, as if it had grown from zero.
    subroutine load_to(equation, theta)
@@ -366,15 +366,15 @@ contains
       call follow_branches(equation)
       equation%low = -huge(1.0_wp)
       equation%high = huge(1.0_wp)
-      equation%ends_at_peak = equation%has_course
-      if (equation%cable%is_tendon) call narrow(equation, 0)
+      equation%ends_at_peak = equation%has_loading_direction
+      if (equation%cable%is_tendon) call narrow_window(equation, 0)
       do i = 1, size(equation%springs)
-         if (moves(equation, equation%springs(i)%place)) call narrow(equation, i)
+         if (moves(equation, equation%springs(i)%place)) call narrow_window(equation, i)
       end do
    end subroutine renew_window
 
    !> Narrow the window to that of one spring.
-   subroutine narrow(equation, number)
+   subroutine narrow_window(equation, number)
       type(equation_t), intent(inout) :: equation
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
@@ -389,7 +389,7 @@ contains
       theta = [rotation_at(equation, number, x(1)), rotation_at(equation, number, x(2))]
       equation%low = max(equation%low, minval(theta))
       equation%high = min(equation%high, maxval(theta))
-   end subroutine narrow
+   end subroutine narrow_window
 
    pure type(spring_t) function spring_of(equation, number) result(spring)
       type(equation_t), intent(in) :: equation
@@ -435,8 +435,8 @@ contains
 
       theta = x
       if (.not. equation%has_wall .and. number > 0) return
-      ends = [0.0_wp, equation%farthest]
-      if (.not. equation%has_impacts) ends(1) = -equation%farthest
+      ends = [0.0_wp, equation%angle_limit]
+      if (.not. equation%has_impacts) ends(1) = -equation%angle_limit
       at_ends = [elongation_of(equation, number, ends(1)), elongation_of(equation, number, ends(2))]
       direction = merge(1, -1, at_ends(2) > at_ends(1))
       theta = direction*equation%side*huge(x)
@@ -520,7 +520,7 @@ contains
       real(wp) :: phi
       integer :: i
 
-      if (.not. equation%has_memory) return
+      if (.not. equation%has_bilinear_springs) return
       phi = equation%side*theta
       if (equation%cable%is_tendon) then
          call turn_spring(equation%cable%tendon, elongation_of(equation, 0, phi))
@@ -562,7 +562,7 @@ contains
    end function spring_forces
 
    !> Force with which both fuses push a rocking wall up, over m_w g [-].
-   real(wp) function fuse_push(equation, theta) result(push)
+   real(wp) function fuse_uplift(equation, theta) result(push)
       type(equation_t), intent(in) :: equation
       !! with fuses
       real(wp), intent(in) :: theta
@@ -572,7 +572,7 @@ contains
       ! the fuses come last
       forces = spring_forces(equation, theta)
       push = -sum(forces(size(forces) - 1:))
-   end function fuse_push
+   end function fuse_uplift
 
    !> Names of the columns of these forces in a history; springs of the frame have one together.
    pure function spring_columns(equation) result(names)
@@ -625,7 +625,7 @@ contains
 
    !> The same of the lowest storey, as a displacement of the roof: where storeys yield one by one
    !> it is not that of the frame [m].
-   real(wp) function foot_residual(equation, theta) result(residual)
+   real(wp) function base_residual(equation, theta) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
@@ -635,7 +635,7 @@ contains
       if (.not. allocated(equation%parts)) return
       residuals = frame_residuals(equation, theta)
       residual = residuals(1)
-   end function foot_residual
+   end function base_residual
 
    !> The same of each spring of the frame by itself [m].
    function frame_residuals(equation, theta) result(residuals)

@@ -1,15 +1,15 @@
 !> Instants inside the last step of an integrator: where a state passes a level, to round-off, and
 !> where theta' turns unseen between the ends.
 module rwmf_simulation_events_event_time
-   use rwmf_model_assembly, only: equation_t, interval_of, rhs, second_derivative
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t, interval_of, rhs, second_derivative
    use rwmf_motion_ground_motion, only: interval_end, turning_point
-   use rwmf_integrator_integrator, only: stepper_t
    implicit none
    private
 
-   public :: locate, count_parts, find_reversal, stationary_point
+   public :: find_event_time, count_parts, find_reversal, stationary_point
 
    integer, parameter :: most_iterations = 200
    !! a bisection of the whole range of exponents takes fewer
@@ -21,9 +21,10 @@ contains
    !> Newton's method from the inverse cubic through both ends, kept inside a bracket that every
    !> evaluation tightens. A correction below sqrt(epsilon) of the step is carried out by Taylor's
    !> formula, whose remainder is then round-off: usually two states are asked of the integrator.
-   subroutine locate(equation, stepper, component, level, t_a, y_a, t_b, y_b, t, y, error)
+   subroutine find_event_time(equation, integrator, component, level, t_a, y_a, t_b, y_b, t, y, &
+      error)
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: component
       !! 1: theta, 2: theta', or a further state
       real(wp), intent(in) :: level
@@ -57,7 +58,7 @@ contains
          .or. (y_a(component) >= level .and. y_b(component) < level)
       t = first_guess(equation, component, level, t_a, y_a, t_b, y_b)
       do i = 1, most_iterations
-         call stepper%state_at(t, y, error)
+         call integrator%state_at(t, y, error)
          if (allocated(error)) return
          g = y(component) - level
          if (abs(g) <= tiny(g)) return
@@ -82,14 +83,14 @@ contains
          end if
       end do
       t = high
-      call stepper%state_at(t, y, error)
+      call integrator%state_at(t, y, error)
       if (allocated(error)) return
       ! A few spacings of the time are not nothing to a flight of a hundred: without this its impact
       ! would be faster than its start, and hardly damped chatter would never end.
       call rhs(equation, t, y, y_dot)
       correction = newton_correction(y(component) - level, y_dot(component))
       if (abs(correction) <= 2*spacing(t)) y = y + correction*y_dot
-   end subroutine locate
+   end subroutine find_event_time
 
    !> Newton's correction; a vanishing rate gives one that leaves every bracket.
    pure real(wp) function newton_correction(g, rate) result(correction)
@@ -159,7 +160,7 @@ contains
       real(wp) :: second
 
       quarter = huge(quarter)
-      if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%quickest)
+      if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%max_frequency)
       first = turning_point(equation%motion, interval_of(equation), t_a)
       if (first < min(t_b, interval_end(equation%motion, interval_of(equation)))) then
          second = turning_point(equation%motion, interval_of(equation), first)
@@ -176,9 +177,9 @@ contains
    !> The rotation tells at no cost: a theta' that touches zero as a parabola has the mean
    !> (v_a + v_b - sqrt(v_a v_b))/3. Only below that, with a margin, slopes and a state are
    !> evaluated.
-   subroutine find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t, y, found, error)
+   subroutine find_reversal(equation, integrator, t_a, y_a, t_b, y_b, t, y, found, error)
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: y_a(:)
@@ -210,7 +211,7 @@ contains
       slope = slope*sign(h, y_a(2) + y_b(2))
       if (slope(1) >= 0 .or. slope(2) <= 0) return
       t = t_a + stationary_point(v(1), slope(1), v(2), slope(2))*h
-      call stepper%state_at(t, y, error)
+      call integrator%state_at(t, y, error)
       if (allocated(error)) return
       found = y(2)*(y_a(2) + y_b(2)) < 0
    end subroutine find_reversal

@@ -3,17 +3,17 @@
 !> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or
 !> a passage of the overturning angle shows by the values at its ends.
 module rwmf_simulation_events_step_events
-   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_simulation_events_event_time, only: count_parts, find_reversal, locate
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t, interval_of
+   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
    use rwmf_motion_ground_motion, only: turning_point
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, observer_t
+   use rwmf_simulation_events_event_time, only: count_parts, find_event_time, find_reversal
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak
-   use rwmf_integrator_integrator, only: stepper_t
    implicit none
    private
 
@@ -22,11 +22,11 @@ module rwmf_simulation_events_step_events
 contains
 
    !> Search the integrator's last step; leaves time and state of its end or of the event in hybrid.
-   subroutine search_step(hybrid, equation, stepper, observer, event, error)
+   subroutine search_step(hybrid, equation, integrator, recorder, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: event
       !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
       !! unloads there), `event_passage`, or 0
@@ -39,23 +39,23 @@ contains
       integer :: i
 
       event = 0
-      if (is_quiet(hybrid, equation, stepper)) then
-         hybrid%t = stepper%t1
-         hybrid%y(:) = stepper%y1
+      if (is_quiet(hybrid, equation, integrator)) then
+         hybrid%t = integrator%t1
+         hybrid%y(:) = integrator%y1
          return
       end if
-      n = count_parts(equation, stepper%t0, stepper%t1)
-      t_a = stepper%t0
-      y_a = stepper%y0
+      n = count_parts(equation, integrator%t0, integrator%t1)
+      t_a = integrator%t0
+      y_a = integrator%y0
       do i = 1, n
-         t_b = stepper%t1
-         y_b = stepper%y1
+         t_b = integrator%t1
+         y_b = integrator%y1
          if (i < n) then
-            t_b = stepper%t0 + i*((stepper%t1 - stepper%t0)/n)
-            call stepper%state_at(t_b, y_b, error)
+            t_b = integrator%t0 + i*((integrator%t1 - integrator%t0)/n)
+            call integrator%state_at(t_b, y_b, error)
             if (allocated(error)) return
          end if
-         call search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+         call search_part(hybrid, equation, integrator, recorder, t_a, y_a, t_b, y_b, event, error)
          if (allocated(error) .or. event /= 0) return
          t_a = t_b
          y_a = y_b
@@ -68,44 +68,47 @@ contains
    !> A ground acceleration that changes its sign may take the velocity below zero and back to what
    !> it was: then the way is shorter than such a velocity says, by two thirds when the velocity is
    !> a parabola that touches zero.
-   logical function is_quiet(hybrid, equation, stepper)
+   logical function is_quiet(hybrid, equation, integrator)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(in) :: stepper
+      class(integrator_t), intent(in) :: integrator
       real(wp) :: change
       real(wp) :: least
       real(wp) :: way
       !! in the direction of the velocity [rad] or [m]
 
-      change = abs(stepper%y1(2) - stepper%y0(2))
-      least = min(abs(stepper%y0(2)), abs(stepper%y1(2)))
-      way = sign(1.0_wp, stepper%y0(2))*(stepper%y1(1) - stepper%y0(1))
-      is_quiet = 2*change < least .and. 2*way > (stepper%t1 - stepper%t0)*least
+      change = abs(integrator%y1(2) - integrator%y0(2))
+      least = min(abs(integrator%y0(2)), abs(integrator%y1(2)))
+      way = sign(1.0_wp, integrator%y0(2))*(integrator%y1(1) - integrator%y0(1))
+      is_quiet = 2*change < least .and. 2*way > (integrator%t1 - integrator%t0)*least
       if (is_quiet .and. equation%has_wall) then
-         is_quiet = abs(stepper%y1(1)) < hybrid%overturning_angle
+         is_quiet = abs(integrator%y1(1)) < hybrid%overturning_angle
          if (hybrid%mode == mode_rocking) then
-            is_quiet = is_quiet .and. equation%side*stepper%y0(1) > 0 &
-               .and. equation%side*stepper%y1(1) > 0
+            is_quiet = is_quiet .and. equation%side*integrator%y0(1) > 0 &
+               .and. equation%side*integrator%y1(1) > 0
          end if
       end if
-      if (is_quiet .and. equation%has_memory) then
-         is_quiet = stepper%y1(1) < equation%high .and. stepper%y1(1) > equation%low
+      if (is_quiet .and. equation%has_bilinear_springs) then
+         is_quiet = integrator%y1(1) < equation%high .and. integrator%y1(1) > equation%low
       end if
-      if (is_quiet .and. equation%has_course) is_quiet = .not. passes_zero(equation, stepper%y1)
+      if (is_quiet .and. equation%has_loading_direction) is_quiet = .not. passes_zero(equation, &
+         integrator%y1)
       if (is_quiet .and. equation%has_frame) then
-         is_quiet = 2*(stepper%t1 - stepper%t0)*max(equation%p%omega_s, equation%quickest) < 1
+         is_quiet = 2*(integrator%t1 - integrator%t0)*max(equation%p%omega_s, &
+            equation%max_frequency) < 1
       end if
       if (is_quiet) then
-         is_quiet = turning_point(equation%motion, interval_of(equation), stepper%t0) >= stepper%t1
+         is_quiet = turning_point(equation%motion, interval_of(equation), integrator%t0) >= &
+            integrator%t1
       end if
    end function is_quiet
 
    !> Search a part of the step in which theta' changes its sign at most twice.
-   subroutine search_part(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+   subroutine search_part(hybrid, equation, integrator, recorder, t_a, y_a, t_b, y_b, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: y_a(:)
       real(wp), intent(in) :: t_b
@@ -120,25 +123,26 @@ contains
       t_m = t_a
       y_m = y_a
       if (.not. has_peak(hybrid, equation, y_a, y_b)) then
-         call find_reversal(equation, stepper, t_a, y_a, t_b, y_b, t_m, y_m, turns_twice, error)
+         call find_reversal(equation, integrator, t_a, y_a, t_b, y_b, t_m, y_m, turns_twice, error)
          if (allocated(error)) return
          if (turns_twice) then
-            call search_span(hybrid, equation, stepper, observer, t_a, y_a, t_m, y_m, event, error)
+            call search_span(hybrid, equation, integrator, recorder, t_a, y_a, t_m, y_m, event, &
+               error)
             if (allocated(error) .or. event /= 0) return
          else
             t_m = t_a
             y_m = y_a
          end if
       end if
-      call search_span(hybrid, equation, stepper, observer, t_m, y_m, t_b, y_b, event, error)
+      call search_span(hybrid, equation, integrator, recorder, t_m, y_m, t_b, y_b, event, error)
    end subroutine search_part
 
    !> Search a span in which theta' changes its sign at most once.
-   subroutine search_span(hybrid, equation, stepper, observer, t_a, y_a, t_b, y_b, event, error)
+   subroutine search_span(hybrid, equation, integrator, recorder, t_a, y_a, t_b, y_b, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
-      type(observer_t), intent(inout) :: observer
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: y_a(:)
       real(wp), intent(in) :: t_b
@@ -154,17 +158,18 @@ contains
       turns = has_peak(hybrid, equation, y_a, y_b)
       if (turns) turns = .not. stands_still(equation, y_a, y_b)
       if (turns) then
-         call locate(equation, stepper, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, y_peak, error)
+         call find_event_time(equation, integrator, 2, 0.0_wp, t_a, y_a, t_b, y_b, t_peak, &
+            y_peak, error)
          if (allocated(error)) return
          hybrid%t = t_peak
          hybrid%y(:) = y_peak
-         call end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
-         if (equation%has_course .and. .not. allocated(error)) then
-            call end_at_zero(hybrid, equation, stepper, t_a, y_a, event, error)
+         call end_piece(hybrid, equation, integrator, t_a, y_a, event, error)
+         if (equation%has_loading_direction .and. .not. allocated(error)) then
+            call end_at_zero(hybrid, equation, integrator, t_a, y_a, event, error)
          end if
          if (allocated(error) .or. event /= 0) return
-         call observe_state(observer, equation, t_peak, y_peak)
-         call observe_event(observer, event_peak, t_peak, y_peak)
+         call observe_state(recorder, equation, t_peak, y_peak)
+         call observe_event(recorder, event_peak, t_peak, y_peak)
          if (equation%ends_at_peak) then
             event = event_peak
             return
@@ -172,9 +177,9 @@ contains
       end if
       hybrid%t = t_b
       hybrid%y(:) = y_b
-      call end_piece(hybrid, equation, stepper, t_peak, y_peak, event, error)
-      if (equation%has_course .and. .not. allocated(error)) then
-         call end_at_zero(hybrid, equation, stepper, t_peak, y_peak, event, error)
+      call end_piece(hybrid, equation, integrator, t_peak, y_peak, event, error)
+      if (equation%has_loading_direction .and. .not. allocated(error)) then
+         call end_at_zero(hybrid, equation, integrator, t_peak, y_peak, event, error)
       end if
    end subroutine search_span
 
@@ -188,7 +193,7 @@ contains
       real(wp) :: v_a
 
       v_a = y_a(2)
-      if (abs(v_a) <= 0 .and. equation%has_course) v_a = equation%course
+      if (abs(v_a) <= 0 .and. equation%has_loading_direction) v_a = equation%loading_direction
       if (abs(v_a) <= 0 .and. abs(y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
          v_a = equation%side
       end if
@@ -201,7 +206,7 @@ contains
       real(wp), intent(in) :: y_a(:)
       real(wp), intent(in) :: y_b(:)
 
-      stands_still = equation%has_course .and. max(abs(y_a(2)), abs(y_b(2))) <= 0
+      stands_still = equation%has_loading_direction .and. max(abs(y_a(2)), abs(y_b(2))) <= 0
    end function stands_still
 
    !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the hysteretic force of
@@ -209,10 +214,10 @@ contains
    !>
    !> As long as nothing has yielded it does so in the instant of an impact: then the impact is what
    !> happens, after which the signs of the next piece are looked at anyway.
-   subroutine end_at_zero(hybrid, equation, stepper, t_a, y_a, event, error)
+   subroutine end_at_zero(hybrid, equation, integrator, t_a, y_a, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: y_a(:)
       integer, intent(inout) :: event
@@ -228,7 +233,8 @@ contains
          hybrid%t = t_a
          hybrid%y(:) = y_a
       else
-         call locate(equation, stepper, equation%hysteresis%place, 0.0_wp, t_a, y_a, t_b, y_b, &
+         call find_event_time(equation, integrator, equation%hysteresis%place, 0.0_wp, t_a, y_a, &
+            t_b, y_b, &
             hybrid%t, hybrid%y, error)
          if (allocated(error)) return
          if (t_b - hybrid%t <= 8*spacing(t_b) .or. (event == event_impact &
@@ -249,15 +255,15 @@ contains
       !! (states)
 
       passes_zero = will_pass_zero(equation) &
-         .and. equation%course*y(equation%hysteresis%place) > 0
+         .and. equation%loading_direction*y(equation%hysteresis%place) > 0
    end function passes_zero
 
    !> A monotone piece from (t_a, y_a) to the time and state in hybrid: does the flight end in it,
    !> or does a spring enter another branch?
-   subroutine end_piece(hybrid, equation, stepper, t_a, y_a, event, error)
+   subroutine end_piece(hybrid, equation, integrator, t_a, y_a, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: y_a(:)
       integer, intent(out) :: event
@@ -268,7 +274,7 @@ contains
 
       event = 0
       level = 0
-      if (equation%has_memory) then
+      if (equation%has_bilinear_springs) then
          ! The limits of a spring without strength coincide: only the motion tells them apart.
          hybrid%is_rising = hybrid%y(1) > y_a(1)
          if (leaves_window(hybrid, equation, y_a, level)) event = event_branch
@@ -290,7 +296,8 @@ contains
       end if
       t_b = hybrid%t
       y_b = hybrid%y
-      call locate(equation, stepper, 1, level, t_a, y_a, t_b, y_b, hybrid%t, hybrid%y, error)
+      call find_event_time(equation, integrator, 1, level, t_a, y_a, t_b, y_b, hybrid%t, &
+         hybrid%y, error)
       hybrid%y(1) = level
    end subroutine end_piece
 

@@ -3,18 +3,19 @@
 !> A part of the step is so short that a storey turns at most twice in it. The step is cut at the
 !> first end of a branch, so that whoever searches it afterwards sees one smooth equation.
 module rwmf_simulation_events_storey_events
-   use rwmf_model_assembly, only: equation_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_simulation_events_event_time, only: count_parts
-   use rwmf_integrator_integrator, only: stepper_t
-   use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, course_of, &
-      hysteretic_states, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
+      loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
       storey_motion, turn_storey
+   use rwmf_simulation_events_event_time, only: count_parts
    implicit none
    private
 
-   public :: moment_t, storey_end_t, look_at, find_root, find_turn, stop_at_storey, end_branch
+   public :: moment_t, storey_end_t, sample_storeys, find_root, find_turn, stop_at_storey, &
+      end_branch
    public :: of_drift, of_rate
 
    integer, parameter :: of_drift = 1
@@ -44,9 +45,9 @@ module rwmf_simulation_events_storey_events
 contains
 
    !> Cut the last step of the integrator at the first end of a branch.
-   subroutine stop_at_storey(equation, stepper, found, error)
+   subroutine stop_at_storey(equation, integrator, found, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       type(storey_end_t), intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
       type(moment_t) :: a
@@ -56,58 +57,58 @@ contains
       real(wp) :: y(equation%n)
       integer :: n, i
 
-      n = count_parts(equation, stepper%t0, stepper%t1)
+      n = count_parts(equation, integrator%t0, integrator%t1)
       if (n == 1) then
-         if (is_quiet(equation, stepper)) return
+         if (is_quiet(equation, integrator)) return
       end if
-      t_end = stepper%t1
+      t_end = integrator%t1
       t_stop = t_end
-      call look_at(equation, stepper, stepper%t0, b, error)
+      call sample_storeys(equation, integrator, integrator%t0, b, error)
       do i = 1, n
          a = b
          if (allocated(error)) return
-         call look_at(equation, stepper, merge(t_end, &
-            stepper%t0 + i*((t_end - stepper%t0)/n), i == n), b, error)
+         call sample_storeys(equation, integrator, merge(t_end, &
+            integrator%t0 + i*((t_end - integrator%t0)/n), i == n), b, error)
          if (allocated(error)) return
-         call search_storeys(equation, stepper, a, b, found, t_stop, error)
+         call search_storeys(equation, integrator, a, b, found, t_stop, error)
          if (allocated(error)) return
          if (found%storey > 0) exit
       end do
       if (found%storey == 0) return
-      call stepper%state_at(t_stop, y, error)
-      stepper%t1 = t_stop
-      stepper%y1(:) = y
+      call integrator%state_at(t_stop, y, error)
+      integrator%t1 = t_stop
+      integrator%y1(:) = y
    end subroutine stop_at_storey
 
    !> Is it plain from the ends of a short step that no branch ends in it? Most are: the storey is
    !> far from the limits, or yields on at a rate that hardly changes.
-   logical function is_quiet(equation, stepper)
+   logical function is_quiet(equation, integrator)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(in) :: stepper
+      class(integrator_t), intent(in) :: integrator
       real(wp) :: a(equation%floors%n, 2)
       real(wp) :: b(equation%floors%n, 2)
       real(wp) :: z(equation%floors%n)
       real(wp) :: rate(2)
       real(wp) :: low
       real(wp) :: high
-      integer :: course
+      integer :: loading_direction
       integer :: i
 
-      call storey_motion(equation, stepper%y0, a(:, of_drift), a(:, of_rate))
-      call storey_motion(equation, stepper%y1, b(:, of_drift), b(:, of_rate))
-      z = hysteretic_states(equation, stepper%y1)
+      call storey_motion(equation, integrator%y0, a(:, of_drift), a(:, of_rate))
+      call storey_motion(equation, integrator%y1, b(:, of_drift), b(:, of_rate))
+      z = hysteretic_states(equation, integrator%y1)
       is_quiet = .true.
       do i = 1, size(a, 1)
          rate = [a(i, of_rate), b(i, of_rate)]
-         course = course_of(equation, i)
+         loading_direction = loading_direction_of(equation, i)
          if (stands_still(equation, i)) then
             is_quiet = abs(rate(2)) <= 0
-         else if (course /= 0) then
-            is_quiet = 2*abs(rate(2) - rate(1)) < minval(course*rate) &
+         else if (loading_direction /= 0) then
+            is_quiet = 2*abs(rate(2) - rate(1)) < minval(loading_direction*rate) &
                .and. side_beyond_zero(equation, i)*z(i) <= 0
          else
             call branch_limits(equation, i, low, high)
-            associate (reach => (stepper%t1 - stepper%t0)*maxval(abs(rate)))
+            associate (reach => (integrator%t1 - integrator%t0)*maxval(abs(rate)))
                is_quiet = max(a(i, of_drift), b(i, of_drift)) + reach < high &
                   .and. min(a(i, of_drift), b(i, of_drift)) - reach > low
             end associate
@@ -117,9 +118,9 @@ contains
    end function is_quiet
 
    !> First end of a branch between two instants.
-   subroutine search_storeys(equation, stepper, a, b, found, t_stop, error)
+   subroutine search_storeys(equation, integrator, a, b, found, t_stop, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       type(moment_t), intent(in) :: a
       type(moment_t), intent(in) :: b
       type(storey_end_t), intent(inout) :: found
@@ -135,14 +136,14 @@ contains
             ending = storey_end_t(merge(i, 0, abs(b%motion(i, of_rate)) > 0), turns=.true., &
                is_rising=b%motion(i, of_rate) > 0)
             t = a%t
-         else if (course_of(equation, i) /= 0) then
-            call search_turn(equation, stepper, i, a, b, ending, t, error)
+         else if (loading_direction_of(equation, i) /= 0) then
+            call search_turn(equation, integrator, i, a, b, ending, t, error)
          else
-            call search_limit(equation, stepper, i, a, b, ending, t, error)
+            call search_limit(equation, integrator, i, a, b, ending, t, error)
          end if
          if (allocated(error)) return
          call keep_first(ending, t)
-         call search_zero(equation, stepper, i, a, b, ending, t, error)
+         call search_zero(equation, integrator, i, a, b, ending, t, error)
          if (allocated(error)) return
          call keep_first(ending, t)
       end do
@@ -162,9 +163,9 @@ contains
    end subroutine search_storeys
 
    !> Does a storey that yields turn back?
-   subroutine search_turn(equation, stepper, storey, a, b, ending, t, error)
+   subroutine search_turn(equation, integrator, storey, a, b, ending, t, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: storey
       type(moment_t), intent(in) :: a
       type(moment_t), intent(in) :: b
@@ -172,25 +173,25 @@ contains
       real(wp), intent(out) :: t
       type(error_t), allocatable, intent(out) :: error
       type(moment_t) :: slowest
-      integer :: course
+      integer :: loading_direction
 
       t = a%t
-      course = course_of(equation, storey)
+      loading_direction = loading_direction_of(equation, storey)
       slowest = b
-      if (course*b%motion(storey, of_rate) >= 0) then
-         call look_at_slowest(equation, stepper, storey, a, b, slowest, error)
+      if (loading_direction*b%motion(storey, of_rate) >= 0) then
+         call look_at_slowest(equation, integrator, storey, a, b, slowest, error)
          if (allocated(error)) return
-         if (course*slowest%motion(storey, of_rate) >= 0) return
+         if (loading_direction*slowest%motion(storey, of_rate) >= 0) return
       end if
-      ending = storey_end_t(storey, turns=.true., is_rising=course < 0)
-      if (course*a%motion(storey, of_rate) <= 0) return
-      call find_root(equation, stepper, storey, of_rate, 0.0_wp, a, slowest, t, error)
+      ending = storey_end_t(storey, turns=.true., is_rising=loading_direction < 0)
+      if (loading_direction*a%motion(storey, of_rate) <= 0) return
+      call find_root(equation, integrator, storey, of_rate, 0.0_wp, a, slowest, t, error)
    end subroutine search_turn
 
    !> Does the hysteretic force of a smooth storey pass zero?
-   subroutine search_zero(equation, stepper, storey, a, b, ending, t, error)
+   subroutine search_zero(equation, integrator, storey, a, b, ending, t, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: storey
       type(moment_t), intent(in) :: a
       type(moment_t), intent(in) :: b
@@ -204,7 +205,7 @@ contains
       if (side*b%motion(storey, of_z) <= 0) return
       ending = storey_end_t(storey, passes_zero=.true.)
       if (side*a%motion(storey, of_z) >= 0) return
-      call find_root(equation, stepper, storey, of_z, 0.0_wp, a, b, t, error)
+      call find_root(equation, integrator, storey, of_z, 0.0_wp, a, b, t, error)
    end subroutine search_zero
 
    !> The instant between two at which a storey is about slowest, if it may turn back there and go
@@ -212,9 +213,9 @@ contains
    !>
    !> A rate that touches zero as a parabola has the mean (v_a + v_b - sqrt(v_a v_b))/3: only below
    !> that, with a margin, another state is asked for.
-   subroutine look_at_slowest(equation, stepper, storey, a, b, slowest, error)
+   subroutine look_at_slowest(equation, integrator, storey, a, b, slowest, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: storey
       type(moment_t), intent(in) :: a
       type(moment_t), intent(in) :: b
@@ -230,13 +231,13 @@ contains
       way = abs(b%motion(storey, of_drift) - a%motion(storey, of_drift))
       if (way >= margin*(b%t - a%t)*(sum(rate) - sqrt(rate(1))*sqrt(rate(2)))) return
       x = sqrt(rate(1))/max(sqrt(rate(1)) + sqrt(rate(2)), tiny(x))
-      call look_at(equation, stepper, a%t + x*(b%t - a%t), slowest, error)
+      call sample_storeys(equation, integrator, a%t + x*(b%t - a%t), slowest, error)
    end subroutine look_at_slowest
 
    !> Does an elastic storey come to a limit?
-   subroutine search_limit(equation, stepper, storey, a, b, ending, t, error)
+   subroutine search_limit(equation, integrator, storey, a, b, ending, t, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: storey
       type(moment_t), intent(in) :: a
       type(moment_t), intent(in) :: b
@@ -249,16 +250,16 @@ contains
 
       t = a%t
       call branch_limits(equation, storey, low, high)
-      call find_turn(equation, stepper, storey, a, b, low, high, turn, error)
+      call find_turn(equation, integrator, storey, a, b, low, high, turn, error)
       if (allocated(error)) return
-      if (turn%t < b%t) call pass(turn)
+      if (turn%t < b%t) call pass_limit(turn)
       if (ending%storey > 0 .or. allocated(error)) return
-      call pass(b)
+      call pass_limit(b)
 
    contains
 
       !> A limit between the beginning and another instant.
-      subroutine pass(last)
+      subroutine pass_limit(last)
          type(moment_t), intent(in) :: last
          type(moment_t) :: first
          real(wp) :: limit
@@ -273,14 +274,14 @@ contains
          if (is_beyond(first, limit, outward) .and. is_inward(first, outward)) then
             ! it begins at the limit, where it has turned, and has to turn once more
             if (is_inward(last, outward)) return
-            call find_root(equation, stepper, storey, of_rate, 0.0_wp, a, last, t, error)
-            if (.not. allocated(error)) call look_at(equation, stepper, t, first, error)
+            call find_root(equation, integrator, storey, of_rate, 0.0_wp, a, last, t, error)
+            if (.not. allocated(error)) call sample_storeys(equation, integrator, t, first, error)
             if (allocated(error)) return
          end if
          ending = storey_end_t(storey, turns=.false., is_rising=outward > 0)
          if (is_beyond(first, limit, outward)) return
-         call find_root(equation, stepper, storey, of_drift, limit, first, last, t, error)
-      end subroutine pass
+         call find_root(equation, integrator, storey, of_drift, limit, first, last, t, error)
+      end subroutine pass_limit
 
       pure logical function is_beyond(now, limit, outward)
          type(moment_t), intent(in) :: now
@@ -300,9 +301,9 @@ contains
 
    !> The turn of a storey between two instants, if it may lie outside of two limits; else the
    !> second instant.
-   subroutine find_turn(equation, stepper, storey, a, b, low, high, turn, error)
+   subroutine find_turn(equation, integrator, storey, a, b, low, high, turn, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: storey
       type(moment_t), intent(in) :: a
       type(moment_t), intent(in) :: b
@@ -324,18 +325,18 @@ contains
          if (rate(1) > 0 .and. maxval(d) + reach <= high) return
          if (rate(1) < 0 .and. minval(d) - reach >= low) return
       end associate
-      call find_root(equation, stepper, storey, of_rate, 0.0_wp, a, b, t, error)
+      call find_root(equation, integrator, storey, of_rate, 0.0_wp, a, b, t, error)
       if (allocated(error)) return
-      call look_at(equation, stepper, t, turn, error)
+      call sample_storeys(equation, integrator, t, turn, error)
    end subroutine find_turn
 
    !> Where displacement or rate of a storey passes a level, to round-off of the time.
    !>
    !> The secant between the ends of a bracket; an end that stays counts half the next time
    !> (Illinois), so that both ends close in.
-   subroutine find_root(equation, stepper, storey, which, level, a, b, t, error)
+   subroutine find_root(equation, integrator, storey, which, level, a, b, t, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       integer, intent(in) :: storey
       integer, intent(in) :: which
       !! `of_drift` or `of_rate`
@@ -367,7 +368,7 @@ contains
          if (.not. (t > time(1) .and. t < time(2)) .or. mod(i, 8) == 0) then
             t = time(1) + (time(2) - time(1))/2
          end if
-         call look_at(equation, stepper, t, now, error)
+         call sample_storeys(equation, integrator, t, now, error)
          if (allocated(error)) return
          g_now = now%motion(storey, which) - level
          if (abs(g_now) <= 0) return
@@ -380,28 +381,28 @@ contains
    end subroutine find_root
 
    !> The storeys at a time of the last step.
-   subroutine look_at(equation, stepper, t, now, error)
+   subroutine sample_storeys(equation, integrator, t, now, error)
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t
       !! [s]
       type(moment_t), intent(out) :: now
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: y(equation%n)
 
-      if (t <= stepper%t0) then
-         y = stepper%y0
-      else if (t >= stepper%t1) then
-         y = stepper%y1
+      if (t <= integrator%t0) then
+         y = integrator%y0
+      else if (t >= integrator%t1) then
+         y = integrator%y1
       else
-         call stepper%state_at(t, y, error)
+         call integrator%state_at(t, y, error)
          if (allocated(error)) return
       end if
       now%t = t
       allocate (now%motion(equation%floors%n, 3))
       call storey_motion(equation, y, now%motion(:, of_drift), now%motion(:, of_rate))
       now%motion(:, of_z) = hysteretic_states(equation, y)
-   end subroutine look_at
+   end subroutine sample_storeys
 
    !> The storey whose branch has ended goes over to its next one.
    subroutine end_branch(equation, ending, y)

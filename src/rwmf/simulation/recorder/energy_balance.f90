@@ -1,12 +1,12 @@
 !> Energy ledger of a run: work done over each piece of motion, and the parts that are shown.
 module rwmf_simulation_recorder_energy_balance
-   use rwmf_model_energy, only: dissipates_hysteretically, hysteretic_power, input_power, &
-      stored_energy, stored_energy_t, viscous_power
-   use rwmf_model_assembly, only: equation_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_energy, only: dissipates_hysteretically, hysteretic_power, input_power, &
+      stored_energy, stored_energy_t, viscous_power
    use rwmf_simulation_result, only: energy_t
-   use rwmf_integrator_integrator, only: stepper_t
    implicit none
    private
 
@@ -16,10 +16,10 @@ contains
 
    !> Add the work of ground and dissipation over a piece of the last step, by the Gauss rule with
    !> five points.
-   subroutine integrate_powers(energy, equation, stepper, t_a, t_b, error)
+   subroutine integrate_powers(energy, equation, integrator, t_a, t_b, error)
       type(energy_t), intent(inout) :: energy
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: t_b
@@ -37,7 +37,7 @@ contains
 
       do i = 1, size(node)
          t = t_a + (t_b - t_a)*(1 + node(i))/2
-         call stepper%state_at(t, y, error)
+         call integrator%state_at(t, y, error)
          if (allocated(error)) return
          share = weight(i)*(t_b - t_a)/2
          energy%input = energy%input + share*input_power(equation, t, y)
@@ -81,7 +81,7 @@ contains
 
       does = [.true., .true., equation%has_frame, equation%has_wall, equation%has_cable, &
          stores_in_effects(equation), &
-         equation%has_frame .or. allocated(equation%extras), &
+         equation%has_frame .or. allocated(equation%effects), &
          dissipates_hysteretically(equation), equation%has_impacts]
    end function applies
 
@@ -91,9 +91,9 @@ contains
       integer :: i
 
       does = .false.
-      if (.not. allocated(equation%extras)) return
-      do i = 1, size(equation%extras)
-         does = does .or. associated(equation%extras(i)%energy)
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         does = does .or. associated(equation%effects(i)%energy)
       end do
    end function stores_in_effects
 

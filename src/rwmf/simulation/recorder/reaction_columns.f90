@@ -1,9 +1,10 @@
 !> Reactions as a run reports them: columns of the history, and extrema.
 module rwmf_simulation_recorder_reaction_columns
-   use rwmf_model_assembly, only: equation_t
-   use rwmf_simulation_recorder_reaction_extremes, only: demand, force_observer_t, low_normal, shear
    use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: equation_t
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
+   use rwmf_simulation_recorder_reaction_extremes, only: demand, low_normal, &
+      reaction_extremes_recorder_t, shear
    use rwmf_simulation_result, only: reaction_extremes_t
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    implicit none
@@ -57,7 +58,7 @@ contains
 
    !> What the run has seen.
    function force_extremes(forces, equation, theta_min, theta_max, u_s_max) result(extremes)
-      type(force_observer_t), intent(in) :: forces
+      type(reaction_extremes_recorder_t), intent(in) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta_min
       !! [rad]

@@ -6,18 +6,18 @@
 !> that its value is exact to the tolerance of the integration. Both ends of a span count with
 !> their one-sided values. The impulses at impacts have no reaction and do not count.
 module rwmf_simulation_recorder_reaction_extremes
-   use rwmf_problem_case, only: case_t
-   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_simulation_events_event_time, only: count_parts
-   use rwmf_motion_ground_motion, only: turning_point
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
-   use rwmf_integrator_integrator, only: stepper_t
+   use rwmf_motion_ground_motion, only: turning_point
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_events_event_time, only: count_parts
    implicit none
    private
 
-   public :: force_observer_t, create_force_observer
+   public :: reaction_extremes_recorder_t, create_reaction_extremes
    public :: observe_last, observe_moving, observe_resting
    public :: low_normal, demand, shear
 
@@ -31,7 +31,7 @@ module rwmf_simulation_recorder_reaction_extremes
    !! per span
 
    !> Running maxima.
-   type :: force_observer_t
+   type :: reaction_extremes_recorder_t
       real(wp) :: largest(n_quantities) = -huge(1.0_wp)
       !! [m/s2], [-], [m/s2]
       real(wp) :: t_largest(n_quantities) = 0
@@ -42,24 +42,24 @@ module rwmf_simulation_recorder_reaction_extremes
       !! coefficient of friction to compare the demand with [-]
       real(wp), allocatable :: t_exceeded
       !! first time at which the demand exceeds it [s]
-   end type force_observer_t
+   end type reaction_extremes_recorder_t
 
 contains
 
    !> Begin, when the case asks for reactions.
-   subroutine create_force_observer(forces, case)
-      type(force_observer_t), allocatable, intent(out) :: forces
+   subroutine create_reaction_extremes(forces, case)
+      type(reaction_extremes_recorder_t), allocatable, intent(out) :: forces
       type(case_t), intent(in) :: case
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%reactions) return
       allocate (forces)
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
-   end subroutine create_force_observer
+   end subroutine create_reaction_extremes
 
    !> The state in the end, which is all that there is of a run that takes no time.
    subroutine observe_last(forces, equation, t, y, y_ddot)
-      type(force_observer_t), intent(inout) :: forces
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -73,10 +73,10 @@ contains
    end subroutine observe_last
 
    !> Smooth motion inside the last step of the integrator.
-   subroutine observe_moving(forces, equation, stepper, t_b, y_b, error)
-      type(force_observer_t), intent(inout) :: forces
+   subroutine observe_moving(forces, equation, integrator, t_b, y_b, error)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_b
       !! end of the motion on this side [s]
       real(wp), intent(in) :: y_b(:)
@@ -86,22 +86,22 @@ contains
       integer :: n
       integer :: i
 
-      if (is_plain(forces, equation, stepper, t_b, y_b)) return
-      t_a = stepper%t0
+      if (is_plain(forces, equation, integrator, t_b, y_b)) return
+      t_a = integrator%t0
       n = count_parts(equation, t_a, t_b)
       do i = 1, n
          call search_span(forces, equation, t_a + (i - 1)*((t_b - t_a)/n), &
-            t_a + i*((t_b - t_a)/n), error, stepper)
+            t_a + i*((t_b - t_a)/n), error, integrator)
          if (allocated(error)) return
       end do
    end subroutine observe_moving
 
    !> Is it plain from both ends of a short step that it holds no extremum? Most steps are so short,
    !> and so far from the extrema so far, that no state inside needs to be asked for.
-   logical function is_plain(forces, equation, stepper, t_b, y_b)
-      type(force_observer_t), intent(in) :: forces
+   logical function is_plain(forces, equation, integrator, t_b, y_b)
+      type(reaction_extremes_recorder_t), intent(in) :: forces
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(in) :: stepper
+      class(integrator_t), intent(in) :: integrator
       real(wp), intent(in) :: t_b
       real(wp), intent(in) :: y_b(:)
       real(wp), parameter :: short = 0.4_wp
@@ -111,23 +111,23 @@ contains
       real(wp) :: at_ends(n_quantities)
       real(wp) :: t_a
 
-      t_a = stepper%t0
-      is_plain = (t_b - t_a)*max(equation%p%omega_s, equation%quickest, &
+      t_a = integrator%t0
+      is_plain = (t_b - t_a)*max(equation%p%omega_s, equation%max_frequency, &
          sqrt(equation%p%g/equation%p%R)) < short
       if (is_plain) then
          is_plain = turning_point(equation%motion, interval_of(equation), t_a) >= t_b
       end if
       is_plain = is_plain .and. all(forces%largest >= forces%smallest)
       if (.not. is_plain) return
-      at_ends = max(quantities(reactions_at(equation, t_a, stepper%y0, &
-         second_derivative(equation, t_a, stepper%y0))), &
+      at_ends = max(quantities(reactions_at(equation, t_a, integrator%y0, &
+         second_derivative(equation, t_a, integrator%y0))), &
          quantities(reactions_at(equation, t_b, y_b, second_derivative(equation, t_b, y_b))))
       is_plain = all(at_ends + margin*(forces%largest - forces%smallest) < forces%largest)
    end function is_plain
 
    !> The wall stays at rest while the motion goes through the interval in force.
    subroutine observe_resting(forces, equation, t_a, t_b)
-      type(force_observer_t), intent(inout) :: forces
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_a
       !! [s]
@@ -146,7 +146,7 @@ contains
          call sample(equation, t, at_begin, error)
          call sample(equation, t_next, at_end, error)
          ! Without further effects nothing but the ground varies, from end to end of the span.
-         if (allocated(equation%extras) .or. any(max(at_begin, at_end) > forces%largest)) then
+         if (allocated(equation%effects) .or. any(max(at_begin, at_end) > forces%largest)) then
             call search_span(forces, equation, t, t_next, error)
          end if
          t = t_next
@@ -154,13 +154,13 @@ contains
    end subroutine observe_resting
 
    !> Extrema over a span in which motion and reactions go through a quarter of a period at most.
-   subroutine search_span(forces, equation, t_a, t_b, error, stepper)
-      type(force_observer_t), intent(inout) :: forces
+   subroutine search_span(forces, equation, t_a, t_b, error, integrator)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: t_b
       type(error_t), allocatable, intent(out) :: error
-      class(stepper_t), intent(inout), optional :: stepper
+      class(integrator_t), intent(inout), optional :: integrator
       !! absent: at rest
       real(wp) :: t(n_nodes)
       real(wp) :: found(n_quantities, n_nodes)
@@ -171,14 +171,14 @@ contains
 
       do i = 1, n_nodes
          t(i) = t_a + (t_b - t_a)*sin((i - 1)*(pi/2)/(n_nodes - 1))**2
-         call sample(equation, t(i), found(:, i), error, stepper)
+         call sample(equation, t(i), found(:, i), error, integrator)
          if (allocated(error)) return
       end do
       do i = 1, n_nodes
          call keep_largest(forces, t(i), found(:, i))
       end do
       do q = 1, n_quantities
-         call refine(forces, equation, q, t, found(q, :), t_peak, error, stepper)
+         call refine(forces, equation, q, t, found(q, :), t_peak, error, integrator)
          if (allocated(error)) return
          if (q /= demand .or. .not. allocated(forces%limit)) cycle
          if (allocated(forces%t_exceeded) .or. .not. forces%largest(q) > forces%limit) cycle
@@ -186,15 +186,15 @@ contains
          i = findloc(found(q, :) > forces%limit, .true., dim=1)
          if (i > 0) t_peak = min(t_peak, t(i))
          t_safe = maxval(t, mask=t < t_peak .and. found(q, :) <= forces%limit)
-         call find_exceedance(forces, equation, max(t_safe, t_a), t_peak, error, stepper)
+         call find_exceedance(forces, equation, max(t_safe, t_a), t_peak, error, integrator)
          if (allocated(error)) return
       end do
    end subroutine search_span
 
    !> Close in on the maximum of a quantity, when the samples show one between them that can be the
    !> largest so far. `t_peak` is its time, or the end of the span.
-   subroutine refine(forces, equation, q, t, found, t_peak, error, stepper)
-      type(force_observer_t), intent(inout) :: forces
+   subroutine refine(forces, equation, q, t, found, t_peak, error, integrator)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: q
       !! which quantity
@@ -203,7 +203,7 @@ contains
       !! its samples
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
-      class(stepper_t), intent(inout), optional :: stepper
+      class(integrator_t), intent(inout), optional :: integrator
       real(wp), parameter :: margin = 0.25_wp
       !! of the range of the samples, beyond the largest of them: more than they can miss
       real(wp) :: vertex
@@ -217,12 +217,13 @@ contains
       k = min(max(best, 2), n_nodes - 1)
       vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
       if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) return
-      call climb(forces, equation, q, [t(k - 1), t(k + 1)], vertex, t_peak, error, stepper)
+      call maximise_brent(forces, equation, q, [t(k - 1), t(k + 1)], vertex, t_peak, error, &
+         integrator)
    end subroutine refine
 
    !> Maximum inside a bracket by Brent's method: parabolas, golden sections where they fail.
-   subroutine climb(forces, equation, q, bracket, t_start, t_peak, error, stepper)
-      type(force_observer_t), intent(inout) :: forces
+   subroutine maximise_brent(forces, equation, q, bracket, t_start, t_peak, error, integrator)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: q
       real(wp), intent(in) :: bracket(2)
@@ -230,7 +231,7 @@ contains
       !! inside the bracket
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
-      class(stepper_t), intent(inout), optional :: stepper
+      class(integrator_t), intent(inout), optional :: integrator
       integer, parameter :: most_iterations = 60
       real(wp), parameter :: golden = (3 - sqrt(5.0_wp))/2
       real(wp) :: low, high
@@ -251,7 +252,7 @@ contains
       step = high - low
       before_last = step
       do i = 1, most_iterations
-         call sample(equation, t, all_values, error, stepper)
+         call sample(equation, t, all_values, error, integrator)
          if (allocated(error)) return
          call keep_largest(forces, t, all_values)
          if (i == 1) then
@@ -274,7 +275,7 @@ contains
          if (step < smallest) t = x(1) + sign(smallest, merge(low, high, x(1) - low > high - x(1)) &
             - x(1))
       end do
-   end subroutine climb
+   end subroutine maximise_brent
 
    !> Let a new point take its rank among the best three, and tighten the bracket.
    pure subroutine insert(t, value, x, f, low, high)
@@ -306,15 +307,15 @@ contains
    end subroutine insert
 
    !> Bisect to the instant at which the demand passes the limit.
-   subroutine find_exceedance(forces, equation, t_below, t_above, error, stepper)
-      type(force_observer_t), intent(inout) :: forces
+   subroutine find_exceedance(forces, equation, t_below, t_above, error, integrator)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_below
       !! the demand is below the limit here, or exceeds it from here on [s]
       real(wp), intent(in) :: t_above
       !! it exceeds the limit here [s]
       type(error_t), allocatable, intent(out) :: error
-      class(stepper_t), intent(inout), optional :: stepper
+      class(integrator_t), intent(inout), optional :: integrator
       real(wp) :: found(n_quantities)
       real(wp) :: low
       real(wp) :: high
@@ -324,7 +325,7 @@ contains
       high = t_above
       do while (high - low > 2*spacing(high))
          middle = low + (high - low)/2
-         call sample(equation, middle, found, error, stepper)
+         call sample(equation, middle, found, error, integrator)
          if (allocated(error)) return
          if (found(demand) > forces%limit) then
             high = middle
@@ -336,19 +337,19 @@ contains
    end subroutine find_exceedance
 
    !> What is to be maximised, at one instant.
-   subroutine sample(equation, t, found, error, stepper)
+   subroutine sample(equation, t, found, error, integrator)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(n_quantities)
       type(error_t), allocatable, intent(out) :: error
-      class(stepper_t), intent(inout), optional :: stepper
+      class(integrator_t), intent(inout), optional :: integrator
       real(wp) :: y(equation%n)
       real(wp) :: y_ddot
 
       y = 0
       y_ddot = 0
-      if (present(stepper)) then
-         call stepper%state_at(t, y, error)
+      if (present(integrator)) then
+         call integrator%state_at(t, y, error)
          if (allocated(error)) return
          y_ddot = second_derivative(equation, t, y)
       end if
@@ -365,7 +366,7 @@ contains
    end function quantities
 
    pure subroutine keep_largest(forces, t, found)
-      type(force_observer_t), intent(inout) :: forces
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
       real(wp), intent(in) :: t
       real(wp), intent(in) :: found(n_quantities)
 

@@ -2,36 +2,36 @@
 !>
 !> The observer reads the states that the hybrid loop passes by; nothing that it does changes them.
 module rwmf_simulation_recorder_recorder
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_problem_case, only: case_t
-   use rwmf_model_energy, only: impact_loss, mechanical_energy
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
       kinematics_at, second_derivative
-   use rwmf_core_error, only: err_numerical, error_t, fail
-   use rwmf_simulation_recorder_reaction_extremes, only: create_force_observer, force_observer_t, &
-      observe_last, observe_moving, observe_resting
-   use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_simulation_events_event_time, only: stationary_point
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_storeys_shear_building, only: floor_columns, floor_values
+   use rwmf_model_effects_storeys_yielding_storeys, only: shear_columns, shear_values
+   use rwmf_model_energy, only: impact_loss, mechanical_energy
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_hysteresis_spring_set, only: frame_force_column, spring_columns, spring_forces
+   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: acceleration, vertical_acceleration
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_events_event_time, only: stationary_point
    use rwmf_simulation_recorder_energy_balance, only: energy_names, energy_values, integrate_powers
    use rwmf_simulation_recorder_reaction_columns, only: force_columns, force_values
+   use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, observe_last, &
+      observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
-   use rwmf_integrator_integrator, only: stepper_t
-   use rwmf_model_effects_storeys_yielding_storeys, only: shear_columns, shear_values
-   use rwmf_model_effects_storeys_shear_building, only: floor_columns, floor_values
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
    private
 
-   public :: observer_t, create_observer, observe_state, observe_piece, observe_rest
-   public :: observe_impact, observe_branch, observe_event, finish_observer
+   public :: recorder_t, create_recorder, observe_state, observe_piece, observe_rest
+   public :: observe_impact, observe_branch, observe_event, finish_recorder
 
    !> Running maxima, counts and records.
-   type :: observer_t
+   type :: recorder_t
       real(wp) :: u_max
       !! largest |u_s| so far [m]
       real(wp) :: t_u_max
@@ -49,7 +49,7 @@ module rwmf_simulation_recorder_recorder
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
       !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without
-      type(force_observer_t), allocatable :: forces
+      type(reaction_extremes_recorder_t), allocatable :: forces
       !! only when reactions were asked for
       logical :: keeps_history
       logical :: keeps_events
@@ -63,13 +63,13 @@ module rwmf_simulation_recorder_recorder
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
       integer :: n_events
-   end type observer_t
+   end type recorder_t
 
 contains
 
    !> Begin to observe, with the state at t = 0.
-   subroutine create_observer(observer, case, equation, t_end, y, error)
-      type(observer_t), intent(out) :: observer
+   subroutine create_recorder(recorder, case, equation, t_end, y, error)
+      type(recorder_t), intent(out) :: recorder
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_end
@@ -78,31 +78,31 @@ contains
       !! (states)
       type(error_t), allocatable, intent(out) :: error
 
-      observer%u_max = -1
-      observer%theta_max = -huge(1.0_wp)
-      observer%theta_min = huge(1.0_wp)
-      observer%theta_dot_max = 0
-      observer%cable_max = 0
-      observer%impacts = 0
-      observer%lift_offs = 0
-      observer%keeps_energy = .false.
-      observer%keeps_history = .false.
-      observer%keeps_events = .false.
-      observer%n_events = 0
-      allocate (observer%events(0))
-      if (equation%floors%yields) allocate (observer%drifts(equation%floors%n), source=0.0_wp)
-      call observe_state(observer, equation, 0.0_wp, y)
+      recorder%u_max = -1
+      recorder%theta_max = -huge(1.0_wp)
+      recorder%theta_min = huge(1.0_wp)
+      recorder%theta_dot_max = 0
+      recorder%cable_max = 0
+      recorder%impacts = 0
+      recorder%lift_offs = 0
+      recorder%keeps_energy = .false.
+      recorder%keeps_history = .false.
+      recorder%keeps_events = .false.
+      recorder%n_events = 0
+      allocate (recorder%events(0))
+      if (equation%floors%yields) allocate (recorder%drifts(equation%floors%n), source=0.0_wp)
+      call observe_state(recorder, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
-      observer%keeps_energy = case%output%energy
-      observer%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
-      call create_force_observer(observer%forces, case)
+      recorder%keeps_energy = case%output%energy
+      recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
+      call create_reaction_extremes(recorder%forces, case)
       if (allocated(case%output%dt)) then
-         call create_history(observer, case, equation, case%output%dt, t_end, error)
+         call create_history(recorder, case, equation, case%output%dt, t_end, error)
       end if
-   end subroutine create_observer
+   end subroutine create_recorder
 
-   subroutine create_history(observer, case, equation, dt, t_end, error)
-      type(observer_t), intent(inout) :: observer
+   subroutine create_history(recorder, case, equation, dt, t_end, error)
+      type(recorder_t), intent(inout) :: recorder
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: dt
@@ -113,31 +113,31 @@ contains
       integer :: status
       real(wp) :: rows
 
-      observer%keeps_history = .true.
-      observer%keeps_events = .true.
-      observer%dt = dt
-      observer%next_row = 1
-      observer%m_w_g = 0
+      recorder%keeps_history = .true.
+      recorder%keeps_events = .true.
+      recorder%dt = dt
+      recorder%next_row = 1
+      recorder%m_w_g = 0
       if (equation%has_wall) then
-         if (allocated(case%wall%m_w)) observer%m_w_g = case%wall%m_w*equation%p%g
+         if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
       end if
-      call name_columns(observer, equation)
+      call name_columns(recorder, equation)
       rows = aint(t_end/dt*(1 + 8*epsilon(1.0_wp))) + 1
       status = 1
       if (rows < real(huge(1), wp)) then
-         allocate (observer%history%values(int(rows), size(observer%history%names)), stat=status)
+         allocate (recorder%history%values(int(rows), size(recorder%history%names)), stat=status)
       end if
       if (status /= 0) then
          call fail(error, err_numerical, 'out of memory for the history: &output dt asks for ' &
             //'more rows than fit; raise dt or lower t_end', 'out_of_memory')
          return
       end if
-      observer%history%values = ieee_value(1.0_wp, ieee_quiet_nan)
+      recorder%history%values = ieee_value(1.0_wp, ieee_quiet_nan)
    end subroutine create_history
 
    !> Columns that apply to the scene.
-   subroutine name_columns(observer, equation)
-      type(observer_t), intent(inout) :: observer
+   subroutine name_columns(recorder, equation)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       character(32), allocatable :: names(:)
 
@@ -149,21 +149,21 @@ contains
       if (equation%has_vertical) names = [character(32) :: names, 'v_g_ddot_m_s2']
       if (equation%has_cable) then
          names = [character(32) :: names, 'cable_force_over_m_w_g']
-         if (observer%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
+         if (recorder%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
       end if
-      if (equation%has_course) names = [character(32) :: names, frame_force_column]
-      if (equation%has_memory) names = [character(32) :: names, spring_columns(equation)]
+      if (equation%has_loading_direction) names = [character(32) :: names, frame_force_column]
+      if (equation%has_bilinear_springs) names = [character(32) :: names, spring_columns(equation)]
       names = [character(32) :: names, floor_columns(equation), shear_columns(equation)]
-      if (allocated(observer%forces)) then
-         names = [character(32) :: names, force_columns(equation, observer%m_w_g)]
+      if (allocated(recorder%forces)) then
+         names = [character(32) :: names, force_columns(equation, recorder%m_w_g)]
       end if
-      if (observer%keeps_energy) names = [character(32) :: names, energy_names(equation)]
-      call move_alloc(names, observer%history%names)
+      if (recorder%keeps_energy) names = [character(32) :: names, energy_names(equation)]
+      call move_alloc(names, recorder%history%names)
    end subroutine name_columns
 
    !> Let a state take part in the maxima.
-   subroutine observe_state(observer, equation, t, y)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_state(recorder, equation, t, y)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -172,27 +172,27 @@ contains
       type(cable_state_t) :: cable
       real(wp) :: u
 
-      observer%theta_max = max(observer%theta_max, y(1))
-      observer%theta_min = min(observer%theta_min, y(1))
-      observer%theta_dot_max = max(observer%theta_dot_max, abs(y(2)))
+      recorder%theta_max = max(recorder%theta_max, y(1))
+      recorder%theta_min = min(recorder%theta_min, y(1))
+      recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y(2)))
       if (equation%cable%is_tendon) then
          cable = cable_at(equation, y(1))
-         observer%cable_max = max(observer%cable_max, cable%force)
+         recorder%cable_max = max(recorder%cable_max, cable%force)
       end if
       if (.not. equation%has_frame) return
-      if (allocated(observer%drifts)) call observe_drifts(observer%drifts, equation, y)
+      if (allocated(recorder%drifts)) call observe_drifts(recorder%drifts, equation, y)
       u = abs(frame_displacement(equation, y(1)))
-      if (u > observer%u_max) then
-         observer%u_max = u
-         observer%t_u_max = t
+      if (u > recorder%u_max) then
+         recorder%u_max = u
+         recorder%t_u_max = t
       end if
    end subroutine observe_state
 
    !> A piece of smooth motion inside the last step of the integrator.
-   subroutine observe_piece(observer, equation, stepper, t_a, t_b, y_b, error)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_piece(recorder, equation, integrator, t_a, t_b, y_b, error)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       !! beginning of the step [s]
       real(wp), intent(in) :: t_b
@@ -201,28 +201,29 @@ contains
       !! (states) there
       type(error_t), allocatable, intent(out) :: error
 
-      call observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
+      call observe_fastest(recorder, equation, integrator, t_a, t_b, y_b, error)
       if (allocated(error)) return
-      if (allocated(observer%drifts)) call observe_turns(observer%drifts, equation, stepper, t_b, &
+      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, equation, integrator, &
+         t_b, &
          y_b, error)
       if (allocated(error)) return
-      if (observer%keeps_history) call sample_piece(observer, equation, stepper, t_a, t_b, error)
+      if (recorder%keeps_history) call sample_piece(recorder, equation, integrator, t_a, t_b, error)
       if (allocated(error)) return
-      if (observer%keeps_energy) then
-         call integrate_powers(observer%energy, equation, stepper, t_a, t_b, error)
+      if (recorder%keeps_energy) then
+         call integrate_powers(recorder%energy, equation, integrator, t_a, t_b, error)
       end if
-      if (allocated(error) .or. .not. allocated(observer%forces)) return
-      call observe_moving(observer%forces, equation, stepper, t_b, y_b, error)
+      if (allocated(error) .or. .not. allocated(recorder%forces)) return
+      call observe_moving(recorder%forces, equation, integrator, t_b, y_b, error)
    end subroutine observe_piece
 
    !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far.
    !>
    !> The cubic through both ends gives the instant; theta' is stationary there, so that its error
    !> is of second order in that of the instant.
-   subroutine observe_fastest(observer, equation, stepper, t_a, t_b, y_b, error)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_fastest(recorder, equation, integrator, t_a, t_b, y_b, error)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: t_b
       real(wp), intent(in) :: y_b(:)
@@ -232,21 +233,21 @@ contains
       real(wp) :: x
       real(wp) :: y(size(y_b))
 
-      observer%theta_dot_max = max(observer%theta_dot_max, abs(y_b(2)))
-      if (max(abs(stepper%y0(2)), abs(y_b(2))) < 0.8_wp*observer%theta_dot_max) return
-      slope_a = second_derivative(equation, t_a, stepper%y0)*(t_b - t_a)
+      recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y_b(2)))
+      if (max(abs(integrator%y0(2)), abs(y_b(2))) < 0.8_wp*recorder%theta_dot_max) return
+      slope_a = second_derivative(equation, t_a, integrator%y0)*(t_b - t_a)
       slope_b = second_derivative(equation, t_b, y_b)*(t_b - t_a)
       if (slope_a*slope_b >= 0) return
-      x = stationary_point(stepper%y0(2), slope_a, y_b(2), slope_b)
-      call stepper%state_at(t_a + x*(t_b - t_a), y, error)
-      if (.not. allocated(error)) observer%theta_dot_max = max(observer%theta_dot_max, abs(y(2)))
+      x = stationary_point(integrator%y0(2), slope_a, y_b(2), slope_b)
+      call integrator%state_at(t_a + x*(t_b - t_a), y, error)
+      if (.not. allocated(error)) recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y(2)))
    end subroutine observe_fastest
 
    !> Rows of the history up to t_b from the integrator's last step.
-   subroutine sample_piece(observer, equation, stepper, t_a, t_b, error)
-      type(observer_t), intent(inout) :: observer
+   subroutine sample_piece(recorder, equation, integrator, t_a, t_b, error)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      class(stepper_t), intent(inout) :: stepper
+      class(integrator_t), intent(inout) :: integrator
       real(wp), intent(in) :: t_a
       real(wp), intent(in) :: t_b
       type(error_t), allocatable, intent(out) :: error
@@ -256,25 +257,25 @@ contains
       real(wp) :: t
       real(wp) :: t_before
 
-      energy = observer%energy
+      energy = recorder%energy
       t_before = t_a
-      do while (observer%next_row <= size(observer%history%values, 1))
-         t = (observer%next_row - 1)*observer%dt
+      do while (recorder%next_row <= size(recorder%history%values, 1))
+         t = (recorder%next_row - 1)*recorder%dt
          if (t > t_b) exit
-         call stepper%state_at(t, y, error)
+         call integrator%state_at(t, y, error)
          if (allocated(error)) return
-         if (observer%keeps_energy) then
-            call integrate_powers(energy, equation, stepper, t_before, t, error)
+         if (recorder%keeps_energy) then
+            call integrate_powers(energy, equation, integrator, t_before, t, error)
             if (allocated(error)) return
             t_before = t
          end if
-         call write_row(observer, equation, t, y, second_derivative(equation, t, y), energy)
+         call write_row(recorder, equation, t, y, second_derivative(equation, t, y), energy)
       end do
    end subroutine sample_piece
 
    !> The wall rests from t_a to t_b, inside the interval in force.
-   subroutine observe_rest(observer, equation, t_a, t_b)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_rest(recorder, equation, t_a, t_b)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_a
       !! [s]
@@ -283,18 +284,18 @@ contains
       real(wp) :: t
       real(wp) :: y(equation%n)
 
-      if (allocated(observer%forces)) call observe_resting(observer%forces, equation, t_a, t_b)
-      if (.not. observer%keeps_history) return
+      if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, t_a, t_b)
+      if (.not. recorder%keeps_history) return
       y = 0
-      do while (observer%next_row <= size(observer%history%values, 1))
-         t = (observer%next_row - 1)*observer%dt
+      do while (recorder%next_row <= size(recorder%history%values, 1))
+         t = (recorder%next_row - 1)*recorder%dt
          if (t > t_b) exit
-         call write_row(observer, equation, t, y, 0.0_wp, observer%energy)
+         call write_row(recorder, equation, t, y, 0.0_wp, recorder%energy)
       end do
    end subroutine observe_rest
 
-   subroutine write_row(observer, equation, t, y, y_ddot, energy)
-      type(observer_t), intent(inout) :: observer
+   subroutine write_row(recorder, equation, t, y, y_ddot, energy)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -302,7 +303,7 @@ contains
       !! theta'' or u''
       type(energy_t), intent(in) :: energy
       !! with the work done up to t
-      real(wp) :: row(size(observer%history%names))
+      real(wp) :: row(size(recorder%history%names))
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
       integer :: i
@@ -331,21 +332,21 @@ contains
          cable = cable_at(equation, y(1))
          row(i + 1) = cable%force
          i = i + 1
-         if (observer%m_w_g > 0) then
-            row(i + 1) = cable%force*observer%m_w_g
+         if (recorder%m_w_g > 0) then
+            row(i + 1) = cable%force*recorder%m_w_g
             i = i + 1
          end if
       end if
-      if (equation%has_course) call put([bouc_wen_force(equation, y)/equation%p%g])
-      if (equation%has_memory) call put(spring_forces(equation, y(1)))
+      if (equation%has_loading_direction) call put([bouc_wen_force(equation, y)/equation%p%g])
+      if (equation%has_bilinear_springs) call put(spring_forces(equation, y(1)))
       if (allocated(equation%floors%m)) call put(floor_values(equation, y))
       if (equation%floors%yields) call put(shear_values(equation, y))
-      if (allocated(observer%forces)) call put(force_values(equation, observer%m_w_g, t, y, &
+      if (allocated(recorder%forces)) call put(force_values(equation, recorder%m_w_g, t, y, &
          y_ddot, frame_displacement(equation, y(1))))
-      if (observer%keeps_energy) call put(energy_values(energy, equation, y))
+      if (recorder%keeps_energy) call put(energy_values(energy, equation, y))
       ! A wall at rest on its left side is at 0, not at -0.
-      observer%history%values(observer%next_row, :) = row + 0.0_wp
-      observer%next_row = observer%next_row + 1
+      recorder%history%values(recorder%next_row, :) = row + 0.0_wp
+      recorder%next_row = recorder%next_row + 1
 
    contains
 
@@ -361,36 +362,36 @@ contains
    end subroutine write_row
 
    !> An impact with the angular velocity before and after it.
-   subroutine observe_impact(observer, equation, before, after)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_impact(recorder, equation, before, after)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: before
       !! [rad/s]
       real(wp), intent(in) :: after
       !! [rad/s]
 
-      observer%impacts = observer%impacts + 1_i8
-      if (observer%keeps_energy) then
-         observer%energy%impact = observer%energy%impact + impact_loss(equation, before, after)
+      recorder%impacts = recorder%impacts + 1_i8
+      if (recorder%keeps_energy) then
+         recorder%energy%impact = recorder%energy%impact + impact_loss(equation, before, after)
       end if
    end subroutine observe_impact
 
    !> A spring changes its branch: what it stores before and not after is dissipated (rupture).
-   subroutine observe_branch(observer, equation, y, part)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_branch(recorder, equation, y, part)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
       integer, intent(in) :: part
       !! +1 before the change, -1 after it
 
-      if (.not. observer%keeps_energy) return
-      observer%energy%hysteretic = observer%energy%hysteretic + part*mechanical_energy(equation, y)
+      if (.not. recorder%keeps_energy) return
+      recorder%energy%hysteretic = recorder%energy%hysteretic + part*mechanical_energy(equation, y)
    end subroutine observe_branch
 
    !> Keep an event for the list when there is one.
-   subroutine observe_event(observer, kind, t, y)
-      type(observer_t), intent(inout) :: observer
+   subroutine observe_event(recorder, kind, t, y)
+      type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: kind
       !! one of the `event_` numbers
       real(wp), intent(in) :: t
@@ -398,14 +399,14 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      if (observer%keeps_events) then
-         call append_event(observer%events, observer%n_events, event_t(kind, t, y(1), y(2)))
+      if (recorder%keeps_events) then
+         call append_event(recorder%events, recorder%n_events, event_t(kind, t, y(1), y(2)))
       end if
    end subroutine observe_event
 
    !> The simulation has reached its end with the state y.
-   subroutine finish_observer(observer, equation, t, y, is_at_rest)
-      type(observer_t), intent(inout) :: observer
+   subroutine finish_recorder(recorder, equation, t, y, is_at_rest)
+      type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -414,22 +415,22 @@ contains
       logical, intent(in) :: is_at_rest
       real(wp) :: y_ddot
 
-      call observe_state(observer, equation, t, y)
+      call observe_state(recorder, equation, t, y)
       y_ddot = 0
       if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
-      if (allocated(observer%forces)) call observe_last(observer%forces, equation, t, y, y_ddot)
-      if (observer%keeps_energy) then
-         observer%energy%final = mechanical_energy(equation, y)
-         observer%energy%names = energy_names(equation)
-         observer%energy%values = energy_values(observer%energy, equation, y)
+      if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
+      if (recorder%keeps_energy) then
+         recorder%energy%final = mechanical_energy(equation, y)
+         recorder%energy%names = energy_names(equation)
+         recorder%energy%values = energy_values(recorder%energy, equation, y)
       end if
-      if (.not. observer%keeps_history) return
-      call shorten_events(observer%events, observer%n_events)
-      if (observer%next_row > size(observer%history%values, 1)) return
+      if (.not. recorder%keeps_history) return
+      call shorten_events(recorder%events, recorder%n_events)
+      if (recorder%next_row > size(recorder%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
-      if ((observer%next_row - 1)*observer%dt <= t*(1 + 16*epsilon(t))) then
-         call write_row(observer, equation, t, y, y_ddot, observer%energy)
+      if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
+         call write_row(recorder, equation, t, y, y_ddot, recorder%energy)
       end if
-   end subroutine finish_observer
+   end subroutine finish_recorder
 
 end module rwmf_simulation_recorder_recorder

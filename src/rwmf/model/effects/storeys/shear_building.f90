@@ -10,18 +10,18 @@
 !> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one
 !> of the branches of `storey_springs.f90`.
 module rwmf_model_effects_storeys_shear_building
-   use rwmf_model_right_hand_sides, only: kept_part
-   use rwmf_problem_case, only: case_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_travel, frame_velocity, &
       ground, kinematics_at
-   use rwmf_problem_shear_frame, only: damping_matrix, foot_share, roof_factor, shear_frame_t
    use rwmf_model_hysteresis_bilinear, only: spring_energy
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_right_hand_sides, only: kept_part
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
 
-   public :: prepare_storeys, add_push, push_input, add_storeys, storey_sizes
+   public :: prepare_storeys, add_excited_mass, excited_mass_input, add_storeys, storey_sizes
    public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
    public :: fill_rows, floor_columns, floor_motion, floor_values
 
@@ -42,10 +42,10 @@ contains
       frame = case%storeys%frame
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
-         equation%push = roof_factor(frame, 1)
-         equation%foot = equation%push
+         equation%excited_mass_ratio = roof_factor(frame, 1)
+         equation%base_shear_ratio = equation%excited_mass_ratio
          equation%links_floors = case%storeys%coupling == 'every_floor'
-         if (equation%links_floors) equation%foot = foot_share(frame)
+         if (equation%links_floors) equation%base_shear_ratio = base_shear_share(frame)
          equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          return
       end if
@@ -62,7 +62,7 @@ contains
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       equation%floors%slope = equation%floors%k
       call fill_rows(equation%floors)
-      equation%quickest = frame%omega(n)*pace
+      equation%max_frequency = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
       equation%p%xi_s = 0
@@ -109,7 +109,7 @@ contains
    end subroutine fill_rows
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
-   subroutine add_push(equation, t, y, kin, inertia, moment, y_dot)
+   subroutine add_excited_mass(equation, t, y, kin, inertia, moment, y_dot)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(equation%n)
@@ -118,19 +118,20 @@ contains
       real(wp), intent(inout) :: moment
       real(wp), intent(inout) :: y_dot(equation%n)
 
-      moment = moment - frame_mass(equation)*(equation%push - 1)*kin%lever*equation%side &
+      moment = moment - frame_mass(equation)*(equation%excited_mass_ratio - &
+         1)*kin%lever*equation%side &
          *ground(equation, t)/equation%p%R
-   end subroutine add_push
+   end subroutine add_excited_mass
 
    !> Power of that push [W/kg].
-   real(wp) function push_input(equation, t, y) result(power)
+   real(wp) function excited_mass_input(equation, t, y) result(power)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
-      power = -frame_mass(equation)*(equation%push - 1)*ground(equation, t) &
+      power = -frame_mass(equation)*(equation%excited_mass_ratio - 1)*ground(equation, t) &
          *frame_velocity(equation, y)
-   end function push_input
+   end function excited_mass_input
 
    !> Force of the storeys on the roof beyond that of the spring between roof and ground; velocities
    !> and accelerations of the floors below the roof.
@@ -201,7 +202,7 @@ contains
       real(wp) :: shears(floors%n)
 
       if (allocated(floors%laws)) then
-         shears = floors%laws%hold*y(floors%laws%place)
+         shears = floors%laws%force_at_z1*y(floors%laws%place)
       else
          shears = floors%offset
       end if
@@ -241,7 +242,7 @@ contains
          force = resistance(equation, y)
          inertia = -sum(force(:size(force) - 1))
       else
-         inertia = frame_mass(equation)*(equation%push - 1)*u_ddot &
+         inertia = frame_mass(equation)*(equation%excited_mass_ratio - 1)*u_ddot &
             + equation%floor_mass*ground(equation, t)
       end if
    end function floor_inertia
@@ -367,7 +368,7 @@ contains
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
             energy = energy + sum(equation%floors%slope*(u(1:) - u(:n - 1))**2 &
-               + laws%hold*laws%u_y*y(laws%place)**2)/2
+               + laws%force_at_z1*laws%u_y*y(laws%place)**2)/2
          end associate
       else if (equation%floors%yields) then
          energy = energy + sum(spring_energy(equation%floors%springs, u(1:) - u(:n - 1)))

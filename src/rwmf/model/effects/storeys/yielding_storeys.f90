@@ -5,21 +5,21 @@
 !> of a branch is looked for in the states (`storey_search.f90`), storey by storey: elastic branches
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
-   use rwmf_model_right_hand_sides, only: kept_part
-   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
-   use rwmf_problem_case, only: case_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
+   use rwmf_model_effects_storeys_shear_building, only: fill_rows, floor_motion
    use rwmf_model_equation, only: equation_t, floors_t
    use rwmf_model_hysteresis_bilinear, only: is_yielding, new_spring, pass_limit, reset_spring, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
-   use rwmf_model_effects_storeys_shear_building, only: fill_rows, floor_motion
+   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
+   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
+   use rwmf_model_right_hand_sides, only: kept_part
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: choose_storey_springs, storeys_plastic_power, begin_storeys, settle_storeys
+   public :: choose_storey_springs, storeys_plastic_power, start_storeys, settle_storeys
    public :: follow_storeys
-   public :: storey_motion, branch_limits, course_of, pass_storey_limit, turn_storey
+   public :: storey_motion, branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
    public :: shear_columns, shear_values, storey_residuals
 
@@ -71,7 +71,7 @@ contains
    end subroutine follow_storeys
 
    !> Storeys that have not moved before, at an initial state: loaded once from zero and let go.
-   subroutine begin_storeys(equation, y)
+   subroutine start_storeys(equation, y)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
@@ -82,7 +82,7 @@ contains
       integer :: i
 
       if (allocated(equation%floors%laws)) then
-         equation%floors%laws%course = 0
+         equation%floors%laws%loading_direction = 0
          return
       end if
       call storey_motion(equation, y, d, d_dot)
@@ -95,7 +95,7 @@ contains
          end associate
       end do
       call follow_storeys(equation)
-   end subroutine begin_storeys
+   end subroutine start_storeys
 
    !> Storeys that yield against their motion unload: an impact has turned it, or the state has come
    !> to a turn within round-off. Smooth ones take over the signs of their motion.
@@ -111,14 +111,15 @@ contains
       if (allocated(equation%floors%laws)) then
          do i = 1, equation%floors%n
             associate (law => equation%floors%laws(i))
-               if (abs(d_dot(i)) > 0) law%course = int(sign(1.0_wp, d_dot(i)))
-               call follow_signs(law, law%course, y(law%place))
+               if (abs(d_dot(i)) > 0) law%loading_direction = int(sign(1.0_wp, d_dot(i)))
+               call follow_signs(law, law%loading_direction, y(law%place))
             end associate
          end do
          return
       end if
       do i = 1, equation%floors%n
-         if (course_of(equation, i)*d_dot(i) < 0) call turn_spring(equation%floors%springs(i), d(i))
+         if (loading_direction_of(equation, i)*d_dot(i) < 0) call &
+            turn_spring(equation%floors%springs(i), d(i))
       end do
       call follow_storeys(equation)
    end subroutine settle_storeys
@@ -157,19 +158,20 @@ contains
 
    !> Sign that d_i' must keep on the branch in force, or in the piece of a smooth law; 0 on an
    !> elastic branch.
-   pure integer function course_of(equation, storey) result(course)
+   pure integer function loading_direction_of(equation, storey) result(loading_direction)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: storey
 
       if (allocated(equation%floors%laws)) then
-         course = equation%floors%laws(storey)%course
+         loading_direction = equation%floors%laws(storey)%loading_direction
          return
       end if
-      course = 0
+      loading_direction = 0
       associate (spring => equation%floors%springs(storey))
-         if (is_yielding(spring)) course = int(sign(1.0_wp, spring_power(spring, 1.0_wp)))
+         if (is_yielding(spring)) loading_direction = int(sign(1.0_wp, spring_power(spring, &
+            1.0_wp)))
       end associate
-   end function course_of
+   end function loading_direction_of
 
    !> Has a smooth storey not moved yet, so that it has no course?
    pure logical function stands_still(equation, storey)
@@ -177,7 +179,8 @@ contains
       integer, intent(in) :: storey
 
       stands_still = .false.
-      if (allocated(equation%floors%laws)) stands_still = equation%floors%laws(storey)%course == 0
+      if (allocated(equation%floors%laws)) stands_still = &
+         equation%floors%laws(storey)%loading_direction == 0
    end function stands_still
 
    !> Sign of the hysteretic state of a smooth storey beyond zero, where it can pass zero in the
@@ -189,7 +192,7 @@ contains
       side = 0
       if (.not. allocated(equation%floors%laws)) return
       associate (law => equation%floors%laws(storey))
-         if (law%sense /= law%course) side = law%course
+         if (law%sense /= law%loading_direction) side = law%loading_direction
       end associate
    end function side_beyond_zero
 
@@ -237,7 +240,7 @@ contains
       real(wp) :: d_dot(equation%floors%n)
 
       if (allocated(equation%floors%laws)) then
-         equation%floors%laws(storey)%course = merge(1, -1, is_rising)
+         equation%floors%laws(storey)%loading_direction = merge(1, -1, is_rising)
          return
       end if
       call storey_motion(equation, y, d, d_dot)
@@ -256,7 +259,7 @@ contains
       call storey_motion(equation, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            power = sum(laws%hold*y(laws%place)*d_dot*(1 - kept_part(laws, y(laws%place))))
+            power = sum(laws%force_at_z1*y(laws%place)*d_dot*(1 - kept_part(laws, y(laws%place))))
          end associate
       else
          power = sum(spring_power(equation%floors%springs, d_dot))
@@ -291,7 +294,7 @@ contains
       call storey_motion(equation, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            shears = equation%floors%slope*d + laws%hold*y(laws%place)
+            shears = equation%floors%slope*d + laws%force_at_z1*y(laws%place)
          end associate
       else
          shears = spring_force(equation%floors%springs, d)
