@@ -1,19 +1,19 @@
 !> Method 'fast': the same peaks as the general kernel, the same bits in every company.
 program test_fast
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
-   use rwmf_spectrum_fast_task_queue, only: deck_t, new_deck
-   use rwmf_spectrum_fast_time_grid, only: build_grids
-   use rwmf_spectrum_fast_reduced_equation, only: build_law
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
-   use rwmf_spectrum_fast_lane_scheduler, only: fast_result_t, run_pool
-   use rwmf_spectrum_fast_shared_data, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
-      list_loud_steps, most_stages
-   use rwmf_spectrum_fast_driver, only: run_fast
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_driver, only: run_fast
+   use rwmf_spectrum_fast_lane_scheduler, only: fast_result_t, run_pool
+   use rwmf_spectrum_fast_reduced_equation, only: build_law
+   use rwmf_spectrum_fast_shared_data, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
+      list_loud_steps, most_stages
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_fast_task_queue, only: deck_t, new_deck
+   use rwmf_spectrum_fast_time_grid, only: build_grids
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text_strings, only: real_to_text
    use scenes, only: rwmf_scene

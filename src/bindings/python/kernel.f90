@@ -17,7 +17,7 @@ module rwmf_bindings_python_kernel
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
-   use rwmf_input_schema, only: schema_text
+   use rwmf_input_schema, only: write_schema
    use rwmf_motion_ground_motion, only: motion_end, motion_from_case
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
@@ -57,8 +57,10 @@ contains
       integer(c_int), intent(in) :: n
       integer(c_int8_t), intent(inout) :: buffer(n)
       integer(c_int), intent(out) :: length
+      character(:), allocatable :: text
 
-      call put_text(schema_text(), buffer, length)
+      call write_schema(text)
+      call put_text(text, buffer, length)
    end subroutine schema
 
    !> Names of the kinds of events 1, 2, ..., one a line.
@@ -88,14 +90,15 @@ contains
       integer(c_int8_t), intent(inout) :: message(n_message)
       integer(c_int), intent(out) :: message_length
       type(case_t) :: the_case
+      character(:), allocatable :: lines
       type(error_t), allocatable :: error
 
       length = 0_c_int
       call read_source(text, source, the_case, error)
-      ! texts: one thread at a time, see `read_case_text`
-      !$omp critical (rwmf_text)
-      if (.not. allocated(error)) call put_text(describe_case(the_case), buffer, length)
-      !$omp end critical (rwmf_text)
+      if (.not. allocated(error)) then
+         call describe_case(the_case, lines)
+         call put_text(lines, buffer, length)
+      end if
       call put_error(error, status, message, message_length)
    end subroutine describe
 

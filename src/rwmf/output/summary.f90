@@ -4,7 +4,9 @@
 !> A key that does not apply to the effects in the scene is absent.
 module rwmf_output_summary
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_input_schema, only: all_groups
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
@@ -24,14 +26,10 @@ module rwmf_output_summary
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
-   character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'storeys', &
-      'link', 'damper', 'inerter', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'vertical', &
-      'initial']
-
 contains
 
    !> All scalars that apply, in the order of the outputs.
-   pure subroutine summarise(case, result, items)
+   subroutine summarise(case, result, items)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       type(summary_item_t), allocatable, intent(out) :: items(:)
@@ -65,37 +63,38 @@ contains
    end function summary_text
 
    !> Names of the effects that are simulated, in the order of the case file's groups.
-   pure function list_effects(case) result(names)
+   function list_effects(case) result(names)
       type(case_t), intent(in) :: case
-      character(8), allocatable :: names(:)
+      character(12), allocatable :: names(:)
       !! (effects)
 
-      names = pack(all_effects, are_present(case))
+      call list_groups(case, .true., names)
    end function list_effects
 
    !> Names of the effects that the scene does not call for.
-   pure function list_absent_effects(case) result(names)
+   function list_absent_effects(case) result(names)
       type(case_t), intent(in) :: case
-      character(8), allocatable :: names(:)
+      character(12), allocatable :: names(:)
       !! (effects)
 
-      names = pack(all_effects, .not. are_present(case))
+      call list_groups(case, .false., names)
    end function list_absent_effects
 
-   pure function are_present(case) result(present_effects)
+   !> The groups of the scene, those with further keys once, that are present or absent.
+   subroutine list_groups(case, is_present, names)
       type(case_t), intent(in) :: case
-      logical :: present_effects(size(all_effects))
+      logical, intent(in) :: is_present
+      character(12), allocatable, intent(out) :: names(:)
+      type(case_group_t), allocatable :: groups(:)
+      integer :: i
 
-      present_effects = [allocated(case%wall), allocated(case%frame), &
-         allocated(case%storeys), allocated(case%link), allocated(case%damper), &
-         allocated(case%inerter), allocated(case%fuse), allocated(case%yielding), &
-         allocated(case%cable), allocated(case%impact), allocated(case%motion), &
-         allocated(case%vertical), allocated(case%initial)]
-      ! free vibration is stated as kind 'none': nothing shakes the scene
-      if (allocated(case%motion)) then
-         where (all_effects == 'motion') present_effects = case%motion%kind /= 'none'
-      end if
-   end function are_present
+      groups = all_groups()
+      allocate (names(0))
+      do i = 1, size(groups)
+         if (.not. groups(i)%is_of_scene .or. any(groups(:i - 1)%name == groups(i)%name)) cycle
+         if (groups(i)%is_present(case) .eqv. is_present) names = [names, groups(i)%name]
+      end do
+   end subroutine list_groups
 
    !> Suprema of the response.
    pure subroutine add_maxima(items, result)
@@ -270,13 +269,16 @@ contains
    !> The items of a list with a tab between them.
    pure function joined(list) result(text)
       character(*), intent(in) :: list(:)
-      character(:), allocatable :: text
+      character(sum(len_trim(list)) + max(0, size(list) - 1)) :: text
+      integer :: last
       integer :: i
 
-      text = ''
+      last = 0
       do i = 1, size(list)
-         if (i > 1) text = text//tab
-         text = text//trim(list(i))
+         if (i > 1) text(last + 1:last + 1) = tab
+         if (i > 1) last = last + 1
+         text(last + 1:last + len_trim(list(i))) = list(i)
+         last = last + len_trim(list(i))
       end do
    end function joined
 

@@ -7,7 +7,7 @@ module rwmf_simulation_run
    use rwmf_integrator_integrator, only: integrator_t, tolerance_t
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_effects_list, only: state_sizes
+   use rwmf_model_contributions, only: state_sizes
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
    use rwmf_model_equation, only: frame_travel
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual

@@ -223,19 +223,7 @@ contains
       type(case_t), intent(in) :: case
       type(case_t), intent(out) :: scene
 
-      if (allocated(case%wall)) scene%wall = case%wall
-      if (allocated(case%frame)) scene%frame = case%frame
-      if (allocated(case%storeys)) scene%storeys = case%storeys
-      if (allocated(case%link)) scene%link = case%link
-      if (allocated(case%damper)) scene%damper = case%damper
-      if (allocated(case%fuse)) scene%fuse = case%fuse
-      if (allocated(case%yielding)) scene%yielding = case%yielding
-      if (allocated(case%inerter)) scene%inerter = case%inerter
-      if (allocated(case%vertical)) scene%vertical = case%vertical
-      if (allocated(case%cable)) scene%cable = case%cable
-      if (allocated(case%impact)) scene%impact = case%impact
-      if (allocated(case%initial)) scene%initial = case%initial
-      scene%model = case%model
+      scene%structure_t = case%structure_t
       scene%solver = case%solver
       scene%solver%method = trim(spectrum_method(case%solver%method))
    end subroutine copy_scene
