@@ -35,7 +35,6 @@ _CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, n
 _ONE_LANE = "part of a vectorised loop: what is passed stays in registers"
 _STEP = "the two ends of a step, one by one"
 LARGE: dict[str, str] = {
-    "rwmf_input_schema:structure_keys": "a table of data",
     "rwmf_spectrum_fast_step_kernel:take_three": "a vectorised loop, its stages written out",
     "rwmf_spectrum_fast_stage_kernel:state": _ONE_LANE,
     "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
