@@ -1,5 +1,5 @@
-!> What method 'fast' can compute: the one list. Whatever a case says beyond it is left to the
-!> general kernel, so that an effect that is new to the program is never passed over in silence.
+!> The only list of cases that method 'fast' covers. Any other key or value leaves a case to the
+!> general kernel, so that an effect that is new to the program is never ignored.
 module rwmf_spectrum_fast_eligibility
    use rwmf_model_effects_list, only: has_effects
    use rwmf_problem_case, only: case_t
@@ -19,12 +19,12 @@ module rwmf_spectrum_fast_eligibility
       //' output.reactions output.friction_limit' &
       //' spectrum.t_s spectrum.t_s_min spectrum.t_s_max spectrum.n spectrum.spacing' &
       //' spectrum.gamma spectrum.b '
-   !! keys that the lanes heed, or that do not concern a spectrum
+   !! keys that the method takes into account, or that do not concern a spectrum
 
 contains
 
-   !> Can the lanes compute the scene? Not: effects, an initial state, a second run for `verify`, an
-   !> accuracy or absolute tolerance asked for, other laws and rules than those listed here.
+   !> Does the method cover a case? It excludes effects, an initial state, a second run for `verify`,
+   !> a requested accuracy or absolute tolerance, and laws and rules not listed here.
    logical function is_supported(case)
       type(case_t), intent(in) :: case
 
@@ -41,6 +41,7 @@ contains
       is_supported = is_supported .and. are_keys_known(case%values)
    end function is_supported
 
+   !> Is a name in a list?
    pure logical function is_one_of(name, names)
       character(*), intent(in) :: name
       character(*), intent(in) :: names
