@@ -6,7 +6,8 @@ program test_output
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
-   use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text
+   use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text, &
+      value_text
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
@@ -57,9 +58,11 @@ contains
       call summarise(case, result, items)
       text = summary_text(items)
       call checks%that(index(text, 'u_s_max_m'//tab//'real'//tab) == 1, 'first key')
-      call checks%that(index(text, nl//'impacts'//tab//'int'//tab//'3'//nl) > 0, 'counter')
-      call checks%that(index(text, nl//'overturned'//tab//'logical'//tab//'false'//nl) > 0, &
-         'logical')
+      call checks%that(same_bits(items(1)%number, result%u_s_max), 'number')
+      call checks%that(index(text, nl//'impacts'//tab//'int'//tab//nl) > 0, 'counter')
+      call checks%that(value_text(items(2)) == '3', 'its text')
+      call checks%that(index(text, nl//'overturned'//tab//'logical'//tab//nl) > 0, 'logical')
+      call checks%that(value_text(items(4)) == 'false', 'its text')
       call checks%that(index(text, 'effects'//tab//'list'//tab//'wall'//tab//'frame'//nl) &
          > 0, 'list')
       call checks%that(index(text, 'cable_force') == 0, 'no cable, no key')

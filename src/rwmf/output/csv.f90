@@ -7,7 +7,7 @@ module rwmf_output_csv
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_core_version, only: version
-   use rwmf_output_summary, only: summarise, summary_item_t
+   use rwmf_output_summary, only: summarise, summary_item_t, value_text
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t
    use rwmf_simulation_result, only: history_t, result_t
@@ -253,17 +253,17 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = item%value
+      text = value_text(item)
       if (item%kind /= 'list') return
       text = '"'
-      do i = 1, len(item%value)
-         select case (item%value(i:i))
+      do i = 1, len(item%text)
+         select case (item%text(i:i))
          case (achar(9))
             text = text//'; '
          case ('"')
             text = text//'""'
          case default
-            text = text//item%value(i:i)
+            text = text//item%text(i:i)
          end select
       end do
       text = text//'"'

@@ -13,16 +13,21 @@ module rwmf_output_summary
    implicit none
    private
 
-   public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
+   public :: summary_item_t, summarise, value_text, summary_text, list_effects
+   public :: list_absent_effects, joined
 
-   !> One key with its value as text.
+   !> One key with its value.
    type :: summary_item_t
       character(:), allocatable :: key
       !! name with unit suffix
       character(:), allocatable :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
-      character(:), allocatable :: value
-      !! reals round-trip to the same bits; 'true' or 'false'; a list has a tab between its items
+      real(wp) :: number = 0
+      !! of a 'real' [unit of the key]
+      integer(i8) :: count = 0
+      !! of an 'int'; of a 'logical' 1 for yes
+      character(:), allocatable :: text
+      !! of a 'text'; of a 'list' its items with a tab between them; '' of the others
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
@@ -41,16 +46,33 @@ contains
       if (allocated(case%storeys)) call add_storeys(items, case)
       if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
-      call add_item(items, 'effects', 'list', joined(list_effects(case)))
+      call add_item(items, 'effects', 'list', text=joined(list_effects(case)))
       if (allocated(result%warnings)) then
-         call add_item(items, 'warnings', 'list', joined(result%warnings))
+         call add_item(items, 'warnings', 'list', text=joined(result%warnings))
       else
-         call add_item(items, 'warnings', 'list', '')
+         call add_item(items, 'warnings', 'list')
       end if
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
-   !> The summary as lines `key<TAB>kind<TAB>value`.
+   !> The value of an item as text; reals round-trip to the same bits.
+   pure function value_text(item) result(text)
+      type(summary_item_t), intent(in) :: item
+      character(:), allocatable :: text
+
+      select case (item%kind)
+      case ('real')
+         text = real_to_text(item%number)
+      case ('int')
+         text = integer_to_text(item%count)
+      case ('logical')
+         text = trim(merge('true ', 'false', item%count == 1))
+      case default
+         text = item%text
+      end select
+   end function value_text
+
+   !> The summary without its numbers, as lines `key<TAB>kind<TAB>text`.
    pure function summary_text(items) result(text)
       type(summary_item_t), intent(in) :: items(:)
       character(:), allocatable :: text
@@ -58,7 +80,7 @@ contains
 
       text = ''
       do i = 1, size(items)
-         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
+         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%text//new_line('a')
       end do
    end function summary_text
 
@@ -200,7 +222,7 @@ contains
       call add_count(items, 'steps', result%steps)
       call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
       call add_real(items, 'seconds', result%seconds)
-      call add_item(items, 'method', 'text', result%method)
+      call add_item(items, 'method', 'text', text=result%method)
       call add_real(items, 'rtol', result%rtol)
       call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
       call add_real(items, 'estimate_seconds', result%estimate_seconds)
@@ -226,7 +248,7 @@ contains
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+      if (present(value)) call add_item(items, key, 'real', number=value)
    end subroutine add_real
 
    !> Add a counter.
@@ -235,7 +257,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', integer_to_text(value))
+      call add_item(items, key, 'int', count=value)
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.
@@ -244,16 +266,18 @@ contains
       character(*), intent(in) :: key
       logical, intent(in), optional :: value
 
-      if (.not. present(value)) return
-      call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
+      if (present(value)) call add_item(items, key, 'logical', count=merge(1_i8, 0_i8, value))
    end subroutine add_logical
 
    !> Add one item at the end.
-   pure subroutine add_item(items, key, kind, value)
+   pure subroutine add_item(items, key, kind, number, count, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
       character(*), intent(in) :: kind
-      character(*), intent(in) :: value
+      real(wp), intent(in), optional :: number
+      !! [unit of the key]
+      integer(i8), intent(in), optional :: count
+      character(*), intent(in), optional :: text
       type(summary_item_t), allocatable :: grown(:)
       integer :: n
 
@@ -262,7 +286,10 @@ contains
       grown(:n) = items
       grown(n + 1)%key = key
       grown(n + 1)%kind = kind
-      grown(n + 1)%value = value
+      grown(n + 1)%text = ''
+      if (present(number)) grown(n + 1)%number = number
+      if (present(count)) grown(n + 1)%count = count
+      if (present(text)) grown(n + 1)%text = text
       call move_alloc(grown, items)
    end subroutine add_item
 
