@@ -83,9 +83,9 @@ contains
    end subroutine put_error
 
    !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   pure function join_status(spectrum) result(text)
+   pure subroutine join_status(spectrum, text)
       type(spectrum_t), intent(in) :: spectrum
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: length
       integer :: i
       integer :: j
@@ -106,7 +106,7 @@ contains
             end do
          end do
       end associate
-   end function join_status
+   end subroutine join_status
 
    !> Read and validate a case; messages begin with the name of its file.
    subroutine read_source(text, source, case, error, known)

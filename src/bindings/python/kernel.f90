@@ -197,6 +197,7 @@ contains
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
       type(summary_item_t), allocatable :: items(:)
+      character(:), allocatable :: lines
       integer :: m
 
       from => find(handle)
@@ -205,7 +206,8 @@ contains
       m = min(int(room), size(items))
       reals(:m) = real(items(:m)%number, c_double)
       counts(:m) = int(items(:m)%count, c_int64_t)
-      call put_text(summary_text(items), buffer, length)
+      call summary_text(items, lines)
+      call put_text(lines, buffer, length)
    end subroutine result_summary
 
    !> Address of the history, (rows, columns) with the rows of a column one after the other, and
@@ -366,9 +368,11 @@ contains
       integer(c_int8_t), intent(inout) :: buffer(n)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
+      character(:), allocatable :: lines
 
       kept => find(sweep)
-      call put_text(join_status(kept%spectrum), buffer, length)
+      call join_status(kept%spectrum, lines)
+      call put_text(lines, buffer, length)
    end subroutine spectrum_status
 
    !> Write a spectrum as the batch program does.

@@ -9,12 +9,11 @@ module rwmf_output_summary
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
-   use rwmf_text_strings, only: integer_to_text, real_to_text
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
-   public :: summary_item_t, summarise, value_text, summary_text, list_effects
-   public :: list_absent_effects, joined
+   public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
 
    !> One key with its value.
    type :: summary_item_t
@@ -55,34 +54,17 @@ contains
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
-   !> The value of an item as text; reals round-trip to the same bits.
-   pure function value_text(item) result(text)
-      type(summary_item_t), intent(in) :: item
-      character(:), allocatable :: text
-
-      select case (item%kind)
-      case ('real')
-         text = real_to_text(item%number)
-      case ('int')
-         text = integer_to_text(item%count)
-      case ('logical')
-         text = trim(merge('true ', 'false', item%count == 1))
-      case default
-         text = item%text
-      end select
-   end function value_text
-
    !> The summary without its numbers, as lines `key<TAB>kind<TAB>text`.
-   pure function summary_text(items) result(text)
+   pure subroutine summary_text(items, text)
       type(summary_item_t), intent(in) :: items(:)
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
       text = ''
       do i = 1, size(items)
          text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%text//new_line('a')
       end do
-   end function summary_text
+   end subroutine summary_text
 
    !> Names of the effects that are simulated, in the order of the case file's groups.
    function list_effects(case) result(names)
@@ -152,7 +134,7 @@ contains
       integer :: i
 
       do i = 1, size(values)
-         call add_real(items, before//integer_to_text(i)//after, values(i))
+         call add_real(items, before//trim(integer_to_text(i))//after, values(i))
       end do
    end subroutine add_numbered
 
