@@ -38,6 +38,7 @@ contains
       type(result_t), intent(in) :: result
       type(summary_item_t), allocatable, intent(out) :: items(:)
       !! (keys)
+      character(12), allocatable :: effects(:)
 
       allocate (items(0))
       call add_maxima(items, result)
@@ -45,7 +46,9 @@ contains
       if (allocated(case%storeys)) call add_storeys(items, case)
       if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
-      call add_item(items, 'effects', 'list', text=joined(list_effects(case)))
+      ! not within the call below, where gfortran 12 takes the length from memory given back
+      effects = list_effects(case)
+      call add_item(items, 'effects', 'list', text=joined(effects))
       if (allocated(result%warnings)) then
          call add_item(items, 'warnings', 'list', text=joined(result%warnings))
       else
