@@ -130,7 +130,7 @@ contains
       integer :: i
 
       do i = 1, size(values)
-         call add_real(items, before//integer_to_text(i)//after, values(i))
+         call add_real(items, before//trim(integer_to_text(i))//after, values(i))
       end do
    end subroutine add_numbered
 
@@ -226,7 +226,7 @@ contains
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+      if (present(value)) call add_item(items, key, 'real', trim(real_to_text(value)))
    end subroutine add_real
 
    !> Add a counter.
@@ -235,7 +235,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', integer_to_text(value))
+      call add_item(items, key, 'int', trim(integer_to_text(value)))
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.
