@@ -50,15 +50,30 @@ contains
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
+   !> Length of `summary_text`.
+   pure integer function summary_length(items) result(length)
+      type(summary_item_t), intent(in) :: items(:)
+      integer :: i
+
+      length = 0
+      do i = 1, size(items)
+         length = length + len(items(i)%key) + len(items(i)%kind) + len(items(i)%value) + 3
+      end do
+   end function summary_length
+
    !> The summary as lines `key<TAB>kind<TAB>value`.
    pure function summary_text(items) result(text)
       type(summary_item_t), intent(in) :: items(:)
-      character(:), allocatable :: text
+      character(summary_length(items)) :: text
+      integer :: first
       integer :: i
+      integer :: last
 
-      text = ''
+      last = 0
       do i = 1, size(items)
-         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
+         first = last + 1
+         last = last + summary_length(items(i:i))
+         text(first:last) = items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
       end do
    end function summary_text
 
