@@ -143,7 +143,7 @@ contains
       folder = '/tmp'
       if (stat == 0 .and. temporary /= '') folder = trim(temporary)
       call system_clock(ticks)
-      name = 'rwmf-test-'//integer_to_text(ticks)//'.txt'
+      name = 'rwmf-test-'//trim(integer_to_text(ticks))//'.txt'
       open (newunit=unit, file=folder//'/'//name, access='stream', form='unformatted', &
          status='new', action='readwrite', iostat=stat)
       call checks%that(stat == 0, 'open a scratch file')

@@ -96,7 +96,7 @@ contains
       excess = abs(fast%u_s_max/general%u_s_max - 1)/allowed
       write (position, '(3i4)') maxloc(excess)
       call checks%that(all(excess <= 1), name//': peaks', &
-         'error over what is allowed '//real_to_text(maxval(excess))//' at '//position)
+         'error over what is allowed '//trim(real_to_text(maxval(excess)))//' at '//position)
    end subroutine compare
 
    !> Enlarge the motion of a case.
@@ -184,8 +184,8 @@ contains
          case%solver%t_end = 5
          call build_grids(case, motion_from_case(case), 1, [0.02_wp], shared%ground, shared%grid)
          call checks%that(minval(shared%grid(1)%step%h) > 1.0e-9_wp, &
-            'end at an extremum, no vanishing step: '//real_to_text(T_p(i)))
-         if (i <= 3) call compare(case, 'end at an extremum, '//real_to_text(T_p(i)))
+            'end at an extremum, no vanishing step: '//trim(real_to_text(T_p(i))))
+         if (i <= 3) call compare(case, 'end at an extremum, '//trim(real_to_text(T_p(i))))
       end do
    end subroutine check_end_at_extremum
 
@@ -323,7 +323,8 @@ contains
             shared%rtol = rtol(i)
             call run_tasks(shared, task, found)
             is_same = all(abs(found%v_max - all_at_once%v_max) <= 0)
-            call checks%that(is_same .eqv. rtol(i) <= 0, 'repetition: '//real_to_text(rtol(i)))
+            call checks%that(is_same .eqv. rtol(i) <= 0, &
+               'repetition: '//trim(real_to_text(rtol(i))))
          end do
       end do
    end subroutine check_repetition

@@ -19,7 +19,7 @@ program test_output
 
    ! a name of its own: builds of several kinds may be tested at the same time
    call system_clock(ticks)
-   folder = 'test_output_'//integer_to_text(ticks)
+   folder = 'test_output_'//trim(integer_to_text(ticks))
    call execute_command_line('rm -rf '//folder//' && mkdir '//folder)
    call test_case_name()
    call test_summary()

@@ -22,7 +22,7 @@ contains
       !f2py integer*1 :: buffer
       integer(c_int), intent(out) :: length
 
-      call put_text(names_of_values(), buffer, length)
+      call put_text(names_of_values, buffer, length)
    end subroutine value_names
 
    !> Run a case with a method and tolerance, again and again until the budget (s) is spent.

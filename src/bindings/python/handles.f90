@@ -97,9 +97,9 @@ contains
    end subroutine put_error
 
    !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   pure function join_status(sweep) result(text)
+   pure subroutine join_status(sweep, text)
       type(sweep_t), intent(in) :: sweep
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: length
       integer :: i
       integer :: j
@@ -120,7 +120,7 @@ contains
             end do
          end do
       end associate
-   end function join_status
+   end subroutine join_status
 
    !> Read and validate a case; messages begin with the name of its file.
    subroutine read_source(text, source, case, error)
@@ -132,9 +132,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call read_case_text(text, source(:index(source, '/', back=.true.)), case, error)
-      !$omp critical (rwmf_text)
       if (allocated(error) .and. len(source) > 0) call add_context(error, source)
-      !$omp end critical (rwmf_text)
    end subroutine read_source
 
    !> Progress counter and cancel flag in the caller's memory.

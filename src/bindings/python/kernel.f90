@@ -138,10 +138,7 @@ contains
       length = 0_c_int
       call read_source(text, source, the_case, error)
       if (.not. allocated(error)) call preview_text(the_case, lines, error)
-      ! texts: one thread at a time, see `read_case_text`
-      !$omp critical (rwmf_text)
       if (.not. allocated(error)) call put_text(lines, buffer, length)
-      !$omp end critical (rwmf_text)
       call put_error(error, status, message, message_length)
    end subroutine inventory
 
@@ -183,10 +180,8 @@ contains
       type(summary_item_t), allocatable :: items(:)
 
       run => find_run(handle)
-      !$omp critical (rwmf_text)
       call summarise(run%case, run%result, items)
       call put_text(summary_text(items), buffer, length)
-      !$omp end critical (rwmf_text)
    end subroutine result_summary
 
    !> Sizes of the history and of the list of events; 0 where there is none.
@@ -365,9 +360,11 @@ contains
       integer(c_int8_t), intent(inout) :: buffer(n)
       integer(c_int), intent(out) :: length
       type(sweep_t), pointer :: sweep
+      character(:), allocatable :: lines
 
       sweep => find_sweep(handle)
-      call put_text(join_status(sweep), buffer, length)
+      call join_status(sweep, lines)
+      call put_text(lines, buffer, length)
    end subroutine spectrum_status
 
    !> Write a spectrum as the batch program does.

@@ -290,10 +290,8 @@ contains
          if (high - low <= 4*spacing(max(abs(low), abs(high)))) exit
       end do
       if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > low) return
-      !$omp critical (rwmf_text)
-      call fail(error, err_input, 'a displacement of '//real_to_text(w) &
+      call fail(error, err_input, 'a displacement of '//trim(real_to_text(w)) &
          //' m is more than the wall can follow', 'overturned')
-      !$omp end critical (rwmf_text)
    end subroutine find_rotation
 
    type(kinematics_t) function kinematics_of(element, side, phi) result(kin)

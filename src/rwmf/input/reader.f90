@@ -29,19 +29,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: text
 
-      !$omp critical (rwmf_text)
       call read_file(path, text, error)
       if (.not. allocated(error)) then
          call parse_case(text, path(:index(path, '/', back=.true.)), case, error)
       end if
       if (allocated(error)) call add_context(error, path)
-      !$omp end critical (rwmf_text)
    end subroutine read_case_file
 
    !> Read and validate a case, the record that it names included.
-   !>
-   !> One thread at a time: gfortran keeps the length of every text that a function returns in a
-   !> static variable, so that two threads at once could read each other's lengths.
    !>
    !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
    !> allowed, groups that contradict each other, a record that is missing or damaged.
@@ -53,9 +48,7 @@ contains
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      !$omp critical (rwmf_text)
       call parse_case(text, folder, case, error)
-      !$omp end critical (rwmf_text)
    end subroutine read_case_text
 
    subroutine parse_case(text, folder, case, error)
@@ -142,7 +135,7 @@ contains
       end if
       case%solver%t_end = t_last
       if (t_last >= 0) return
-      call fail(error, err_input, 'the record ends at '//real_to_text(t_last) &
+      call fail(error, err_input, 'the record ends at '//trim(real_to_text(t_last)) &
          //' s, before t = 0: &solver t_end must be given')
    end subroutine check_last_sample
 

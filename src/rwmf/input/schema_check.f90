@@ -126,7 +126,7 @@ contains
          values%groups(i)%line = group%line
          return
       end do
-      near = nearest_name(group%name, values%groups%name)
+      near = trim(nearest_name(group%name, values%groups%name))
       known = ''
       if (near /= '') known = ', did you mean &'//trim(near)//'?'
       known = known//'; allowed:'
@@ -179,7 +179,7 @@ contains
       integer :: i
 
       names = pack(keys%key, keys%group == group%name)
-      near = nearest_name(entry%key, names)
+      near = trim(nearest_name(entry%key, names))
       known = ''
       if (near /= '') known = ', did you mean '//trim(near)//'?'
       known = known//'; allowed:'

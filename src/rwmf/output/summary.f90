@@ -50,15 +50,30 @@ contains
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
+   !> Length of `summary_text`.
+   pure integer function summary_length(items) result(length)
+      type(summary_item_t), intent(in) :: items(:)
+      integer :: i
+
+      length = 0
+      do i = 1, size(items)
+         length = length + len(items(i)%key) + len(items(i)%kind) + len(items(i)%value) + 3
+      end do
+   end function summary_length
+
    !> The summary as lines `key<TAB>kind<TAB>value`.
    pure function summary_text(items) result(text)
       type(summary_item_t), intent(in) :: items(:)
-      character(:), allocatable :: text
+      character(summary_length(items)) :: text
+      integer :: first
       integer :: i
+      integer :: last
 
-      text = ''
+      last = 0
       do i = 1, size(items)
-         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
+         first = last + 1
+         last = last + summary_length(items(i:i))
+         text(first:last) = items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
       end do
    end function summary_text
 
@@ -130,7 +145,7 @@ contains
       integer :: i
 
       do i = 1, size(values)
-         call add_real(items, before//integer_to_text(i)//after, values(i))
+         call add_real(items, before//trim(integer_to_text(i))//after, values(i))
       end do
    end subroutine add_numbered
 
@@ -226,7 +241,7 @@ contains
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+      if (present(value)) call add_item(items, key, 'real', trim(real_to_text(value)))
    end subroutine add_real
 
    !> Add a counter.
@@ -235,7 +250,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', integer_to_text(value))
+      call add_item(items, key, 'int', trim(integer_to_text(value)))
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.

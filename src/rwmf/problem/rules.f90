@@ -29,8 +29,8 @@ contains
 
       if (2*pi*root_mass >= shortest*root_stiffness) return
       problem = 'the period 2 pi sqrt(mass/stiffness) is ' &
-         //real_to_text(2*pi*root_mass/root_stiffness)//' s, must be >= ' &
-         //real_to_text(shortest)//' s: lower the stiffness'
+         //trim(real_to_text(2*pi*root_mass/root_stiffness))//' s, must be >= ' &
+         //trim(real_to_text(shortest))//' s: lower the stiffness'
    end subroutine check_period
 
    !> A group that is given needs another one.
@@ -122,7 +122,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call fail(error, err_input, '&'//group//': '//key//' = '//shown_values//' (line ' &
-         //integer_to_text(line)//'): '//problem)
+         //trim(integer_to_text(line))//'): '//problem)
    end subroutine fail_at_key
 
    !> Report a group with its line: `&frame (line 5): ...`.
@@ -132,7 +132,7 @@ contains
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_input, '&'//shown(group)//' (line '//integer_to_text(line)//'): ' &
+      call fail(error, err_input, '&'//shown(group)//' (line '//trim(integer_to_text(line))//'): ' &
          //problem)
    end subroutine fail_at_group
 

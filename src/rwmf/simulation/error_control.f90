@@ -58,12 +58,9 @@ contains
       end do
       result%estimate_seconds = spent - result%seconds
       if (result%estimated_relative_error > case%solver%accuracy) then
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
          call add_warning(result, 'the accuracy asked for, ' &
-            //real_to_text(case%solver%accuracy)//', cannot be delivered: estimated error ' &
-            //real_to_text(result%estimated_relative_error)//' at the tightest tolerance')
-         !$omp end critical (rwmf_text)
+            //trim(real_to_text(case%solver%accuracy))//', cannot be delivered: estimated error ' &
+            //trim(real_to_text(result%estimated_relative_error))//' at the tightest tolerance')
       end if
    end subroutine run_to_accuracy
 

@@ -351,11 +351,9 @@ contains
          end if
       end if
       if (e > e_max) then
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
-         call add_warning(result, 'e = '//real_to_text(e)//' exceeds e_max = ' &
-            //real_to_text(e_max)//', the most that the momentum balance of wall and frame allows')
-         !$omp end critical (rwmf_text)
+         call add_warning(result, 'e = '//trim(real_to_text(e))//' exceeds e_max = ' &
+            //trim(real_to_text(e_max)) &
+            //', the most that the momentum balance of wall and frame allows')
       end if
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &

@@ -239,7 +239,7 @@ contains
       if (is_full) then
          allocate (states(size(case%storeys%frame%m)))
          do i = 1, size(states)
-            states(i) = 'z_'//integer_to_text(i)
+            states(i) = 'z_'//trim(integer_to_text(i))
          end do
       else
          states = [character(state_name_length) :: 'z']
