@@ -31,7 +31,7 @@ contains
 
       call read_file(path, text, error)
       if (.not. allocated(error)) then
-         call parse_case(text, path(:index(path, '/', back=.true.)), case, error)
+         call read_case_text(text, path(:index(path, '/', back=.true.)), case, error)
       end if
       if (allocated(error)) call add_context(error, path)
    end subroutine read_case_file
@@ -40,22 +40,15 @@ contains
    !>
    !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
    !> allowed, groups that contradict each other, a record that is missing or damaged.
-   subroutine read_case_text(text, folder, case, error)
+   subroutine read_case_text(text, folder, case, error, known)
       character(*), intent(in) :: text
       !! namelist text
       character(*), intent(in) :: folder
       !! what a relative path in the text starts from; '' is the current folder
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
-
-      call parse_case(text, folder, case, error)
-   end subroutine read_case_text
-
-   subroutine parse_case(text, folder, case, error)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: folder
-      type(case_t), intent(out) :: case
-      type(error_t), allocatable, intent(out) :: error
+      type(case_t), intent(in), optional :: known
+      !! whose samples are taken where both name the same record: what it has read is not read again
       type(group_t), allocatable :: groups(:)
 
       call parse_namelist(text, groups, error)
@@ -64,8 +57,8 @@ contains
       if (allocated(error)) return
       case%text = text
       call fill_case(case, error)
-      if (.not. allocated(error)) call read_records(folder, case, error)
-   end subroutine parse_case
+      if (.not. allocated(error)) call read_records(folder, case, error, known)
+   end subroutine read_case_text
 
    !> Every group that is given puts its values into the case; those that say how to compute always.
    subroutine fill_case(case, error)
@@ -85,34 +78,39 @@ contains
    end subroutine fill_case
 
    !> Records of the horizontal and of the vertical motion.
-   subroutine read_records(folder, case, error)
+   subroutine read_records(folder, case, error, known)
       character(*), intent(in) :: folder
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
+      type(case_t), intent(in), optional :: known
 
       if (allocated(case%motion)) then
          if (case%motion%kind == 'record') call add_record('motion', folder, case%motion, &
-            case%record, case, error)
+            case%record, case, error, known)
       end if
       if (allocated(error) .or. .not. allocated(case%vertical)) return
       if (allocated(case%vertical%file)) call add_record('vertical', folder, case%vertical, &
-         case%vertical_record, case, error)
+         case%vertical_record, case, error, known)
    end subroutine read_records
 
    !> Read the record of a group. The longest record ends the simulation unless the case says when.
-   subroutine add_record(group, folder, source, record, case, error)
+   subroutine add_record(group, folder, source, record, case, error, known)
       character(*), intent(in) :: group
       character(*), intent(in) :: folder
       class(record_source_t), intent(inout) :: source
       type(record_t), allocatable, intent(out) :: record
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
+      type(case_t), intent(in), optional :: known
 
       source%path = resolved(folder, source%file)
-      allocate (record)
-      ! what is not given is unallocated and arrives as an absent argument
-      call read_record(source%path, source%dt, source%unit, source%scale, case%model%g, record, &
-         error)
+      if (present(known)) call take_record(known, source, case%model%g, record)
+      if (.not. allocated(record)) then
+         allocate (record)
+         ! what is not given is unallocated and arrives as an absent argument
+         call read_record(source%path, source%dt, source%unit, source%scale, case%model%g, &
+            record, error)
+      end if
       if (.not. allocated(error) .and. .not. has_key(case%values, 'solver', 't_end')) then
          call check_last_sample(record%t(record%n), case, error)
       end if
@@ -121,6 +119,35 @@ contains
       call add_context(error, '&'//group//": file = '"//shown(source%file)//"' (line " &
          //trim(integer_to_text(key_line(case%values, group, 'file')))//')')
    end subroutine add_record
+
+   !> The samples that a case has read from the same file in the same way, if it has.
+   pure subroutine take_record(known, source, g, record)
+      type(case_t), intent(in) :: known
+      class(record_source_t), intent(in) :: source
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
+      type(record_t), allocatable, intent(out) :: record
+
+      if (abs(known%model%g - g) > 0) return
+      if (allocated(known%record)) then
+         if (is_same_source(known%motion, source)) record = known%record
+      end if
+      if (allocated(known%vertical_record)) then
+         if (is_same_source(known%vertical, source)) record = known%vertical_record
+      end if
+   end subroutine take_record
+
+   !> Is the same file read in the same way?
+   pure logical function is_same_source(one, other) result(is_same)
+      class(record_source_t), intent(in) :: one
+      class(record_source_t), intent(in) :: other
+
+      is_same = one%path == other%path .and. abs(one%scale - other%scale) <= 0 &
+         .and. (allocated(one%dt) .eqv. allocated(other%dt)) &
+         .and. (allocated(one%unit) .eqv. allocated(other%unit))
+      if (is_same .and. allocated(one%dt)) is_same = abs(one%dt - other%dt) <= 0
+      if (is_same .and. allocated(one%unit)) is_same = one%unit == other%unit
+   end function is_same_source
 
    !> A simulation cannot end before it starts.
    subroutine check_last_sample(t_last, case, error)

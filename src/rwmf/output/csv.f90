@@ -238,19 +238,27 @@ contains
       character(:), allocatable, intent(inout) :: line
       integer :: i
 
-      if (item%kind /= 'list') then
-         line = line//','//item%value
-         return
-      end if
-      line = line//',"'
-      do i = 1, len(item%value)
-         select case (item%value(i:i))
+      line = line//','
+      select case (item%kind)
+      case ('real')
+         line = line//trim(real_to_text(item%number))
+      case ('int')
+         line = line//trim(integer_to_text(item%count))
+      case ('logical')
+         line = line//trim(merge('true ', 'false', item%count == 1))
+      case ('text')
+         line = line//item%text
+      end select
+      if (item%kind /= 'list') return
+      line = line//'"'
+      do i = 1, len(item%text)
+         select case (item%text(i:i))
          case (achar(9))
             line = line//'; '
          case ('"')
             line = line//'""'
          case default
-            line = line//item%value(i:i)
+            line = line//item%text(i:i)
          end select
       end do
       line = line//'"'

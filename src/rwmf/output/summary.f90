@@ -9,20 +9,24 @@ module rwmf_output_summary
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
-   use rwmf_text_strings, only: integer_to_text, real_to_text
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
    public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
 
-   !> One key with its value as text.
+   !> One key with its value.
    type :: summary_item_t
       character(:), allocatable :: key
       !! name with unit suffix
       character(:), allocatable :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
-      character(:), allocatable :: value
-      !! reals round-trip to the same bits; 'true' or 'false'; a list has a tab between its items
+      real(wp) :: number = 0
+      !! of a 'real' [unit of the key]
+      integer(i8) :: count = 0
+      !! of an 'int'; of a 'logical' 1 for yes
+      character(:), allocatable :: text
+      !! of a 'text'; of a 'list' its items with a tab between them; '' of the others
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
@@ -41,41 +45,26 @@ contains
       if (allocated(case%storeys)) call add_storeys(items, case)
       if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
-      call add_item(items, 'effects', 'list', joined(list_effects(case)))
+      call add_item(items, 'effects', 'list', text=joined(list_effects(case)))
       if (allocated(result%warnings)) then
-         call add_item(items, 'warnings', 'list', joined(result%warnings))
+         call add_item(items, 'warnings', 'list', text=joined(result%warnings))
       else
-         call add_item(items, 'warnings', 'list', '')
+         call add_item(items, 'warnings', 'list')
       end if
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
-   !> Length of `summary_text`.
-   pure integer function summary_length(items) result(length)
+   !> The summary without its numbers, as lines `key<TAB>kind<TAB>text`.
+   pure subroutine summary_text(items, text)
       type(summary_item_t), intent(in) :: items(:)
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
-      length = 0
+      text = ''
       do i = 1, size(items)
-         length = length + len(items(i)%key) + len(items(i)%kind) + len(items(i)%value) + 3
+         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%text//new_line('a')
       end do
-   end function summary_length
-
-   !> The summary as lines `key<TAB>kind<TAB>value`.
-   pure function summary_text(items) result(text)
-      type(summary_item_t), intent(in) :: items(:)
-      character(summary_length(items)) :: text
-      integer :: first
-      integer :: i
-      integer :: last
-
-      last = 0
-      do i = 1, size(items)
-         first = last + 1
-         last = last + summary_length(items(i:i))
-         text(first:last) = items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
-      end do
-   end function summary_text
+   end subroutine summary_text
 
    !> Names of the effects that are simulated, in the order of the case file's groups.
    function list_effects(case) result(names)
@@ -215,7 +204,7 @@ contains
       call add_count(items, 'steps', result%steps)
       call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
       call add_real(items, 'seconds', result%seconds)
-      call add_item(items, 'method', 'text', result%method)
+      call add_item(items, 'method', 'text', text=result%method)
       call add_real(items, 'rtol', result%rtol)
       call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
       call add_real(items, 'estimate_seconds', result%estimate_seconds)
@@ -241,7 +230,7 @@ contains
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'real', trim(real_to_text(value)))
+      if (present(value)) call add_item(items, key, 'real', number=value)
    end subroutine add_real
 
    !> Add a counter.
@@ -250,7 +239,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', trim(integer_to_text(value)))
+      call add_item(items, key, 'int', count=value)
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.
@@ -259,16 +248,18 @@ contains
       character(*), intent(in) :: key
       logical, intent(in), optional :: value
 
-      if (.not. present(value)) return
-      call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
+      if (present(value)) call add_item(items, key, 'logical', count=merge(1_i8, 0_i8, value))
    end subroutine add_logical
 
    !> Add one item at the end.
-   pure subroutine add_item(items, key, kind, value)
+   pure subroutine add_item(items, key, kind, number, count, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
       character(*), intent(in) :: kind
-      character(*), intent(in) :: value
+      real(wp), intent(in), optional :: number
+      !! [unit of the key]
+      integer(i8), intent(in), optional :: count
+      character(*), intent(in), optional :: text
       type(summary_item_t), allocatable :: grown(:)
       integer :: n
 
@@ -277,7 +268,10 @@ contains
       grown(:n) = items
       grown(n + 1)%key = key
       grown(n + 1)%kind = kind
-      grown(n + 1)%value = value
+      grown(n + 1)%text = ''
+      if (present(number)) grown(n + 1)%number = number
+      if (present(count)) grown(n + 1)%count = count
+      if (present(text)) grown(n + 1)%text = text
       call move_alloc(grown, items)
    end subroutine add_item
 

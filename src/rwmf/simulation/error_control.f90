@@ -9,7 +9,7 @@ module rwmf_simulation_error_control
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_simulation_result, only: add_warning, history_t, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -37,6 +37,7 @@ contains
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: tight
+      type(history_t), allocatable :: history
       type(case_t) :: trial
       real(wp) :: spent
       integer :: i
@@ -54,7 +55,10 @@ contains
          result%estimated_relative_error = relative_difference(result, tight)
          if (result%estimated_relative_error <= 0.7_wp*case%solver%accuracy) exit
          if (trial%solver%rtol <= tightest) exit
+         ! the history is moved: it can be the largest array
+         call move_alloc(tight%history, history)
          result = tight
+         call move_alloc(history, result%history)
       end do
       result%estimate_seconds = spent - result%seconds
       if (result%estimated_relative_error > case%solver%accuracy) then

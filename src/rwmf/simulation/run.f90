@@ -272,7 +272,7 @@ contains
       end if
       if (recorder%keeps_history) then
          call move_alloc(recorder%events, result%events)
-         result%history = recorder%history
+         call move_alloc(recorder%history, result%history)
       end if
    end subroutine fill_result
 
