@@ -231,7 +231,7 @@ def solve_in_quadruple(scene: Scene) -> str:
 
     def solve(case: rwmf.Case) -> str:
         case = _shortened(case)
-        found = _private_reference()(case.text, case.kernel_source(), *_QUAD_RTOL)
+        found = _private_reference()(case, *_QUAD_RTOL)
         return dump_value(vars(found)) + "\n"
 
     return _answer_of(scene, solve)
