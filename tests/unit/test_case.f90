@@ -7,8 +7,8 @@ program test_case
    use rwmf_input_reader, only: read_case_file, read_case_text
    use rwmf_input_schema, only: all_keys, group_names, write_schema
    use rwmf_problem_case, only: case_t
-   use rwmf_text_strings, only: integer_to_text
    use rwmf_problem_key, only: key_t
+   use rwmf_text_strings, only: integer_to_text
    implicit none
 
    character(*), parameter :: nl = new_line('a'), tab = achar(9)

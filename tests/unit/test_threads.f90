@@ -5,8 +5,8 @@
 program test_threads
    use check, only: checks_t
    use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
-      element_response_t, error_t, read_case_text, respond, result_t, simulate, &
-      stepping_t, wall_element_t, write_result
+      element_response_t, error_t, read_case_text, respond, result_t, simulate, stepping_t, &
+      wall_element_t, write_result
    use rwmf_core_kinds, only: i8, wp
    use rwmf_text_file, only: read_file
    use rwmf_text_strings, only: integer_to_text

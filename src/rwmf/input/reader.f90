@@ -31,7 +31,7 @@ contains
 
       call read_file(path, text, error)
       if (.not. allocated(error)) then
-         call parse_case(text, path(:index(path, '/', back=.true.)), case, error)
+         call read_case_text(text, path(:index(path, '/', back=.true.)), case, error)
       end if
       if (allocated(error)) call add_context(error, path)
    end subroutine read_case_file
@@ -49,16 +49,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
       !! whose samples are taken where both name the same record: what it has read is not read again
-
-      call parse_case(text, folder, case, error, known)
-   end subroutine read_case_text
-
-   subroutine parse_case(text, folder, case, error, known)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: folder
-      type(case_t), intent(out) :: case
-      type(error_t), allocatable, intent(out) :: error
-      type(case_t), intent(in), optional :: known
       type(group_t), allocatable :: groups(:)
 
       call parse_namelist(text, groups, error)
@@ -68,7 +58,7 @@ contains
       case%text = text
       call fill_case(case, error)
       if (.not. allocated(error)) call read_records(folder, case, error, known)
-   end subroutine parse_case
+   end subroutine read_case_text
 
    !> Every group that is given puts its values into the case; those that say how to compute always.
    subroutine fill_case(case, error)

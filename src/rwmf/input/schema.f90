@@ -46,7 +46,7 @@ contains
       groups = all_groups()
       allocate (keys(0))
       do i = 1, size(groups)
-         keys = [keys, groups(i)%keys()]
+         keys = [keys, groups(i)%keys]
       end do
    end function all_keys
 

@@ -278,10 +278,21 @@ contains
       call move_alloc(grown, items)
    end subroutine add_item
 
+   !> Length of the items of a list with a tab between them.
+   pure integer function joined_length(list) result(length)
+      character(*), intent(in) :: list(:)
+      integer :: i
+
+      length = max(0, size(list) - 1)
+      do i = 1, size(list)
+         length = length + len_trim(list(i))
+      end do
+   end function joined_length
+
    !> The items of a list with a tab between them.
    pure function joined(list) result(text)
       character(*), intent(in) :: list(:)
-      character(sum(len_trim(list)) + max(0, size(list) - 1)) :: text
+      character(joined_length(list)) :: text
       integer :: last
       integer :: i
 

@@ -27,7 +27,8 @@ module rwmf_problem_case_group
       !! groups without which it must not be given
       character(40) :: reasons(2) = ''
       !! why
-      procedure(keys_i), pointer, nopass :: keys => null()
+      type(key_t), allocatable :: keys(:)
+      !! in the order of the documentation
       procedure(check_i), pointer, nopass :: check => null()
       !! rules between keys and groups, beyond what each key allows by itself
       procedure(fill_i), pointer, nopass :: fill => null()
@@ -42,13 +43,6 @@ module rwmf_problem_case_group
    end type case_group_t
 
    abstract interface
-      !> The keys, in the order of the documentation.
-      pure function keys_i() result(keys)
-         import :: key_t
-         implicit none
-         type(key_t), allocatable :: keys(:)
-      end function keys_i
-
       !> Check the values of a case whose keys are each allowed. Asked only where a key of the
       !> group is given, or the group itself. The error names group, key and what is allowed.
       subroutine check_i(values, error)

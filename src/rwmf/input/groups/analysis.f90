@@ -5,7 +5,7 @@ module rwmf_input_groups_analysis
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, integer_of, &
       logical_of, real_of, text_of
-   use rwmf_problem_key, only: key_t, not_negative, optional_key, positive
+   use rwmf_problem_key, only: not_negative, optional_key, positive
    use rwmf_problem_rules, only: fail_group, fail_key
    implicit none
    private
@@ -20,20 +20,14 @@ contains
    type(case_group_t) function model_group() result(group)
       group%name = 'model'
       group%is_of_scene = .false.
-      group%keys => model_keys
-      group%fill => fill_model
-   end function model_group
-
-   pure function model_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('model', 'formulation', 'choice', '', 'published', &
             'published symmetric exact', 'Eq. (15) as printed, or one that conserves energy'), &
          optional_key('model', 'g', 'real', 'm/s2', '9.81', positive, 'gravity'), &
          optional_key('model', 'overturning_angle', 'real', 'rad', 'pi/2', '(0, pi/2]', &
             'rotation at which the wall counts as overturned')]
-   end function model_keys
+      group%fill => fill_model
+   end function model_group
 
    subroutine fill_model(case, error)
       type(case_t), intent(inout) :: case
@@ -47,15 +41,7 @@ contains
    type(case_group_t) function solver_group() result(group)
       group%name = 'solver'
       group%is_of_scene = .false.
-      group%keys => solver_keys
-      group%check => check_solver
-      group%fill => fill_solver
-   end function solver_group
-
-   pure function solver_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
             'integrator; auto: fast for the ordinates of a spectrum, adams for other runs'), &
          optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '(0, 0.1]', 'relative tolerance'), &
@@ -69,7 +55,9 @@ contains
             'end of the simulation; required but for a record: its last sample'), &
          optional_key('solver', 'max_steps', 'integer', '', '50000000', '>= 1', &
             'most steps of one simulation')]
-   end function solver_keys
+      group%check => check_solver
+      group%fill => fill_solver
+   end function solver_group
 
    !> The tolerance is given or chosen for an accuracy, not both; only a record says by itself when
    !> the simulation ends.
@@ -125,15 +113,7 @@ contains
    type(case_group_t) function output_group() result(group)
       group%name = 'output'
       group%is_of_scene = .false.
-      group%keys => output_keys
-      group%check => check_output
-      group%fill => fill_output
-   end function output_group
-
-   pure function output_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('output', 'dt', 'real', 's', '', positive, &
             'interval of the history; absent: no history'), &
          optional_key('output', 'energy', 'logical', '', '.false.', '', &
@@ -142,7 +122,9 @@ contains
             'reactions of the base, friction demand, base shear, drifts: extrema, with dt rows'), &
          optional_key('output', 'friction_limit', 'real', '-', '', positive, &
             'coefficient of friction: whether and when the friction demand exceeds it')]
-   end function output_keys
+      group%check => check_output
+      group%fill => fill_output
+   end function output_group
 
    !> A limit of friction belongs to the reactions of a wall.
    subroutine check_output(values, error)

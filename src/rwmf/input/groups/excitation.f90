@@ -23,7 +23,7 @@ contains
 
    type(case_group_t) function motion_group() result(group)
       group%name = 'motion'
-      group%keys => motion_keys
+      group%keys = motion_keys()
       group%check => check_motion
       group%fill => fill_motion
       group%is_present => has_motion

@@ -6,7 +6,7 @@ module rwmf_input_groups_spectrum
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
       integer_of, real_of, text_of
-   use rwmf_problem_key, only: key_t, not_negative, optional_key, positive
+   use rwmf_problem_key, only: not_negative, optional_key, positive
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -21,15 +21,7 @@ contains
       group%is_of_scene = .false.
       group%needs(1) = 'frame'
       group%reasons(1) = 'its periods are those of the frame'
-      group%keys => spectrum_keys
-      group%check => check_spectrum
-      group%fill => fill_spectrum
-   end function spectrum_group
-
-   pure function spectrum_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
             'periods one by one; otherwise T_s_min, T_s_max and n are required'), &
          optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &
@@ -42,7 +34,9 @@ contains
             'mass ratios; absent: that of &frame'), &
          optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
             'half widths; absent: that of &wall')]
-   end function spectrum_keys
+      group%check => check_spectrum
+      group%fill => fill_spectrum
+   end function spectrum_group
 
    !> Periods as a list or a grid; lists of gamma and b only with a wall.
    subroutine check_spectrum(values, error)

@@ -6,7 +6,7 @@ module rwmf_input_groups_structure
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
       real_of, text_of
-   use rwmf_problem_key, only: any_real, key_t, not_negative, optional_key, positive, required
+   use rwmf_problem_key, only: any_real, not_negative, optional_key, positive, required
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -18,20 +18,14 @@ contains
 
    type(case_group_t) function wall_group() result(group)
       group%name = 'wall'
-      group%keys => wall_keys
-      group%fill => fill_wall
-      group%is_present => has_wall
-   end function wall_group
-
-   pure function wall_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          required('wall', 'h', 'real', 'm', positive, 'half height of the wall'), &
          required('wall', 'b', 'real', 'm', positive, 'half width of the wall'), &
          optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
             'mass of the wall; given: forces are reported in N as well')]
-   end function wall_keys
+      group%fill => fill_wall
+      group%is_present => has_wall
+   end function wall_group
 
    subroutine fill_wall(case, error)
       type(case_t), intent(inout) :: case
@@ -49,22 +43,16 @@ contains
 
    type(case_group_t) function frame_group() result(group)
       group%name = 'frame'
-      group%keys => frame_keys
-      group%check => check_frame
-      group%fill => fill_frame
-      group%is_present => has_frame
-   end function frame_group
-
-   pure function frame_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('frame', 'T_s', 'real', 's', '', positive, &
             'undamped period; required without &spectrum'), &
          optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
             'mass ratio m_s/m_w; required with &wall, refused without'), &
          required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio')]
-   end function frame_keys
+      group%check => check_frame
+      group%fill => fill_frame
+      group%is_present => has_frame
+   end function frame_group
 
    !> Mass ratio and period of the frame, unless storeys set them.
    subroutine check_frame(values, error)
@@ -103,22 +91,16 @@ contains
       group%name = 'cable'
       group%needs(1) = 'wall'
       group%reasons(1) = 'a cable holds a wall'
-      group%keys => cable_keys
-      group%check => check_cable
-      group%fill => fill_cable
-      group%is_present => has_cable
-   end function cable_group
-
-   pure function cable_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
          optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
             'P(alpha)/(m_w g)'), &
          optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
             'Eq. (1), or the exact length of the straight cable')]
-   end function cable_keys
+      group%check => check_cable
+      group%fill => fill_cable
+      group%is_present => has_cable
+   end function cable_group
 
    !> Cable law and formulation.
    subroutine check_cable(values, error)
@@ -151,23 +133,17 @@ contains
       group%name = 'impact'
       group%needs(1) = 'wall'
       group%reasons(1) = 'only a wall has impacts'
-      group%keys => impact_keys
-      group%check => check_impact
-      group%fill => fill_impact
-      group%is_present => has_impact
-   end function impact_group
-
-   pure function impact_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('impact', 'rule', 'choice', '', 'constant', &
             'constant housner coupled table', &
             'constant: exactly one of e and r; table: e by speed; the others set e themselves'), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
             'factor on the angular velocity at impact'), &
          optional_key('impact', 'r', 'real', '-', '', '[0, 1]', 'e squared')]
-   end function impact_keys
+      group%check => check_impact
+      group%fill => fill_impact
+      group%is_present => has_impact
+   end function impact_group
 
    !> Exactly one of e and r for rule 'constant', none for the others.
    subroutine check_impact(values, error)
@@ -215,21 +191,15 @@ contains
       group%name = 'initial'
       group%needs(1) = 'wall'
       group%reasons(1) = 'theta is the rotation of the wall'
-      group%keys => initial_keys
-      group%check => check_initial
-      group%fill => fill_initial
-      group%is_present => has_initial
-   end function initial_group
-
-   pure function initial_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('initial', 'theta_over_alpha', 'real', '-', '0.0', any_real, &
             'rotation over slenderness; within the overturning angle'), &
          optional_key('initial', 'theta_dot', 'real', 'rad/s', '0.0', any_real, &
             'angular velocity')]
-   end function initial_keys
+      group%check => check_initial
+      group%fill => fill_initial
+      group%is_present => has_initial
+   end function initial_group
 
    !> The start must not be overturned already, for any width of the spectrum.
    subroutine check_initial(values, error)

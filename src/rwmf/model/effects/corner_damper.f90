@@ -11,7 +11,7 @@ module rwmf_model_effects_corner_damper
    use rwmf_problem_case, only: case_t, damper_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
-   use rwmf_problem_key, only: key_t, not_negative, required
+   use rwmf_problem_key, only: not_negative, required
    implicit none
    private
 
@@ -24,17 +24,11 @@ contains
       group%name = 'damper'
       group%needs(1) = 'wall'
       group%reasons(1) = 'dampers work under its corners'
-      group%keys => damper_keys
+      group%keys = [required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
+         'viscous damper under each corner of the base: its constant over m_w')]
       group%fill => fill_damper
       group%is_present => has_damper
    end function damper_group
-
-   pure function damper_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
-         'viscous damper under each corner of the base: its constant over m_w')]
-   end function damper_keys
 
    subroutine fill_damper(case, error)
       type(case_t), intent(inout) :: case

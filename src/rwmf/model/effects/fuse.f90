@@ -4,7 +4,7 @@ module rwmf_model_effects_fuse
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, event_name_length
    use rwmf_problem_group_values, only: group_values_t, real_of
-   use rwmf_problem_key, only: below_one, key_t, optional_key, positive, required
+   use rwmf_problem_key, only: below_one, optional_key, positive, required
    use rwmf_problem_rules, only: check_period, fail_key
    implicit none
    private
@@ -17,24 +17,18 @@ contains
       group%name = 'fuse'
       group%needs(1) = 'wall'
       group%reasons(1) = 'fuses work under its corners'
-      group%keys => fuse_keys
+      group%keys = [ &
+         required('fuse', 'eta_y', 'real', '-', positive, &
+            'yield force of the fuse under each corner of the base over m_w g'), &
+         required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
+         optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding fuse over its elastic one')]
       group%check => check_fuse
       group%fill => fill_fuse
       group%is_present => has_fuse
       group%add_events => add_branch_event
       group%refuse_element => refuse_element
    end function fuse_group
-
-   pure function fuse_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
-         required('fuse', 'eta_y', 'real', '-', positive, &
-            'yield force of the fuse under each corner of the base over m_w g'), &
-         required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
-         optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
-            'stiffness of the yielding fuse over its elastic one')]
-   end function fuse_keys
 
    !> The stiffness of a fuse must leave the wall a period that can be followed.
    subroutine check_fuse(values, error)

@@ -5,7 +5,7 @@ module rwmf_model_effects_impact_table
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, group_values_t, has_key, text_of
-   use rwmf_problem_key, only: key_t, not_negative, optional_key
+   use rwmf_problem_key, only: not_negative, optional_key
    use rwmf_problem_rules, only: fail_group, fail_key
    implicit none
    private
@@ -19,22 +19,16 @@ contains
    type(case_group_t) function impact_table_group() result(group)
       group%name = 'impact'
       group%after = 'impact'
-      group%keys => impact_table_keys
+      group%keys = [ &
+         optional_key('impact', 'table_theta_dot', 'real list', 'rad/s', '', not_negative, &
+            'angular velocities before impact, increasing; required for rule table'), &
+         optional_key('impact', 'table_e', 'real list', '-', '', '[0, 1]', &
+            'e at them: linear between, constant beyond; required for rule table')]
       group%check => check_impact_table
       group%fill => fill_impact_table
       group%is_present => has_impact_table
       group%refuse_element => refuse_element
    end function impact_table_group
-
-   pure function impact_table_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
-         optional_key('impact', 'table_theta_dot', 'real list', 'rad/s', '', not_negative, &
-            'angular velocities before impact, increasing; required for rule table'), &
-         optional_key('impact', 'table_e', 'real list', '-', '', '[0, 1]', &
-            'e at them: linear between, constant beyond; required for rule table')]
-   end function impact_table_keys
 
    !> Both columns of a table, of one length, with velocities in order; none for other rules.
    subroutine check_impact_table(values, error)

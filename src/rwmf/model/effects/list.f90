@@ -24,8 +24,8 @@ contains
    function all_effects() result(effects)
       type(case_group_t), allocatable :: effects(:)
 
-      effects = [storeys_group(), link_group(), damper_group(), fuse_group(), yielding_group(), &
-         inerter_group(), vertical_group(), pinned_base_group(), impact_table_group(), &
+      effects = [storeys_group(), link_group(), damper_group(), inerter_group(), fuse_group(), &
+         yielding_group(), vertical_group(), pinned_base_group(), impact_table_group(), &
          tendon_group()]
    end function all_effects
 

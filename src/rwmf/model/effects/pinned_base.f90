@@ -4,7 +4,7 @@ module rwmf_model_effects_pinned_base
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, has_group, text_of
-   use rwmf_problem_key, only: key_t, optional_key
+   use rwmf_problem_key, only: optional_key
    use rwmf_problem_rules, only: fail_group
    implicit none
    private
@@ -16,18 +16,12 @@ contains
    type(case_group_t) function pinned_base_group() result(group)
       group%name = 'wall'
       group%after = 'wall'
-      group%keys => pinned_base_keys
+      group%keys = [optional_key('wall', 'base', 'choice', '', 'rocking', 'rocking pinned', &
+         'on two corners with impacts, or hinged in the middle')]
       group%check => check_pinned_base
       group%fill => fill_pinned_base
       group%is_present => has_pinned_base
    end function pinned_base_group
-
-   pure function pinned_base_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [optional_key('wall', 'base', 'choice', '', 'rocking', 'rocking pinned', &
-         'on two corners with impacts, or hinged in the middle')]
-   end function pinned_base_keys
 
    !> What a wall hinged in the middle of its base excludes.
    subroutine check_pinned_base(values, error)

@@ -6,7 +6,7 @@ module rwmf_model_effects_tendon
    use rwmf_problem_case_group, only: case_group_t, event_name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_key, real_of, &
       text_of
-   use rwmf_problem_key, only: below_one, key_t, optional_key, positive
+   use rwmf_problem_key, only: below_one, optional_key, positive
    use rwmf_problem_rules, only: check_period, fail_key
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -19,25 +19,19 @@ contains
    type(case_group_t) function tendon_group() result(group)
       group%name = 'cable'
       group%after = 'cable'
-      group%keys => tendon_keys
-      group%check => check_tendon
-      group%fill => fill_tendon
-      group%is_present => has_tendon
-      group%add_events => add_tendon_events
-      group%refuse_element => refuse_element
-   end function tendon_group
-
-   pure function tendon_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('cable', 'eta_y', 'real', '-', '', positive, &
             'P/(m_w g) at which the tendon yields; absent: it stays elastic'), &
          optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding tendon over its elastic one'), &
          optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
             'strain at which it breaks, that of the prestress included; absent: never')]
-   end function tendon_keys
+      group%check => check_tendon
+      group%fill => fill_tendon
+      group%is_present => has_tendon
+      group%add_events => add_tendon_events
+      group%refuse_element => refuse_element
+   end function tendon_group
 
    !> Elongations need a stiffness, and the cable must not begin beyond its limits.
    subroutine check_tendon(values, error)

@@ -12,7 +12,7 @@ module rwmf_model_effects_vertical_motion
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, text_of
-   use rwmf_problem_key, only: any_real, key_t, optional_key, positive
+   use rwmf_problem_key, only: any_real, optional_key, positive
    use rwmf_problem_record, only: fill_source
    use rwmf_problem_rules, only: check_one_of, fail_key
    implicit none
@@ -28,17 +28,7 @@ contains
       group%after = 'motion'
       group%needs(1) = 'wall'
       group%reasons(1) = 'a frame moves horizontally only'
-      group%keys => vertical_keys
-      group%check => check_vertical
-      group%fill => fill_vertical
-      group%is_present => has_vertical
-      group%refuse_element => refuse_element
-   end function vertical_group
-
-   pure function vertical_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('vertical', 'ratio', 'real', '-', '', any_real, &
             'vertical over horizontal ground acceleration; exactly one of ratio and file'), &
          optional_key('vertical', 'file', 'text', '', '', '', &
@@ -49,7 +39,11 @@ contains
             'of the accelerations; required but for AT2, where it is refused'), &
          optional_key('vertical', 'scale', 'real', '-', '1.0', any_real, &
             'factor on the record')]
-   end function vertical_keys
+      group%check => check_vertical
+      group%fill => fill_vertical
+      group%is_present => has_vertical
+      group%refuse_element => refuse_element
+   end function vertical_group
 
    !> A ratio to the horizontal motion, or a record.
    subroutine check_vertical(values, error)

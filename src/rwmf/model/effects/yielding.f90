@@ -6,7 +6,7 @@ module rwmf_model_effects_yielding
    use rwmf_problem_case_group, only: case_group_t, event_name_length, state_name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
       real_of, text_of
-   use rwmf_problem_key, only: below_one, key_t, optional_key, positive
+   use rwmf_problem_key, only: below_one, optional_key, positive
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
@@ -20,19 +20,7 @@ contains
       group%name = 'yielding'
       group%needs(1) = 'frame'
       group%reasons(1) = 'the frame is what yields'
-      group%keys => yielding_keys
-      group%check => check_yielding
-      group%fill => fill_yielding
-      group%is_present => has_yielding
-      group%add_states => add_hysteretic_states
-      group%add_events => add_branch_event
-      group%refuse_element => refuse_element
-   end function yielding_group
-
-   pure function yielding_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
             'displacement at which the frame yields first, the same for all periods of a ' &
             //'spectrum'), &
@@ -50,7 +38,13 @@ contains
             'sharpness n of the knee; bouc_wen only'), &
          optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
             'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only')]
-   end function yielding_keys
+      group%check => check_yielding
+      group%fill => fill_yielding
+      group%is_present => has_yielding
+      group%add_states => add_hysteretic_states
+      group%add_events => add_branch_event
+      group%refuse_element => refuse_element
+   end function yielding_group
 
    subroutine check_yielding(values, error)
       type(group_values_t), intent(in) :: values

@@ -7,7 +7,7 @@ module rwmf_model_effects_storeys_storeys
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, real_of, &
       text_of
-   use rwmf_problem_key, only: key_t, optional_key, positive, required
+   use rwmf_problem_key, only: optional_key, positive, required
    use rwmf_problem_rules, only: check_period, fail_key
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
@@ -21,18 +21,7 @@ contains
       group%name = 'storeys'
       group%needs(1) = 'frame'
       group%reasons(1) = 'its xi_s damps their modes'
-      group%keys => storeys_keys
-      group%check => check_storeys
-      group%fill => fill_storeys
-      group%is_present => has_storeys
-      group%add_states => add_floor_states
-      group%refuse_element => refuse_element
-   end function storeys_group
-
-   pure function storeys_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          required('storeys', 'm_over_m_w', 'real list', '-', positive, &
             'mass of each floor over m_w (no wall: over any mass), from the ground up'), &
          required('storeys', 'k_over_m_w', 'real list', '1/s2', positive, &
@@ -42,7 +31,12 @@ contains
          optional_key('storeys', 'coupling', 'choice', '', 'reduced', &
             'reduced every_floor full', &
             'roof linked: first mode or all modes; every floor linked: a straight line')]
-   end function storeys_keys
+      group%check => check_storeys
+      group%fill => fill_storeys
+      group%is_present => has_storeys
+      group%add_states => add_floor_states
+      group%refuse_element => refuse_element
+   end function storeys_group
 
    !> Storeys say what period and mass ratio would say; their lists belong together.
    subroutine check_storeys(values, error)
