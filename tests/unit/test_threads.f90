@@ -288,8 +288,8 @@ contains
       t = 1 + number*1.7e-4_wp
       u = merge(0.1_wp, 10*t, mod(number, 2) == 1)
       peak = merge(-t, t, mod(number, 8) == 4)
-      call read_case_text(wall//'&solver t_end = 1, rtol = 1e-5 / &initial theta_over_alpha = 0.2 /', &
-         '', case, error)
+      call read_case_text(wall//'&solver t_end = 1, rtol = 1e-5 / ' &
+         //'&initial theta_over_alpha = 0.2 /', '', case, error)
       if (.not. allocated(error)) call create_element(element, case, error)
       if (.not. allocated(error) .and. mod(number, 8) /= 2) then
          call create_stepping(stepping, case, error, peak=peak)
