@@ -1,11 +1,14 @@
-!> The named scalars of one simulation: the one place that defines the keys of `rwmf run --json`,
-!> of the Python results and of `CASE.summary.csv`, and their order.
+!> The named scalars of one simulation: what `rwmf run --json`, the Python results and
+!> `CASE.summary.csv` hold. Here they get their values; which there are, of what kind and in which
+!> order says the table of `rwmf_simulation_quantities`.
 !>
 !> A key that does not apply to the effects in the scene is absent.
 module rwmf_output_summary
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_simulation_quantities, only: all_quantities, find_quantity
    use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
@@ -21,6 +24,8 @@ module rwmf_output_summary
       !! 'real', 'int', 'logical', 'text' or 'list'
       character(:), allocatable :: value
       !! reals round-trip to the same bits; 'true' or 'false'; a list has a tab between its items
+      integer :: place
+      !! of its quantity in the table
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
@@ -43,11 +48,11 @@ contains
       if (allocated(case%storeys)) call add_storeys(items, case)
       if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
-      call add_item(items, 'effects', 'list', joined(list_effects(case)))
+      call add_text(items, 'effects', joined(list_effects(case)))
       if (allocated(result%warnings)) then
-         call add_item(items, 'warnings', 'list', joined(result%warnings))
+         call add_text(items, 'warnings', joined(result%warnings))
       else
-         call add_item(items, 'warnings', 'list', '')
+         call add_text(items, 'warnings', '')
       end if
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
@@ -109,31 +114,13 @@ contains
       call add_real(items, 'theta_dot_max_rad_s', result%theta_dot_max)
       call add_real(items, 'cable_force_increment_max_over_m_w_g', result%cable_increment_max)
       call add_real(items, 'cable_prestress_loss_over_m_w_g', result%prestress_loss)
-      if (allocated(result%has_ruptured)) then
-         call add_logical(items, 'cable_ruptured', result%has_ruptured)
-      end if
+      call add_logical(items, 'cable_ruptured', result%has_ruptured)
       call add_real(items, 'ductility', result%ductility)
       call add_real(items, 'residual_displacement_m', result%residual_displacement)
       call add_real(items, 'theta_end_over_alpha', result%theta_end_over_alpha)
-      if (.not. allocated(result%storey_ductility)) return
-      call add_numbered(items, 'storey_', '_ductility', result%storey_ductility)
-      call add_numbered(items, 'storey_', '_residual_drift', result%storey_residual_drift)
+      call add_reals(items, 'storey_{i}_ductility', result%storey_ductility)
+      call add_reals(items, 'storey_{i}_residual_drift', result%storey_residual_drift)
    end subroutine add_maxima
-
-   !> One real for each storey, from the ground up.
-   pure subroutine add_numbered(items, before, after, values)
-      type(summary_item_t), allocatable, intent(inout) :: items(:)
-      character(*), intent(in) :: before
-      !! the number, in the key
-      character(*), intent(in) :: after
-      real(wp), intent(in) :: values(:)
-      !! (storeys)
-      integer :: i
-
-      do i = 1, size(values)
-         call add_real(items, before//integer_to_text(i)//after, values(i))
-      end do
-   end subroutine add_numbered
 
    !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
    pure subroutine add_storeys(items, case)
@@ -201,7 +188,7 @@ contains
       call add_count(items, 'steps', result%steps)
       call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
       call add_real(items, 'seconds', result%seconds)
-      call add_item(items, 'method', 'text', result%method)
+      call add_text(items, 'method', result%method)
       call add_real(items, 'rtol', result%rtol)
       call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
       call add_real(items, 'estimate_seconds', result%estimate_seconds)
@@ -226,9 +213,25 @@ contains
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
+      !! in the unit of the key
 
-      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+      if (present(value)) call add_text(items, key, real_to_text(value))
    end subroutine add_real
+
+   !> Add one real for each storey, unless they are absent.
+   pure subroutine add_reals(items, key, values)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: key
+      !! with '{i}' in the place of the number
+      real(wp), intent(in), optional :: values(:)
+      !! (storeys) from the ground up, in the unit of the key
+      integer :: i
+
+      if (.not. present(values)) return
+      do i = 1, size(values)
+         call add_text(items, key, real_to_text(values(i)), i)
+      end do
+   end subroutine add_reals
 
    !> Add a counter.
    pure subroutine add_count(items, key, value)
@@ -236,7 +239,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', integer_to_text(value))
+      call add_text(items, key, integer_to_text(value))
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.
@@ -245,27 +248,37 @@ contains
       character(*), intent(in) :: key
       logical, intent(in), optional :: value
 
-      if (.not. present(value)) return
-      call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
+      if (present(value)) call add_text(items, key, merge('true ', 'false', value))
    end subroutine add_logical
 
-   !> Add one item at the end.
-   pure subroutine add_item(items, key, kind, value)
+   !> Add one item behind those that come before it in the table; a key that is not in the table is
+   !> not added.
+   pure subroutine add_text(items, key, value, number)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
-      character(*), intent(in) :: kind
       character(*), intent(in) :: value
+      integer, intent(in), optional :: number
+      !! that takes the place of '{i}'
       type(summary_item_t), allocatable :: grown(:)
+      integer :: place
       integer :: n
 
       n = size(items)
+      place = 1
+      if (n > 0) place = items(n)%place
+      place = find_quantity(key, near=place)
+      if (place == 0) return
       allocate (grown(n + 1))
-      grown(:n) = items
+      n = count(items%place <= place)
+      grown(:n) = items(:n)
+      grown(n + 2:) = items(n + 1:)
       grown(n + 1)%key = key
-      grown(n + 1)%kind = kind
-      grown(n + 1)%value = value
+      if (present(number)) grown(n + 1)%key = trim(numbered(key, number))
+      grown(n + 1)%kind = trim(all_quantities(place)%kind)
+      grown(n + 1)%value = trim(value)
+      grown(n + 1)%place = place
       call move_alloc(grown, items)
-   end subroutine add_item
+   end subroutine add_text
 
    !> The items of a list with a tab between them.
    pure function joined(list) result(text)
