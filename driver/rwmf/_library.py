@@ -41,6 +41,7 @@ __all__ = [
     "describe",
     "instruction_set",
     "inventory",
+    "quantities",
     "schema",
     "start_simulation",
     "start_spectrum",
@@ -85,6 +86,17 @@ def schema() -> list[list[str]]:
         One row a key: group, key, type, unit, default, what is allowed, help.
     """
     return split_table(fetch_text(_kernel.schema))
+
+
+def quantities() -> list[list[str]]:
+    """Return the kernel's table of output quantities.
+
+    Returns
+    -------
+    list of list of str
+        One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
+    """
+    return split_table(fetch_text(_kernel.quantities))
 
 
 def describe(text: str, source: str) -> list[list[str]]:
