@@ -88,7 +88,7 @@ def start(case: Case) -> Iterator[_library.Run]:
     InputError, NumericalError, Interrupted
         As `simulate`.
     """
-    with _library.start_simulation(case.text, case.kernel_source()) as run:
+    with _library.start_simulation(case.kernel, case.kernel_source()) as run:
         yield run
 
 
@@ -106,20 +106,23 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
         As `simulate` returns it.
     """
     summary = run.summary()
-    dataset = xr.Dataset(attrs={"version": _library.version()})
+    variables: dict[str, Any] = {}
     columns, values = run.history()
     for i, column in enumerate(columns):
         quantity = find(column)
-        dataset[quantity.name] = ("time", values[:, i].copy(), quantity.attributes)
+        variables[quantity.name] = ("time", values[i], quantity.attributes)
+    coordinates: dict[str, Any] = {}
     if columns:
-        dataset = dataset.set_coords("time").assign_coords(_event_coordinates(run, summary))
+        coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
+    facts: dict[str, Any] = {"version": _library.version()}
     for key, value in summary.items():
         quantity = find(key)
         if quantity.name:
-            dataset[quantity.name] = ((), value, quantity.attributes)
+            variables[quantity.name] = ((), value, quantity.attributes)
         else:
-            dataset.attrs[key] = value
-    return dataset
+            facts[key] = value
+    # all at once: xarray aligns everything anew for each variable that is added
+    return xr.Dataset(variables, coordinates, facts)
 
 
 def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Any]:

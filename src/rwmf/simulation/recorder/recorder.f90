@@ -55,7 +55,7 @@ module rwmf_simulation_recorder_recorder
       logical :: keeps_history
       logical :: keeps_events
       !! with a history, or for a host that steps
-      type(history_t) :: history
+      type(history_t), allocatable :: history
       type(history_row_t) :: row
       !! that is written next
       real(wp) :: dt
@@ -118,6 +118,7 @@ contains
       real(wp) :: rows
 
       recorder%keeps_history = .true.
+      allocate (recorder%history)
       recorder%keeps_events = .true.
       recorder%dt = case%output%dt
       recorder%next_row = 1
