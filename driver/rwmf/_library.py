@@ -39,6 +39,7 @@ __all__ = [
     "Run",
     "Sweep",
     "instruction_set",
+    "quantities",
     "read_case",
     "schema",
     "start_simulation",
@@ -86,6 +87,17 @@ def schema() -> list[list[str]]:
         One row a key: group, key, type, unit, default, what is allowed, help.
     """
     return split_table(fetch_text(_kernel.schema))
+
+
+def quantities() -> list[list[str]]:
+    """Return the kernel's table of output quantities.
+
+    Returns
+    -------
+    list of list of str
+        One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
+    """
+    return split_table(fetch_text(_kernel.quantities))
 
 
 class _Memory:

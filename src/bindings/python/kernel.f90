@@ -24,6 +24,7 @@ module rwmf_bindings_python_kernel
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: summarise, summary_item_t, summary_text
+   use rwmf_simulation_quantities, only: quantities_text
    use rwmf_simulation_result, only: event_impact, event_name, event_rupture
    use rwmf_simulation_simulate, only: run_simulation => simulate
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
@@ -63,6 +64,17 @@ contains
       call write_schema(text)
       call put_text(text, buffer, length)
    end subroutine schema
+
+   !> The table of output quantities, one a line.
+   subroutine quantities(n, buffer, length)
+      integer(c_int), intent(in) :: n
+      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int), intent(out) :: length
+      character(:), allocatable :: text
+
+      call quantities_text(text)
+      call put_text(text, buffer, length)
+   end subroutine quantities
 
    !> Names of the kinds of events 1, 2, ..., one a line.
    subroutine event_names(n, buffer, length)
