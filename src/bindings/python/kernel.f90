@@ -328,12 +328,9 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine spectrum
 
-   !> Sizes and cost of a spectrum, and the address of its displacements (n_T, n_gamma, n_b), T_s
-   !> running fastest; `bare` is 1 for a frame without wall (no gamma, no b).
-   subroutine spectrum_shape(sweep, address, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, &
-      seconds)
+   !> Sizes and cost of a spectrum; `bare` is 1 for a frame without wall (no gamma, no b).
+   subroutine spectrum_shape(sweep, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds)
       integer(c_int64_t), intent(in) :: sweep
-      integer(c_int64_t), intent(out) :: address
       integer(c_int), intent(out) :: n_T
       integer(c_int), intent(out) :: n_gamma
       integer(c_int), intent(out) :: n_b
@@ -344,7 +341,6 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
-      address = transfer(c_loc(kept%spectrum%u_s_max), address)
       n_T = size(kept%spectrum%u_s_max, 1, c_int)
       n_gamma = size(kept%spectrum%u_s_max, 2, c_int)
       n_b = size(kept%spectrum%u_s_max, 3, c_int)
@@ -354,8 +350,9 @@ contains
       seconds = real(kept%spectrum%seconds, c_double)
    end subroutine spectrum_shape
 
-   !> The axes, in the sizes of `spectrum_shape`; gamma and b of a bare frame are NaN.
-   subroutine spectrum_axes(sweep, n_T, n_gamma, n_b, T_s, gamma, b)
+   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, and the address
+   !> of the displacements (n_T, n_gamma, n_b), T_s running fastest.
+   subroutine spectrum_values(sweep, n_T, n_gamma, n_b, T_s, gamma, b, address)
       integer(c_int64_t), intent(in) :: sweep
       integer(c_int), intent(in) :: n_T
       integer(c_int), intent(in) :: n_gamma
@@ -363,6 +360,7 @@ contains
       real(c_double), intent(inout) :: T_s(n_T)
       real(c_double), intent(inout) :: gamma(n_gamma)
       real(c_double), intent(inout) :: b(n_b)
+      integer(c_int64_t), intent(out) :: address
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
@@ -371,7 +369,8 @@ contains
       b = ieee_value(1.0_c_double, ieee_quiet_nan)
       if (allocated(kept%spectrum%gamma)) gamma = real(kept%spectrum%gamma, c_double)
       if (allocated(kept%spectrum%b)) b = real(kept%spectrum%b, c_double)
-   end subroutine spectrum_axes
+      address = transfer(c_loc(kept%spectrum%u_s_max), address)
+   end subroutine spectrum_values
 
    !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
    subroutine spectrum_status(sweep, n, buffer, length)

@@ -246,8 +246,8 @@ contains
          line = line//trim(integer_to_text(item%count))
       case ('logical')
          line = line//trim(merge('true ', 'false', item%count == 1))
-      case ('text')
-         line = line//item%text
+      case default
+         if (item%kind == 'text') line = line//item%text
       end select
       if (item%kind /= 'list') return
       line = line//'"'
