@@ -24,25 +24,21 @@ contains
    !>
    !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
    !> `control` is (finished runs, cancel).
-   subroutine solve(text, source, rtol_loose, rtol, control, n, values, differences, seconds, &
-      counts, n_room, impact_times, impact_differences, status, n_message, message, &
-      message_length)
+   subroutine solve(text, source, rtol_loose, rtol, control, values, differences, seconds, &
+      counts, impact_times, impact_differences, status, message, message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
       real(c_double), intent(in) :: rtol_loose
       real(c_double), intent(in) :: rtol
       integer(c_int64_t), intent(inout), target :: control(2)
-      integer(c_int), intent(in) :: n
-      real(c_double), intent(inout) :: values(n)
-      real(c_double), intent(inout) :: differences(n)
+      real(c_double), intent(inout) :: values(:)
+      real(c_double), intent(inout) :: differences(:)
       real(c_double), intent(out) :: seconds
       integer(c_int64_t), intent(out) :: counts(5)
-      integer(c_int), intent(in) :: n_room
-      real(c_double), intent(inout) :: impact_times(n_room)
-      real(c_double), intent(inout) :: impact_differences(n_room)
+      real(c_double), intent(inout) :: impact_times(:)
+      real(c_double), intent(inout) :: impact_differences(:)
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       ! f2py declares the C types of int8 and int64 only when they are written this way
       !f2py integer*1 :: message
       !f2py integer*8 :: control

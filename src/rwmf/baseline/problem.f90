@@ -16,7 +16,7 @@ module rwmf_baseline_problem
    private
 
    public :: baseline_t, problem_t
-   public :: create_problem, evaluate, observe, apply_impact, lifting_side, finish_problem, &
+   public :: create_problem, evaluate, observe, apply_impact, try_lift_off, finish_problem, &
       usual_interval
 
    real(wp), parameter :: small_velocity = 1.0e-6_wp
@@ -190,6 +190,17 @@ contains
       if (lift_off_drive(scene%equation, 1, interval, t) > 0) side = 1
       if (lift_off_drive(scene%equation, -1, interval, t) > 0) side = -1
    end function lifting_side
+
+   !> Does the ground motion lift the resting wall at the present time?
+   subroutine try_lift_off(scene)
+      type(problem_t), intent(inout) :: scene
+      integer :: side
+
+      side = lifting_side(scene, scene%t)
+      if (side == 0) return
+      scene%equation%side = side
+      scene%rests = .false.
+   end subroutine try_lift_off
 
    !> What applies to the scene.
    subroutine finish_problem(scene, baseline)

@@ -284,8 +284,7 @@ contains
    elemental logical function is_separator(letter)
       character(1), intent(in) :: letter
 
-      is_separator = letter == ' ' .or. letter == ',' .or. letter == achar(9) &
-         .or. letter == achar(13)
+      is_separator = scan(letter, ' ,'//achar(9)//achar(13)) > 0
    end function is_separator
 
    !> The name that a mistyped one may have been meant for, with blanks behind; blank when none is

@@ -10,7 +10,7 @@
 module rwmf_input_record_at2
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
-   use rwmf_input_record_columns, only: append_real, fail_at_word
+   use rwmf_input_record_columns, only: fail_at_word
    use rwmf_text_strings, only: integer_to_text, is_separator, next_line, next_word, &
       parse_integer, parse_real, shown, to_lower
    implicit none
@@ -166,7 +166,8 @@ contains
       integer :: line
       integer :: position
 
-      allocate (a(1024))
+      ! a number takes two bytes at least, whatever the header promises
+      allocate (a(min(n, len(bytes)/2 + 1)))
       found = 0
       position = start
       line = header_line
@@ -190,7 +191,7 @@ contains
       integer, intent(in) :: line
       integer, intent(in) :: n
       !! how many the header promises
-      real(dp), allocatable, intent(inout) :: a(:)
+      real(dp), intent(inout) :: a(:)
       !! (capacity) [g]
       integer, intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -215,7 +216,8 @@ contains
                //': more numbers than NPTS = '//trim(integer_to_text(n))//' of the header')
             return
          end if
-         call append_real(a, found, value)
+         found = found + 1
+         a(found) = value
       end do
    end subroutine read_row
 

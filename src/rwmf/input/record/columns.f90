@@ -7,7 +7,7 @@ module rwmf_input_record_columns
    implicit none
    private
 
-   public :: read_columns, append_real, fail_at_word
+   public :: read_columns, fail_at_word
 
 contains
 
@@ -43,7 +43,7 @@ contains
    subroutine read_table(bytes, table, n, n_columns, error)
       character(*), intent(in) :: bytes
       real(dp), allocatable, intent(out) :: table(:, :)
-      !! (2, capacity)
+      !! (2, lines of the file)
       integer, intent(out) :: n
       !! rows in use
       integer, intent(out) :: n_columns
@@ -53,9 +53,15 @@ contains
       integer :: first
       integer :: last
       integer :: line
+      integer :: lines
       integer :: position
+      integer :: i
 
-      allocate (table(2, 1024))
+      lines = 1
+      do i = 1, len(bytes)
+         if (bytes(i:i) == achar(10)) lines = lines + 1
+      end do
+      allocate (table(2, lines))
       n = 0
       n_columns = 0
       line = 0
@@ -69,7 +75,6 @@ contains
             header_seen = .true.
             cycle
          end if
-         call make_room(table, n)
          call read_row(bytes(first:last), line, table(:, n + 1), n_columns, error)
          if (allocated(error)) return
          n = n + 1
@@ -183,38 +188,5 @@ contains
       if (len(bytes) < len(mark)) return
       if (bytes(:len(mark)) == mark) first_byte = 1 + len(mark)
    end function first_byte
-
-   !> Twice the room when the table is full, so that the work grows with the size only.
-   pure subroutine make_room(table, n)
-      real(dp), allocatable, intent(inout) :: table(:, :)
-      !! (2, capacity)
-      integer, intent(in) :: n
-      !! rows in use
-      real(dp), allocatable :: grown(:, :)
-
-      if (n < size(table, 2)) return
-      allocate (grown(size(table, 1), 2*n))
-      grown(:, :n) = table
-      call move_alloc(grown, table)
-   end subroutine make_room
-
-   !> Append to a list that doubles its room when full.
-   pure subroutine append_real(list, n, value)
-      real(dp), allocatable, intent(inout) :: list(:)
-      !! (capacity >= n)
-      integer, intent(inout) :: n
-      !! numbers in use
-      real(dp), intent(in) :: value
-      !! [any]
-      real(dp), allocatable :: grown(:)
-
-      if (n == size(list)) then
-         allocate (grown(2*n))
-         grown(:n) = list
-         call move_alloc(grown, list)
-      end if
-      n = n + 1
-      list(n) = value
-   end subroutine append_real
 
 end module rwmf_input_record_columns
