@@ -20,8 +20,9 @@ module rwmf_bindings_c_api
    implicit none
    private
 
-   public :: c_version, c_run, c_run_case, c_create, c_create_from_case, c_destroy, c_advance, c_advance_samples
-   public :: c_advance_ground, c_query_state, c_query_forces, c_query_events
+   public :: c_version, c_run, c_run_case, c_create, c_create_from_case, c_destroy
+   public :: c_advance, c_advance_samples, c_advance_ground
+   public :: c_query_state, c_query_forces, c_query_events
    public :: c_save, c_restore, c_destroy_snapshot
 
    !> `rwmf_result` of the header.

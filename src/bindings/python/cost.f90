@@ -3,11 +3,10 @@
 module rwmf_bindings_python_cost
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_baseline_run, only: usual_interval
-   use rwmf_baseline_timed_run, only: empty_measured, measure_method, &
-      names_of_values => value_names, put_measured, repeat_baseline, timed_run_t
+   use rwmf_baseline_timed_run, only: measure_method, names_of_values => value_names, &
+      put_measured, repeat_baseline, timed_run_t
    use rwmf_bindings_python_handles, only: find, kept_t, make_control, put_error, put_text
    use rwmf_core_error, only: error_t
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    implicit none
    public
 
@@ -42,23 +41,19 @@ contains
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
-      type(motion_t) :: motion
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
-      measured = empty_measured()
       kept => find(handle)
-      motion = motion_from_case(kept%case)
-      call measure_method(kept%case, motion, method, rtol, budget, make_control(control), &
-         measured, error)
+      call measure_method(kept%case, method, rtol, budget, make_control(control), measured, error)
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)
    end subroutine measure
 
-   !> The same with one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
-   !> interval of such a case over a divisor; `dt` returns it (s).
+   !> Run a case by one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
+   !> interval of such a case over a divisor; `dt` returns it (s). The rest is as in `measure`.
    subroutine measure_baseline(handle, name, divisor, budget, values, seconds, dt, counts, &
       impact_times, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
@@ -78,7 +73,6 @@ contains
       type(error_t), allocatable :: error
       !f2py threadsafe
 
-      measured = empty_measured()
       kept => find(handle)
       dt = usual_interval(kept%case)/divisor
       call repeat_baseline(kept%case, name, dt, budget, measured, error)

@@ -11,7 +11,6 @@ module rwmf_bindings_python_reference
    use rwmf_bindings_python_handles, only: make_control, put_error, read_source
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    implicit none
    public
@@ -46,7 +45,6 @@ contains
       character(*), parameter :: method = 'extrapolation'
       real(wp), parameter :: once = 0
       type(case_t) :: case
-      type(motion_t) :: motion
       type(timed_run_t) :: loose
       type(timed_run_t) :: tight
       type(error_t), allocatable :: error
@@ -56,16 +54,14 @@ contains
       tight = empty_measured()
       call read_source(text, source, case, error)
       if (.not. allocated(error)) then
-         motion = motion_from_case(case)
-         call measure_method(case, motion, method, real(rtol_loose, wp), once, &
+         call measure_method(case, method, real(rtol_loose, wp), once, &
             make_control(control), loose, error)
          control(1) = control(1) + 1_c_int64_t
       end if
       if (.not. allocated(error)) then
          if (allocated(case%record)) call halve_intervals(case%record)
          if (allocated(case%vertical_record)) call halve_intervals(case%vertical_record)
-         motion = motion_from_case(case)
-         call measure_method(case, motion, method, real(rtol, wp), once, &
+         call measure_method(case, method, real(rtol, wp), once, &
             make_control(control), tight, error)
          control(1) = control(1) + 1_c_int64_t
       end if

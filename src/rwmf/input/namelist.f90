@@ -65,8 +65,7 @@ contains
          if (allocated(error)) exit
          if (token%kind == token_end) exit
          if (token%kind /= token_group .or. .not. is_name(token%text)) then
-            call fail(error, err_input, 'line '//trim(integer_to_text(token%line))//": '" &
-               //shown(token%text)//"' stands outside a group (&name ... /)")
+            call fail_at(token, 'stands outside a group (&name ... /)', error)
             exit
          end if
          call read_group(text, scanner, token, group, error)

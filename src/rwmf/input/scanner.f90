@@ -64,21 +64,14 @@ contains
       do i = 1, len(text)
          if (text(i:i) == '&') scanner%ampersands = scanner%ampersands + 1
          if (text(i:i) == '=') scanner%equals_signs = scanner%equals_signs + 1
-         if (is_control(text(i:i))) then
+         if ((iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) &
+            .and. scan(text(i:i), tab//line_feed//carriage_return) == 0) then
             call fail(error, err_input, 'byte '//trim(integer_to_text(i)) &
                //' is a control character: this is not a text file')
             return
          end if
       end do
    end subroutine start_scanner
-
-   !> A character that does not belong to a text.
-   elemental logical function is_control(letter)
-      character(1), intent(in) :: letter
-
-      is_control = (iachar(letter) < 32 .or. iachar(letter) == 127) &
-         .and. letter /= tab .and. letter /= line_feed .and. letter /= carriage_return
-   end function is_control
 
    !> The next piece of the text.
    !>

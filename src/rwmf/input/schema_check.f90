@@ -1,5 +1,5 @@
-!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values? Then
-!> it becomes values by group and key.
+!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values?
+!> Then it becomes values by group and key.
 module rwmf_input_schema_check
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
@@ -90,10 +90,10 @@ contains
       length = 0
       do i = 1, size(groups)
          do j = 1, size(groups(i)%entries)
-            n = n + size(groups(i)%entries(j)%values)
-            do k = 1, size(groups(i)%entries(j)%values)
-               length = length + len(groups(i)%entries(j)%values(k)%text)
-            end do
+            associate (given => groups(i)%entries(j)%values)
+               n = n + size(given)
+               length = length + sum([(len(given(k)%text), k=1, size(given))])
+            end associate
          end do
       end do
       allocate (values%numbers(n + size(keys)), values%ends(0:n + size(keys)))

@@ -112,6 +112,8 @@ contains
       case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
+      case default
+         continue
       end select
    end function horizontal_motion
 
@@ -367,8 +369,8 @@ contains
    !> First time after t at which the acceleration is extremal inside the interval, else its end
    !> [s].
    !>
-   !> Between t and that time the acceleration is monotone. (A pulse that is no harmonic has knots at
-   !> its extrema.)
+   !> Between t and that time the acceleration is monotone. (A pulse that is no harmonic has knots
+   !> at its extrema.)
    pure real(wp) function turning_point(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval

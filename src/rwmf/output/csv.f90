@@ -241,20 +241,21 @@ contains
          line = line//trim(merge('true ', 'false', item%count == 1))
       case ('text')
          line = line//item%text
+      case default
+         ! a list
+         line = line//'"'
+         do i = 1, len(item%text)
+            select case (item%text(i:i))
+            case (achar(9))
+               line = line//'; '
+            case ('"')
+               line = line//'""'
+            case default
+               line = line//item%text(i:i)
+            end select
+         end do
+         line = line//'"'
       end select
-      if (item%kind /= 'list') return
-      line = line//'"'
-      do i = 1, len(item%text)
-         select case (item%text(i:i))
-         case (achar(9))
-            line = line//'; '
-         case ('"')
-            line = line//'""'
-         case default
-            line = line//item%text(i:i)
-         end select
-      end do
-      line = line//'"'
    end subroutine append_value
 
 end module rwmf_output_csv

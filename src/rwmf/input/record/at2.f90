@@ -104,7 +104,7 @@ contains
       integer :: position
 
       position = index(to_lower(text), 'npts')
-      if (is_assigned(text, position + len('npts'))) then
+      if (index(adjustl(text(position + len('npts'):)), '=') == 1) then
          call find_value(text, position, first, last)
          call parse_integer(text(first:last), n, ok)
          position = position + index(to_lower(text(position + 1:)), 'dt')
@@ -122,14 +122,6 @@ contains
             //"' does not give NPTS > 0 and DT > 0")
       end if
    end subroutine read_header
-
-   !> Is an equals sign the next thing in the line?
-   pure logical function is_assigned(text, position)
-      character(*), intent(in) :: text
-      integer, intent(in) :: position
-
-      is_assigned = index(adjustl(text(position:)), '=') == 1
-   end function is_assigned
 
    !> The letters of the number behind the next equals sign.
    pure subroutine find_value(text, position, first, last)

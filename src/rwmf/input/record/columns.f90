@@ -78,8 +78,12 @@ contains
          call read_row(bytes(first:last), line, table(:, n + 1), n_columns, error)
          if (allocated(error)) return
          n = n + 1
-         if (n_columns == 2 .and. n > 1) call check_order(table(1, n - 1), table(1, n), line, error)
-         if (allocated(error)) return
+         if (n_columns < 2 .or. n == 1) cycle
+         if (table(1, n) > table(1, n - 1)) cycle
+         call fail(error, err_input, 'line '//trim(integer_to_text(line))//': the time ' &
+            //trim(real_to_text(real(table(1, n), wp)))//' s follows ' &
+            //trim(real_to_text(real(table(1, n - 1), wp)))//' s: times must increase strictly')
+         return
       end do
    end subroutine read_table
 
@@ -133,21 +137,6 @@ contains
       call fail(error, err_input, 'line '//trim(integer_to_text(line))//": '"//shown(word) &
          //"' is not a finite number")
    end subroutine fail_at_word
-
-   !> Times must increase.
-   subroutine check_order(t_before, t, line, error)
-      real(dp), intent(in) :: t_before
-      !! time of the line before [s]
-      real(dp), intent(in) :: t
-      !! time of this line [s]
-      integer, intent(in) :: line
-      type(error_t), allocatable, intent(out) :: error
-
-      if (t > t_before) return
-      call fail(error, err_input, 'line '//trim(integer_to_text(line))//': the time ' &
-         //trim(real_to_text(real(t, wp)))//' s follows '//trim(real_to_text(real(t_before, wp))) &
-         //' s: times must increase strictly')
-   end subroutine check_order
 
    !> Nothing but blanks, or a comment.
    pure logical function is_empty(text)
