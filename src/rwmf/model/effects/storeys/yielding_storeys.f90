@@ -2,7 +2,7 @@
 !> the shear, the energy and what stays displaced.
 !>
 !> The displacement d_i = u_i - u_(i-1) of a storey is no function of the rotation alone. So the end
-!> of a branch is looked for in the states (`storey_search.f90`), storey by storey: elastic branches
+!> of a branch is looked for in the states (`simulation/events`), storey by storey: elastic branches
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
@@ -272,10 +272,7 @@ contains
       character(32), allocatable :: names(:)
       integer :: i
 
-      allocate (names(0))
-      if (.not. equation%floors%yields) return
-      deallocate (names)
-      allocate (names(equation%floors%n))
+      allocate (names(merge(equation%floors%n, 0, equation%floors%yields)))
       do i = 1, size(names)
          write (names(i), '(a, i0, a)') 'storey_', i, '_shear_over_m_w_g'
       end do
