@@ -38,7 +38,6 @@ LARGE: dict[str, str] = {
     "rwmf_spectrum_fast_step_kernel:take_three": "a vectorised loop, its stages written out",
     "rwmf_spectrum_fast_stage_kernel:state": _ONE_LANE,
     "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
-    "rwmf_spectrum_fast_simd_dispatch:advance_frames": _ONE_LANE,
     "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
     "rwmf_model_right_hand_sides:move_floors": "a loop over floors on plain arrays",
     "rwmf_simulation_events_event_time:find_event_time": _STEP,

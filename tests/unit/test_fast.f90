@@ -11,7 +11,7 @@ program test_fast
    use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
    use rwmf_spectrum_fast_shared_data, only: describe_kinds, kind_of, list_uplift_steps, &
       max_stages, shared_data_t, task_t
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
    use rwmf_spectrum_fast_task_queue, only: new_task_queue, task_queue_t
    use rwmf_spectrum_fast_time_grid, only: build_grids
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
@@ -293,7 +293,7 @@ contains
       do stages = 1, max_stages
          call prepare(stages, shared, task)
          do i = 1, size(levels)
-            shared%instructions = min(levels(i), best_level())
+            shared%kernels = kernels_of(min(levels(i), best_level()))
             call run_tasks(shared, task, found(:, i))
          end do
          call checks%that(.not. any(found%failed), 'levels: nothing failed')
@@ -349,7 +349,7 @@ contains
       integer :: i
 
       case = shaken_scene('exact')
-      shared%instructions = best_level()
+      shared%kernels = kernels_of(best_level())
       shared%xi_s = case%frame%xi_s
       shared%rtol = case%solver%rtol
       allocate (shared%grid(1), shared%equation(1))

@@ -20,7 +20,7 @@ module rwmf_embedding_element
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
-   use rwmf_model_equation, only: equation_t
+   use rwmf_model_equation, only: equation_t, kinematics_at
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
@@ -49,21 +49,21 @@ module rwmf_embedding_element
 
    !> What the wall answers to a motion of the link.
    type :: element_response_t
-      real(wp) :: force
+      real(wp) :: force = 0
       !! resisting force f on the host's degree of freedom [N]
-      real(wp) :: stiffness
+      real(wp) :: stiffness = 0
       !! df/du [N/m]
-      real(wp) :: damping
+      real(wp) :: damping = 0
       !! df/du' [N s/m]
-      real(wp) :: mass
+      real(wp) :: mass = 0
       !! df/du'' [kg]
-      real(wp) :: theta
+      real(wp) :: theta = 0
       !! rotation [rad]
-      real(wp) :: theta_dot
+      real(wp) :: theta_dot = 0
       !! [rad/s]
-      real(wp) :: theta_ddot
+      real(wp) :: theta_ddot = 0
       !! [rad/s2]
-      real(wp) :: cable
+      real(wp) :: cable = 0
       !! tension [N]
    end type element_response_t
 
@@ -142,7 +142,6 @@ contains
       real(wp) :: rates(2)
       !! phi' [rad/s], phi'' [rad/s2]
 
-      response = element_response_t(0, 0, 0, 0, 0, 0, 0, 0)
       call check_motion(element, side, [u, u_dot, u_ddot, u_g_ddot], error)
       if (allocated(error)) return
       call find_rotation(element, side, side*u, phi, kin, error)
@@ -276,7 +275,7 @@ contains
       if (element%equation%has_impacts) low = -min(element%equation%p%alpha, high)
       phi = 0
       do i = 1, most_iterations
-         kin = kinematics_of(element, side, phi)
+         kin = kinematics_at(element%equation, side*phi, side)
          rest = w/element%equation%p%R - kin%u
          if (rest > 0) then
             low = phi
@@ -293,19 +292,6 @@ contains
       call fail(error, err_input, 'a displacement of '//trim(real_to_text(w)) &
          //' m is more than the wall can follow', 'overturned')
    end subroutine find_rotation
-
-   type(kinematics_t) function kinematics_of(element, side, phi) result(kin)
-      type(wall_element_t), intent(in) :: element
-      integer, intent(in) :: side
-      real(wp), intent(in) :: phi
-      !! [rad]
-
-      if (side > 0) then
-         call element%equation%kinematics_positive(element%equation%geometry, phi, kin)
-      else
-         call element%equation%kinematics_negative(element%equation%geometry, phi, kin)
-      end if
-   end function kinematics_of
 
    !> Factor that the host applies to the velocity of the link at an impact: the kinematics of both
    !> sides agree at u = 0, so that it is that of the rotation [-].
@@ -328,7 +314,7 @@ contains
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
 
-      kin = kinematics_of(element, side, 0.0_wp)
+      kin = kinematics_at(element%equation, 0.0_wp, side)
       call element%equation%cable_law(element%equation%cable, element%equation%sin_alpha, 0.0_wp, &
          side, cable)
       drive = side*push - element%m_w/kin%lever*(kin%c*side*u_g_ddot &
@@ -341,7 +327,7 @@ contains
       type(wall_element_t), intent(in) :: element
       type(kinematics_t) :: kin
 
-      kin = kinematics_of(element, 1, 0.0_wp)
+      kin = kinematics_at(element%equation, 0.0_wp, 1)
       resting_inertia = element%m_w*(element%equation%inertia &
          + element%equation%inertance*(2*element%equation%sin_alpha)**2)/(kin%lever*kin%j)
    end function resting_inertia

@@ -22,9 +22,9 @@ module rwmf_embedding_stepping
       kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_storeys_shear_building, only: resistance
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_hysteresis_spring_set, only: base_residual, frame_residual
+   use rwmf_model_hysteresis_spring_set, only: uneven_residual
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
    use rwmf_problem_case, only: case_t
@@ -57,21 +57,21 @@ module rwmf_embedding_stepping
       !! time of this state: that of the last advance, or of overturning [s]
       logical :: at_rest
       logical :: overturned
-      real(wp) :: theta
+      real(wp) :: theta = 0
       !! rotation [rad]
-      real(wp) :: theta_dot
+      real(wp) :: theta_dot = 0
       !! [rad/s]
-      real(wp) :: theta_ddot
+      real(wp) :: theta_ddot = 0
       !! [rad/s2]
-      real(wp) :: u_s
+      real(wp) :: u_s = 0
       !! displacement of the frame relative to the ground [m]
-      real(wp) :: u_s_dot
+      real(wp) :: u_s_dot = 0
       !! [m/s]
-      real(wp) :: u_s_ddot
+      real(wp) :: u_s_ddot = 0
       !! [m/s2]
-      real(wp) :: u_s_max
+      real(wp) :: u_s_max = 0
       !! largest |u_s| so far [m]
-      real(wp) :: theta_max
+      real(wp) :: theta_max = 0
       !! largest |theta| so far [rad]
       integer(i8) :: impacts
       !! so far
@@ -83,11 +83,11 @@ module rwmf_embedding_stepping
 
    !> Forces in N; in N per kg of the wall when the case has no m_w (bare frame: of the frame).
    type :: wall_forces_t
-      real(wp) :: link
+      real(wp) :: link = 0
       !! from the wall on the frame, positive towards positive u_s
-      real(wp) :: frame_shear
+      real(wp) :: frame_shear = 0
       !! of spring and damper of the frame on its mass, with the sign of u_s
-      real(wp) :: cable
+      real(wp) :: cable = 0
       !! tension
    end type wall_forces_t
 
@@ -355,8 +355,6 @@ contains
          state%impacts = recorder%impacts
          state%lift_offs = recorder%lift_offs
          state%steps = stepping%instance%steps
-         state%u_s_max = 0
-         state%theta_max = 0
          if (stepping%instance%equation%has_wall) then
             state%theta_max = max(abs(hybrid%y(1)), recorder%theta_max, -recorder%theta_min)
          end if
@@ -374,12 +372,6 @@ contains
       associate (equation => instance%equation, y => instance%hybrid%y)
          y_ddot = 0
          if (.not. state%at_rest) y_ddot = second_derivative(equation, instance%hybrid%t, y)
-         state%theta = 0
-         state%theta_dot = 0
-         state%theta_ddot = 0
-         state%u_s = 0
-         state%u_s_dot = 0
-         state%u_s_ddot = 0
          if (.not. equation%has_wall) then
             state%u_s = y(1)
             state%u_s_dot = y(2)
@@ -417,72 +409,35 @@ contains
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
-      forces = wall_forces_t(0, 0, 0)
-      associate (instance => stepping%instance, p => stepping%instance%equation%p)
+      associate (instance => stepping%instance, equation => stepping%instance%equation, &
+                 p => stepping%instance%equation%p, y => stepping%instance%hybrid%y)
          frame_mass = instance%mass
-         if (instance%equation%has_wall) frame_mass = p%gamma*instance%mass
-         if (instance%equation%has_frame) then
-            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(instance)) &
+         if (equation%has_wall) frame_mass = p%gamma*instance%mass
+         if (equation%has_frame) then
+            restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(equation, y)) &
                + 2*p%xi_s*state%u_s_dot)
-            forces%frame_shear = instance%equation%base_shear_ratio*(restoring + &
-               frame_mass*p%omega_squared &
-               *uneven_part(instance))
+            forces%frame_shear = equation%base_shear_ratio*(restoring &
+               + frame_mass*p%omega_squared*uneven_residual(equation, y(1)))
          end if
-         if (allocated(instance%equation%floors%m)) then
-            floor_forces = instance%mass*resistance(instance%equation, instance%hybrid%y)
+         if (allocated(equation%floors%m)) then
+            floor_forces = instance%mass*resistance(equation, y)
             forces%frame_shear = sum(floor_forces)
             restoring = floor_forces(size(floor_forces))
          end if
-         if (instance%equation%has_frame .and. instance%equation%has_wall) then
-            forces%link = frame_mass*(state%u_s_ddot + &
-               instance%equation%excited_mass_ratio*instance%ground) &
-               + restoring
-            if (instance%equation%links_floors) forces%link = link_of_floors(instance, state) &
-               + forces%frame_shear
+         if (equation%links_floors .and. equation%has_wall) then
+            ! what the floors' momentum takes from links at every floor, and the lowest shear
+            forces%link = instance%mass*(p%gamma*(equation%excited_mass_ratio*state%u_s_ddot &
+               + instance%ground) + equation%floor_mass*instance%ground) + forces%frame_shear
+         else if (equation%has_frame .and. equation%has_wall) then
+            forces%link = frame_mass*(state%u_s_ddot &
+               + equation%excited_mass_ratio*instance%ground) + restoring
          end if
-         if (instance%equation%has_cable) then
-            cable = cable_at(instance%equation, instance%hybrid%y(1))
+         if (equation%has_cable) then
+            cable = cable_at(equation, y(1))
             forces%cable = instance%mass*p%g*cable%force
          end if
       end associate
    end subroutine query_forces
-
-   !> What the floors' momentum takes from links at every floor, beyond the shear of the lowest
-   !> storey [N].
-   real(wp) function link_of_floors(instance, state) result(force)
-      type(wall_instance_t), intent(in) :: instance
-      type(wall_state_t), intent(in) :: state
-
-      associate (equation => instance%equation)
-         force = instance%mass*(equation%p%gamma*(equation%excited_mass_ratio*state%u_s_ddot + &
-            instance%ground) &
-            + equation%floor_mass*instance%ground)
-      end associate
-   end function link_of_floors
-
-   !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
-   real(wp) function plastic_part(instance)
-      type(wall_instance_t), intent(in) :: instance
-
-      plastic_part = 0
-      if (instance%equation%has_loading_direction) then
-         plastic_part = bouc_wen_residual(instance%equation, instance%hybrid%y)
-      else if (instance%equation%has_bilinear_springs) then
-         plastic_part = frame_residual(instance%equation, instance%hybrid%y(1))
-      end if
-   end function plastic_part
-
-   !> How far it differs from that of the lowest storey, where storeys yield one by one [m].
-   real(wp) function uneven_part(instance)
-      type(wall_instance_t), intent(in) :: instance
-
-      uneven_part = 0
-      if (instance%equation%has_loading_direction .or. .not. &
-         instance%equation%has_bilinear_springs) return
-      associate (equation => instance%equation, theta => instance%hybrid%y(1))
-         uneven_part = frame_residual(equation, theta) - base_residual(equation, theta)
-      end associate
-   end function uneven_part
 
    !> Events of the last advance, in the order of time.
    subroutine query_events(stepping, events, error)

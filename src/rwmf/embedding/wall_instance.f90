@@ -177,8 +177,7 @@ contains
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
       call advance_hybrid(instance%hybrid, instance%equation, instance%integrator, &
-         instance%recorder, t, &
-         no_control, error)
+         instance%recorder, t, no_control, error)
       if (allocated(error)) then
          call restore_state(instance, before)
          instance%hybrid%must_restart = .true.
@@ -227,8 +226,6 @@ contains
          snapshot%is_one_step = .true.
          snapshot%h = method%h
          snapshot%f = method%f1
-      class default
-         snapshot%is_one_step = .false.
       end select
    end subroutine save_state
 

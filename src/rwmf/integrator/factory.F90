@@ -48,7 +48,11 @@ contains
          allocate (dop853_t :: integrator)
 #ifndef RWMF_QUAD
       case ('adams', 'bdf')
-         call new_cvode(method == 'bdf', integrator)
+         allocate (cvode_t :: integrator)
+         select type (integrator)
+         type is (cvode_t)
+            integrator%is_stiff = method == 'bdf'
+         end select
       case ('erk54')
          allocate (erk_t :: integrator)
 #endif
@@ -56,17 +60,5 @@ contains
          allocate (extrapolation_t :: integrator)
       end select
    end subroutine new_integrator
-
-#ifndef RWMF_QUAD
-   subroutine new_cvode(is_stiff, integrator)
-      logical, intent(in) :: is_stiff
-      class(integrator_t), allocatable, intent(out) :: integrator
-      type(cvode_t), allocatable :: cvode
-
-      allocate (cvode)
-      cvode%is_stiff = is_stiff
-      call move_alloc(cvode, integrator)
-   end subroutine new_cvode
-#endif
 
 end module rwmf_integrator_factory

@@ -84,6 +84,8 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: scale(size(self%y1))
+      real(wp) :: rate
 
       self%t1 = t
       self%y1(:) = y
@@ -91,20 +93,14 @@ contains
       if (.not. all(ieee_is_finite(self%f1))) then
          call report(self, 'the right-hand side is not finite', error)
       end if
-      if (self%h <= 0) self%h = first_length(self)
+      if (self%h <= 0) then
+         ! a hundredth of the time in which the state changes by its own size
+         scale = self%tolerance%atol + self%tolerance%rtol*abs(self%y1)
+         rate = sqrt(sum((self%f1/scale)**2)/size(scale))*self%tolerance%rtol
+         self%h = 0.01_wp/max(rate, 1.0_wp)
+      end if
       self%h = min(self%h, span)
    end subroutine start_one_step
-
-   !> Cautious first length: a hundredth of the time in which the state changes by its own size.
-   real(wp) function first_length(self) result(h)
-      class(one_step_t), intent(in) :: self
-      real(wp) :: scale(size(self%y1))
-      real(wp) :: rate
-
-      scale = self%tolerance%atol + self%tolerance%rtol*abs(self%y1)
-      rate = sqrt(sum((self%f1/scale)**2)/size(scale))*self%tolerance%rtol
-      h = 0.01_wp/max(rate, 1.0_wp)
-   end function first_length
 
    subroutine step_one_step(self, t_limit, error)
       class(one_step_t), intent(inout) :: self
@@ -113,6 +109,8 @@ contains
       real(wp) :: y_new(size(self%y1))
       real(wp) :: h
       real(wp) :: local_error
+      real(wp) :: shrink
+      !! factor on the length after a rejected step [-]
       logical :: was_rejected
 
       self%t0 = self%t1
@@ -124,7 +122,11 @@ contains
          call self%attempt(self%t0, self%y0, self%f0, h, y_new, local_error)
          if (local_error <= 1 .and. all(ieee_is_finite(y_new))) exit
          was_rejected = .true.
-         self%h = h*shrink(self, local_error)
+         shrink = 0.1_wp
+         if (ieee_is_finite(local_error) .and. local_error > 1) then
+            shrink = max(0.1_wp, 0.9_wp*local_error**(-1.0_wp/self%error_order))
+         end if
+         self%h = h*shrink
          if (self%h <= 8*spacing(self%t0)) then
             call report(self, 'the step has become too small: the response is not smooth or the ' &
                //'tolerance too small', error)
@@ -146,17 +148,6 @@ contains
       share = h
       if (h > 1.0e-8_wp*remaining) share = remaining/real(ceiling(remaining/h, i8), wp)
    end function even_share
-
-   !> Factor on the length after a rejected step [-].
-   pure real(wp) function shrink(self, local_error) result(factor)
-      class(one_step_t), intent(in) :: self
-      real(wp), intent(in) :: local_error
-
-      factor = 0.1_wp
-      if (ieee_is_finite(local_error) .and. local_error > 1) then
-         factor = max(0.1_wp, 0.9_wp*local_error**(-1.0_wp/self%error_order))
-      end if
-   end function shrink
 
    subroutine accept(self, t_limit, h, y_new, local_error, was_rejected)
       class(one_step_t), intent(inout) :: self

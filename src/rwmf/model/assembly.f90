@@ -8,10 +8,10 @@
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_model_assembly
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_model_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, &
-      signed_linear_cable, signed_linear_moment, truss_cable, truss_moment, yielding_cable, &
-      yielding_moment
+   use rwmf_model_cable, only: cable_elongation, linear_cable, no_cable, signed_linear_cable, &
+      signed_linear_moment, spring_cable, truss_moment, yielding_moment
    use rwmf_model_contributions, only: are_lines, choose_contributions, is_smooth_hysteresis
+   use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, equation_t, frame_displacement, &
       ground, interval_of, kinematics_at, lift_off_drive, right_hand_side_i
    use rwmf_model_hysteresis_bilinear, only: new_spring
@@ -24,7 +24,7 @@ module rwmf_model_assembly
       corner_with_hysteresis, corner_with_lines, frame_with_effects, frame_with_hysteresis, &
       frame_with_lines, hinged, wall_alone, wall_and_frame, with_effects
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: cable_t, case_t
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 
@@ -61,7 +61,7 @@ contains
          call choose_contributions(case, equation)
          equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
-            /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
+            /equation%effective_mass_ratio
          equation%uplift_acceleration = equation%threshold
          equation%effects_act_at_rest = equation%has_impacts &
             .and. (allocated(equation%effects) .or. equation%has_bilinear_springs)
@@ -84,8 +84,8 @@ contains
       end if
    end subroutine build_equation
 
-   !> Effects that are straight lines, the smooth hysteresis, or storeys, with the link at the top
-   !> corner, have their terms written out.
+   !> Effects that are straight lines, the smooth hysteresis, or all modes of a frame whose storeys
+   !> are straight lines, alone, with the link at the top corner, have their terms written out.
    subroutine write_out(equation)
       type(equation_t), intent(inout) :: equation
       procedure(right_hand_side_i), pointer :: written_out
@@ -94,7 +94,8 @@ contains
          equation%frame_slope = equation%p%omega_squared
          call follow_branches(equation)
          written_out => corner_with_lines
-      else if (has_rows(equation)) then
+      else if (equation%floors%below > 0 .and. size(equation%effects) == 1 &
+               .and. .not. allocated(equation%floors%laws)) then
          written_out => corner_with_floors
       else if (is_smooth_hysteresis(equation)) then
          written_out => corner_with_hysteresis
@@ -108,14 +109,6 @@ contains
          equation%rates_negative => written_out
       end if
    end subroutine write_out
-
-   !> Is it a frame with all its modes, whose storeys are straight lines, and nothing further?
-   pure logical function has_rows(equation)
-      type(equation_t), intent(in) :: equation
-
-      has_rows = equation%floors%below > 0 .and. size(equation%effects) == 1 &
-         .and. .not. allocated(equation%floors%laws)
-   end function has_rows
 
    !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
    pure type(parameters_t) function parameters_of(case) result(p)
@@ -183,8 +176,9 @@ contains
    subroutine choose_cable(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      type(cable_law_t) :: unit_law
-      type(cable_state_t) :: at_alpha
+      real(wp) :: elongation
+      !! at alpha [m]
+      real(wp) :: arm
 
       equation%cable_law => no_cable
       equation%has_plain_cable = .not. equation%has_cable
@@ -194,14 +188,13 @@ contains
       equation%cable%h = case%wall%h
       equation%cable%b = case%wall%b
       if (case%cable%law == 'truss') then
-         equation%cable_law => truss_cable
+         equation%cable_law => spring_cable
          equation%cable_moment => truss_moment
          equation%cable%is_straight = .true.
-         unit_law = equation%cable
-         unit_law%eta_0 = 0
-         unit_law%rate = 1
-         call truss_cable(unit_law, equation%sin_alpha, equation%p%alpha, 1, at_alpha)
-         equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/at_alpha%force
+         call cable_elongation(equation%cable, equation%p%alpha, elongation, arm)
+         equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/elongation
+         equation%cable%tendon = new_spring(equation%cable%rate, huge(arm), 0.0_wp, &
+            case%cable%eta_0)
       else
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
@@ -213,15 +206,8 @@ contains
          equation%cable%line_0 = equation%cable%eta_0
          equation%cable%line_rate = equation%cable%rate
       end if
-      if (can_yield(case%cable)) call choose_tendon(case, equation)
+      if (has_tendon(case)) call choose_tendon(case, equation)
    end subroutine choose_cable
-
-   !> Can the cable yield or break?
-   pure logical function can_yield(cable)
-      type(cable_t), intent(in) :: cable
-
-      can_yield = allocated(cable%eta_y) .or. allocated(cable%rupture_strain)
-   end function can_yield
 
    !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.
    subroutine choose_tendon(case, equation)
@@ -244,7 +230,7 @@ contains
       equation%cable%is_tendon = .true.
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
-      equation%cable_law => yielding_cable
+      equation%cable_law => spring_cable
       equation%cable_moment => yielding_moment
    end subroutine choose_tendon
 

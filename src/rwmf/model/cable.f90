@@ -5,8 +5,8 @@ module rwmf_model_cable
    implicit none
    private
 
-   public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable, truss_cable
-   public :: cable_law_i, yielding_cable, cable_elongation
+   public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable
+   public :: cable_law_i, spring_cable, cable_elongation
    public :: cable_moment_i, signed_linear_moment, truss_moment, yielding_moment
 
    !> Parameters of the cable.
@@ -31,7 +31,7 @@ module rwmf_model_cable
       logical :: is_tendon = .false.
       !! it can yield or break
       type(spring_t) :: tendon
-      !! then: its force over m_w g, its elongation in m
+      !! and else the straight cable: its force over m_w g, its elongation in m
    end type cable_law_t
 
    !> Force, moment and stored energy at one rotation, over m_w g R.
@@ -131,44 +131,8 @@ contains
       cable%energy = sin_alpha*phi*(law%eta_0 + side*law%rate*phi/2)
    end subroutine signed_linear_cable
 
-   !> Straight cable from the middle of the base to the middle of the top, force linear in its
-   !> elongation: l = sqrt(4h^2 + 2b^2 (1 - cos(phi)) + 4hb sin(phi)).
-   pure subroutine truss_cable(law, sin_alpha, phi, side, cable)
-      type(cable_law_t), intent(in) :: law
-      real(wp), intent(in) :: sin_alpha
-      real(wp), intent(in) :: phi
-      integer, intent(in) :: side
-      type(cable_state_t), intent(out) :: cable
-      real(wp) :: elongation
-      real(wp) :: arm
-      real(wp) :: arm_1
-
-      call straight_length(law, phi, elongation, arm, arm_1)
-      cable%force = law%eta_0 + law%rate*elongation
-      cable%moment = cable%force*arm/law%R
-      cable%moment_1 = (law%rate*arm**2 + cable%force*arm_1)/law%R
-      cable%energy = elongation*(law%eta_0 + law%rate*elongation/2)/law%R
-   end subroutine truss_cable
-
-   !> Elongation of a straight cable and its derivatives by phi [m].
-   pure subroutine straight_length(law, phi, elongation, arm, arm_1)
-      type(cable_law_t), intent(in) :: law
-      real(wp), intent(in) :: phi
-      !! [rad]
-      real(wp), intent(out) :: elongation
-      real(wp), intent(out) :: arm
-      real(wp), intent(out) :: arm_1
-      type(straight_t) :: straight
-      real(wp) :: half_sine
-
-      half_sine = sin(phi/2)
-      straight = stretched(law, half_sine)
-      elongation = straight%elongation
-      arm = straight%arm
-      arm_1 = (law%b*(law%b*straight%cosine - 2*law%h*straight%sine) - arm**2)/straight%length
-   end subroutine straight_length
-
-   !> Straight cable from the sine of half the angle.
+   !> Straight cable, from the middle of the base to the middle of the top, by the sine of half the
+   !> angle: l = sqrt(4h^2 + 2b^2 (1 - cos(phi)) + 4hb sin(phi)).
    pure type(straight_t) function stretched(law, half_sine) result(straight)
       type(cable_law_t), intent(in) :: law
       real(wp), intent(in) :: half_sine
@@ -195,7 +159,7 @@ contains
       moment = (law%eta_0 + side*law%rate*phi)*sin_alpha
    end function signed_linear_moment
 
-   !> Moment of `truss_cable`.
+   !> Moment of `spring_cable` that is straight and no tendon.
    pure real(wp) function truss_moment(law, sin_alpha, phi, half_sine, side) &
       result(moment)
       type(cable_law_t), intent(in) :: law
@@ -209,7 +173,7 @@ contains
       moment = (law%eta_0 + law%rate*straight%elongation)*straight%arm/law%R
    end function truss_moment
 
-   !> Moment of `yielding_cable` that is straight; the other one is on a line of its own.
+   !> Moment of `spring_cable` that is a straight tendon; on the linear law it is on a line.
    pure real(wp) function yielding_moment(law, sin_alpha, phi, half_sine, side) &
       result(moment)
       type(cable_law_t), intent(in) :: law
@@ -223,8 +187,8 @@ contains
       moment = spring_force(law%tendon, straight%elongation)*straight%arm/law%R
    end function yielding_moment
 
-   !> Elongation of a tendon and its arm, the derivative by phi [m]. For the linear law the arm of
-   !> Eq. (1) is R sin(alpha) = b.
+   !> Elongation and its arm, the derivative by phi [m], of a straight cable or of a tendon on the
+   !> linear law, where the arm of Eq. (1) is R sin(alpha) = b.
    pure subroutine cable_elongation(law, phi, elongation, arm, arm_1)
       type(cable_law_t), intent(in) :: law
       real(wp), intent(in) :: phi
@@ -233,17 +197,24 @@ contains
       real(wp), intent(out) :: arm
       real(wp), intent(out), optional :: arm_1
       !! derivative of the arm [m]
-      real(wp) :: slope
+      type(straight_t) :: straight
 
-      elongation = law%b*phi
-      arm = law%b
-      slope = 0
-      if (law%is_straight) call straight_length(law, phi, elongation, arm, slope)
-      if (present(arm_1)) arm_1 = slope
+      if (law%is_straight) then
+         straight = stretched(law, sin(phi/2))
+         elongation = straight%elongation
+         arm = straight%arm
+         if (present(arm_1)) arm_1 = (law%b*(law%b*straight%cosine &
+            - 2*law%h*straight%sine) - arm**2)/straight%length
+      else
+         elongation = law%b*phi
+         arm = law%b
+         if (present(arm_1)) arm_1 = 0
+      end if
    end subroutine cable_elongation
 
-   !> Tendon that yields, goes slack or breaks, on either law's elongation.
-   pure subroutine yielding_cable(law, sin_alpha, phi, side, cable)
+   !> Cable as a spring on its elongation: a straight one, or a tendon on either law that yields,
+   !> goes slack or breaks.
+   pure subroutine spring_cable(law, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
       real(wp), intent(in) :: sin_alpha
       real(wp), intent(in) :: phi
@@ -258,6 +229,6 @@ contains
       cable%moment = cable%force*arm/law%R
       cable%moment_1 = (spring_tangent(law%tendon)*arm**2 + cable%force*arm_1)/law%R
       cable%energy = spring_energy(law%tendon, elongation)/law%R
-   end subroutine yielding_cable
+   end subroutine spring_cable
 
 end module rwmf_model_cable

@@ -35,7 +35,7 @@ contains
       !! it has all its modes
 
       call look_at_frame(case, is_bilinear, is_smooth, is_full)
-      ! first of all, as `rates_with_floors` knows
+      ! first of all, as `corner_with_floors` knows
       if (is_full) call add_floors(case, equation)
       if (allocated(case%damper)) then
          equation%damper_c = corner_share(equation)*case%damper%c_over_m_w
@@ -46,8 +46,8 @@ contains
          call choose_springs(case, is_bilinear, equation)
       end if
       if (allocated(case%fuse) .or. is_bilinear) then
-         call append_contribution(equation, contribution_t(add=add_springs, plastic_power=springs_power, &
-            energy=springs_energy, force=springs_force))
+         call append_contribution(equation, contribution_t(add=add_springs, &
+            plastic_power=springs_power, energy=springs_energy, force=springs_force))
          associate (extra => equation%effects(size(equation%effects)))
             if (.not. is_bilinear) extra%add => add_fuses
             if (.not. allocated(case%fuse)) extra%add => add_yielding
@@ -55,13 +55,13 @@ contains
       end if
       if (is_smooth) then
          call prepare_bouc_wen(case, equation)
-         call append_contribution(equation, contribution_t(add=add_bouc_wen, plastic_power=bouc_wen_power, &
-            energy=bouc_wen_energy, states=1, sizes=bouc_wen_sizes))
+         call append_contribution(equation, contribution_t(add=add_bouc_wen, &
+            plastic_power=bouc_wen_power, energy=bouc_wen_energy, states=1, sizes=bouc_wen_sizes))
       end if
       if (allocated(case%storeys) .and. .not. is_full) then
          call prepare_storeys(case, equation)
-         call append_contribution(equation, contribution_t(add=add_excited_mass, input=excited_mass_input, &
-            is_motion=.true.))
+         call append_contribution(equation, contribution_t(add=add_excited_mass, &
+            input=excited_mass_input, is_motion=.true.))
       end if
       if (allocated(case%inerter)) then
          equation%inertance = corner_share(equation)*case%inerter%inertance_over_m_w
@@ -70,8 +70,8 @@ contains
       end if
       if (allocated(case%vertical)) then
          equation%has_vertical = .true.
-         equation%weight_share = tan(equation%p%alpha)/(1 + &
-            2*equation%p%gamma*equation%excited_mass_ratio)
+         equation%weight_share = tan(equation%p%alpha) &
+            /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
          call append_contribution(equation, contribution_t(add=add_vertical, is_motion=.true.))
       end if
    end subroutine choose_contributions

@@ -50,6 +50,8 @@ contains
       !! (states)
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
+      real(wp) :: phi
+      !! [rad]
 
       stored%effects = effects_energy(equation, y)
       associate (p => equation%p)
@@ -62,23 +64,16 @@ contains
          cable = cable_at(equation, y(1))
          stored%kinetic = p%R**2*(equation%inertia + p%gamma*kin%j**2)*y(2)**2/2
          stored%strain = p%gamma*(p%R*p%omega_s*kin%u)**2/2
-         stored%gravity = p%g*p%R*rise_of_centroid(equation, equation%side*y(1))
+         phi = equation%side*y(1)
+         if (equation%has_impacts) then
+            stored%gravity = p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2))
+         else
+            ! the centroid of a hinged wall only sinks
+            stored%gravity = p%g*p%R*(-2*equation%cos_alpha*sin(phi/2)**2)
+         end if
          stored%cable = p%g*p%R*cable%energy
       end associate
    end function stored_energy
-
-   !> Rise of the wall's centroid over R; a hinged wall only sinks [-].
-   pure real(wp) function rise_of_centroid(equation, phi) result(rise)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: phi
-      !! [rad]
-
-      if (equation%has_impacts) then
-         rise = 2*sin(phi/2)*sin(equation%p%alpha - phi/2)
-      else
-         rise = -2*equation%cos_alpha*sin(phi/2)**2
-      end if
-   end function rise_of_centroid
 
    !> Power of the ground motion [W/kg].
    real(wp) function input_power(equation, t, y) result(power)
@@ -132,7 +127,6 @@ contains
    !> Has the scene effects that yield?
    pure logical function dissipates_hysteretically(equation) result(does)
       type(equation_t), intent(in) :: equation
-
       integer :: i
 
       does = equation%cable%is_tendon
@@ -151,8 +145,7 @@ contains
       !! and after [rad/s]
 
       loss = equation%p%R**2*(4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2 &
-         + equation%added_inertia) &
-         *(before**2 - after**2)/2
+         + equation%added_inertia)*(before**2 - after**2)/2
    end function impact_loss
 
 end module rwmf_model_energy

@@ -13,7 +13,6 @@ module rwmf_model_equation
 
    public :: equation_t, right_hand_side_i, contribution_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: form_power, form_line, form_square, form_product
    public :: enter_interval, interval_of
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
@@ -44,15 +43,6 @@ module rwmf_model_equation
       !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type contribution_t
 
-   integer, parameter :: form_power = 0
-   !! any exponent
-   integer, parameter :: form_line = 1
-   !! exponent 1
-   integer, parameter :: form_square = 2
-   !! exponent 2
-   integer, parameter :: form_product = 3
-   !! a small natural number as exponent
-
    !> Smooth hysteresis of the frame after Bouc and Wen.
    type :: hysteresis_t
       real(wp) :: u_y = 1
@@ -67,10 +57,8 @@ module rwmf_model_equation
       !! of z among the states
       real(wp) :: force_at_z1 = 0
       !! force of z = 1 over m_s [m/s2]
-      integer :: form = form_power
-      !! of |z|**n, one of the `form_` numbers
       integer :: factors = 0
-      !! n of `form_product`
+      !! n where it is a small natural number, so that |z|**n is a product; else 0
       integer :: sense = 1
       !! sign of z in the piece of motion in force
       integer :: loading_direction = 1
@@ -362,13 +350,18 @@ contains
       end associate
    end function vertical_ground
 
-   !> Kinematics of the side in force.
-   type(kinematics_t) function kinematics_at(equation, theta) result(kin)
+   !> Kinematics at a rotation.
+   type(kinematics_t) function kinematics_at(equation, theta, side) result(kin)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
+      integer, intent(in), optional :: side
+      !! +1 or -1; the one in force
+      integer :: which
 
-      if (equation%side > 0) then
+      which = equation%side
+      if (present(side)) which = side
+      if (which > 0) then
          call equation%kinematics_positive(equation%geometry, theta, kin)
       else
          call equation%kinematics_negative(equation%geometry, -theta, kin)

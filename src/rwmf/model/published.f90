@@ -20,11 +20,8 @@ contains
    subroutine published(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      !! [s]
       real(wp), intent(in) :: y(equation%n)
-      !! (states)
       real(wp), intent(out) :: y_dot(equation%n)
-      !! (states)
       real(wp) :: C(4)
       !! A_i or B_i
 

@@ -6,13 +6,14 @@ module rwmf_model_reactions
    use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
    use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_hysteresis_spring_set, only: base_residual, frame_residual
+   use rwmf_model_hysteresis_spring_set, only: frame_residual, uneven_residual
    use rwmf_model_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
       rise_of_top_corner
    implicit none
    private
 
    public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
+   public :: plastic_part
 
    !> Forces of the foundation at one instant.
    type :: reactions_t
@@ -113,10 +114,9 @@ contains
             force(1) = force(1) - p%gamma*p%omega_s*p%R &
                *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
          end if
-         if (equation%has_bilinear_springs) force(1) = force(1) + p%gamma*p%omega_squared &
-            *frame_residual(equation, y(1))
-         if (equation%has_loading_direction) force(1) = force(1) + p%gamma*p%omega_squared &
-            *bouc_wen_residual(equation, y)
+         if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
+            force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
+         end if
          if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
       if (equation%geometry%link <= 0) return
@@ -131,6 +131,19 @@ contains
       end if
       force(2) = side_of_frame*force(1)*rise/sqrt(equation%geometry%link**2 - rise**2)
    end function link_force
+
+   !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
+   real(wp) function plastic_part(equation, y)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      if (equation%has_loading_direction) then
+         plastic_part = bouc_wen_residual(equation, y)
+      else
+         plastic_part = frame_residual(equation, y(1))
+      end if
+   end function plastic_part
 
    !> What the links of all floors do to the wall, from what a single one at the roof would do.
    !>
@@ -153,7 +166,7 @@ contains
       associate (gamma => equation%p%gamma, a => ground(equation, t))
          resisting = -roof_alone - gamma*(u_ddot + equation%excited_mass_ratio*a)
          if (equation%has_bilinear_springs) resisting = resisting + gamma*equation%p%omega_squared &
-            *(frame_residual(equation, y(1)) - base_residual(equation, y(1)))
+            *uneven_residual(equation, y(1))
          force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
             - equation%base_shear_ratio*resisting
       end associate

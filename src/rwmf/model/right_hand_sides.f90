@@ -2,8 +2,7 @@
 !> `build_equation` chooses.
 module rwmf_model_right_hand_sides
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, floors_t, form_line, form_product, form_square, &
-      ground, hysteresis_t, vertical_ground
+   use rwmf_model_equation, only: equation_t, floors_t, ground, hysteresis_t, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
@@ -273,12 +272,12 @@ contains
       real(wp) :: power
       integer :: i
 
-      select case (law%form)
-      case (form_line)
+      select case (law%factors)
+      case (1)
          kept_part = 1 - law%lost*z
-      case (form_square)
+      case (2)
          kept_part = 1 - law%lost*min(abs(z), angle_limit)**2
-      case (form_product)
+      case (3:)
          factor = max(-angle_limit, min(z, angle_limit))
          power = factor**2
          ! as many factors as are common: no call for the power

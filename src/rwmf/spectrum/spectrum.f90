@@ -65,7 +65,8 @@ contains
       call system_clock(started, rate)
       call prepare_grid(case, spectrum, error)
       if (allocated(error)) return
-      spectrum%threads = usable_threads(threads)
+      spectrum%threads = max(1, threads)
+      !$ if (threads <= 0) spectrum%threads = omp_get_max_threads()
       call run_all(case, motion_from_case(case), signals, spectrum)
       call system_clock(finished)
       spectrum%seconds = real(finished - started, wp)/real(rate, wp)
@@ -132,15 +133,6 @@ contains
       if (spec%n > 1) T_s(spec%n) = spec%T_s_max
    end function spectrum_periods
 
-   !> Number of threads to be used.
-   integer function usable_threads(threads)
-      integer, intent(in) :: threads
-      !! requested; 0: all that OpenMP offers
-
-      usable_threads = max(1, threads)
-      !$ if (threads <= 0) usable_threads = omp_get_max_threads()
-   end function usable_threads
-
    !> Compute all ordinates, with dynamic scheduling because short periods cost more.
    subroutine run_all(case, motion, control, spectrum)
       type(case_t), intent(in) :: case
@@ -204,7 +196,9 @@ contains
       j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
       k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
       if (spectrum%status(i, j, k) == 'ok') return
-      call copy_model(case, ordinate)
+      ordinate%structure_t = case%structure_t
+      ordinate%solver = case%solver
+      ordinate%solver%method = trim(spectrum_method(case%solver%method))
       ordinate%frame%T_s = spectrum%T_s(i)
       if (allocated(ordinate%wall)) then
          ordinate%frame%gamma = spectrum%gamma(j)
@@ -221,15 +215,5 @@ contains
       if (result%overturned) spectrum%status(i, j, k) = 'overturned'
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
-
-   !> Copy the groups of a case that an ordinate needs: all but text, record and outputs.
-   pure subroutine copy_model(case, copy)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(out) :: copy
-
-      copy%structure_t = case%structure_t
-      copy%solver = case%solver
-      copy%solver%method = trim(spectrum_method(case%solver%method))
-   end subroutine copy_model
 
 end module rwmf_spectrum_spectrum

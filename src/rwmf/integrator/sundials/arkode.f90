@@ -1,7 +1,7 @@
 !> ARKODE's ERKStep behind the `integrator_t` interface, with the Dormand-Prince 5(4) pair: that of
 !> the paper's ode45.
 module rwmf_integrator_sundials_arkode
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_funloc, c_int, c_loc, c_long, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_funloc, c_loc, c_long, &
       c_null_ptr, c_ptr
    use farkode_erkstep_mod, only: FERKStepCreate, FERKStepEvolve, FERKStepFree, FERKStepReInit, &
       FERKStepReset, FERKStepSetErrHandlerFn, FERKStepSetFixedStep, FERKStepSetMaxNumSteps, &
@@ -81,15 +81,14 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
-      integer(c_int) :: flag
 
       self%t1 = t
       self%y1(:) = y
       self%state = y
       self%t_first = first_end(t, span)
       if (self%is_initialised) then
-         flag = FERKStepReInit(self%memory, c_funloc(evaluate_rhs), t, self%vector)
-         if (has_failed(self, flag, 'ERKStepReInit', error)) return
+         if (has_failed(self, FERKStepReInit(self%memory, c_funloc(evaluate_rhs), t, &
+            self%vector), 'ERKStepReInit', error)) return
       else
          call initialise_erk(self, t, self%vector, self%memory, error)
          if (allocated(error)) return
@@ -122,9 +121,8 @@ contains
       self%steps = self%steps + 1_i8
    end subroutine step_erk
 
-   !> A step so short that ARKODE takes its beginning for its end: it would give the time of the end
-   !> and the state of the beginning. The motion of the ground would go on alone, and press a wall
-   !> that has just lifted off down again. Taylor's formula is exact there.
+   !> A step so short that ARKODE would return the time of its end with the state of its beginning.
+   !> Taylor's formula is exact there.
    subroutine step_by_hand(self, t_end, error)
       class(erk_t), intent(inout) :: self
       real(wp), intent(in) :: t_end

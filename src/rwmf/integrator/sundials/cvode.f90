@@ -142,7 +142,6 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
-      integer(c_int) :: flag
 
       self%t1 = t
       self%y1(:) = y
@@ -150,8 +149,8 @@ contains
       self%t_stop = t
       self%t_first = first_end(t, span)
       if (self%is_initialised) then
-         flag = FCVodeReInit(self%memory, t, self%vector)
-         if (has_failed(self, flag, 'CVodeReInit', error)) return
+         if (has_failed(self, FCVodeReInit(self%memory, t, self%vector), &
+            'CVodeReInit', error)) return
       else
          call initialise_cvode(self, t, error)
          self%is_initialised = .not. allocated(error)

@@ -53,7 +53,8 @@ contains
       real(wp), intent(inout) :: moment
       real(wp), intent(inout) :: y_dot(equation%n)
 
-      moment = moment - damping(equation, kin%half_cosine)*equation%side*y(2)
+      moment = moment - equation%damper_c*(2*equation%sin_alpha*kin%half_cosine)**2 &
+         *equation%side*y(2)
    end subroutine add_damper
 
    !> Power that it takes [W/kg].
@@ -62,7 +63,7 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
-      power = equation%p%R**2*damping(equation, cos(y(1)/2))*y(2)**2
+      power = equation%p%R**2*(equation%damper_c*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2
    end function damper_power
 
    !> Force on the lifting corner, against its velocity along the chord.
@@ -82,14 +83,5 @@ contains
       force = force - equation%damper_c*stroke_rate*[equation%side*sin(half_angle), &
          cos(half_angle)]
    end subroutine damper_force
-
-   !> Damping moment per unit m_w R**2 and angular velocity [1/s].
-   pure real(wp) function damping(equation, half_cosine)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: half_cosine
-      !! cos(phi/2) [-]
-
-      damping = equation%damper_c*(2*equation%sin_alpha*half_cosine)**2
-   end function damping
 
 end module rwmf_model_effects_corner_damper

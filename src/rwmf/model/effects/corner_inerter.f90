@@ -54,7 +54,7 @@ contains
       real(wp), intent(inout) :: moment
       real(wp), intent(inout) :: y_dot(equation%n)
 
-      inertia = inertia + inertia_of(equation, kin%half_cosine)
+      inertia = inertia + equation%inertance*(2*equation%sin_alpha*kin%half_cosine)**2
       moment = moment + 2*equation%inertance*equation%sin_alpha**2*kin%half_sine*kin%half_cosine &
          *y(2)**2
    end subroutine add_inerter
@@ -64,7 +64,7 @@ contains
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
-      energy = equation%p%R**2*inertia_of(equation, cos(y(1)/2))*y(2)**2/2
+      energy = equation%p%R**2*(equation%inertance*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
    end function inerter_energy
 
    !> Force on the lifting corner, against the acceleration of the stroke along the chord.
@@ -85,14 +85,5 @@ contains
       force = force - equation%inertance*stroke_ddot*[equation%side*sin(half_angle), &
          cos(half_angle)]
    end subroutine inerter_force
-
-   !> Inertia over m_w R**2 [-].
-   pure real(wp) function inertia_of(equation, half_cosine)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: half_cosine
-      !! cos(phi/2) [-]
-
-      inertia_of = equation%inertance*(2*equation%sin_alpha*half_cosine)**2
-   end function inertia_of
 
 end module rwmf_model_effects_corner_inerter

@@ -46,8 +46,8 @@ contains
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      case%fuse = fuse_t(real_of(case%values, 'fuse', 'eta_y'), real_of(case%values, 'fuse', 'stroke_y'), &
-         real_of(case%values, 'fuse', 'hardening'))
+      case%fuse = fuse_t(real_of(case%values, 'fuse', 'eta_y'), &
+         real_of(case%values, 'fuse', 'stroke_y'), real_of(case%values, 'fuse', 'hardening'))
    end subroutine fill_fuse
 
    pure logical function has_fuse(case)
@@ -67,8 +67,8 @@ contains
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_input, 'an element has no &fuse: what yields has to be remembered, and ' &
-         //'an element holds no state; a wall that steps with the host (create_stepping) does')
+      call fail(error, err_input, 'an element has no &fuse: what yields has to be remembered, ' &
+         //'and an element holds no state; a wall that steps with the host (create_stepping) does')
    end subroutine refuse_element
 
 end module rwmf_model_effects_fuse

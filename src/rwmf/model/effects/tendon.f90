@@ -12,7 +12,7 @@ module rwmf_model_effects_tendon
    implicit none
    private
 
-   public :: tendon_group
+   public :: tendon_group, has_tendon
 
 contains
 
@@ -126,6 +126,7 @@ contains
       call get_real(case%values, 'cable', 'rupture_strain', case%cable%rupture_strain)
    end subroutine fill_tendon
 
+   !> Can the cable of a case yield or break?
    pure logical function has_tendon(case)
       type(case_t), intent(in) :: case
 

@@ -47,8 +47,7 @@ contains
 
    !> A spring that has not moved yet.
    elemental type(spring_t) function new_spring(stiffness, yield, hardening, force_0, is_tendon, &
-      rupture) &
-      result(spring)
+      rupture) result(spring)
       real(wp), intent(in) :: stiffness
       !! > 0
       real(wp), intent(in) :: yield
@@ -214,9 +213,7 @@ contains
          else
             spring%branch = elastic
          end if
-      case (yields_down)
-         spring%branch = elastic
-      case (slack)
+      case (yields_down, slack)
          spring%branch = elastic
       case default
          ! no limits

@@ -4,15 +4,15 @@
 !>    z' = u'/u_y (1 - |z|**n (beta sign(u' z) + 1 - beta))
 !>
 !> a is the hardening ratio. beta + gamma = 1, so that |z| tends to 1: another sum would only give
-!> u_y another meaning. For n -> infinity the law becomes the bilinear one of `spring.f90`.
+!> u_y another meaning. For n -> infinity the law becomes the bilinear one of `spring_t`.
 !>
 !> The signs of u' and z hold for a piece of motion; the hybrid loop ends it at a peak and where z
 !> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
 !> natural number).
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, form_line, form_power, form_product, form_square, &
-      frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t
+   use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_travel, &
+      frame_velocity, hysteresis_t
    use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
    use rwmf_model_kinematics, only: kinematics_t
@@ -21,9 +21,8 @@ module rwmf_model_hysteresis_bouc_wen
    implicit none
    private
 
-   public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs, &
-      will_pass_zero
-   public :: load_bouc_wen, add_bouc_wen, bouc_wen_sizes
+   public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
+   public :: will_pass_zero, load_bouc_wen, add_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -62,29 +61,17 @@ contains
       !! displacement at yield [m]
       real(wp), intent(in) :: stiffness
       !! elastic, over any mass [1/s2]
+      real(wp), parameter :: most = 8
+      !! factors whose product is as accurate as a power, and cheaper [-]
 
       law%u_y = u_y
       law%hardening = yielding%hardening
       law%exponent = yielding%exponent
       law%beta = yielding%beta
       law%force_at_z1 = (stiffness - law%hardening*stiffness)*law%u_y
-      call choose_form(law)
-   end function new_hysteresis
-
-   !> How to raise z to the exponent.
-   pure subroutine choose_form(law)
-      type(hysteresis_t), intent(inout) :: law
-      real(wp), parameter :: most = 8
-      !! factors whose product is as accurate as a power, and cheaper [-]
-
-      law%form = form_power
-      law%factors = 0
       if (law%exponent > most .or. abs(law%exponent - anint(law%exponent)) > 0) return
       law%factors = nint(law%exponent)
-      law%form = form_product
-      if (law%factors == 1) law%form = form_line
-      if (law%factors == 2) law%form = form_square
-   end subroutine choose_form
+   end function new_hysteresis
 
    !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
    pure subroutine follow_loading_direction(equation, z)

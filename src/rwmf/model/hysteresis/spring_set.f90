@@ -6,7 +6,7 @@
 module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_cable, only: cable_elongation
-   use rwmf_model_equation, only: equation_t, frame_mass, frame_velocity, kinematics_at, &
+   use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_velocity, &
       place_frame, place_left, place_right, sprung_t
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_broken, is_yielding, new_spring, pass_limit, &
@@ -21,9 +21,9 @@ module rwmf_model_hysteresis_spring_set
    public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
    public :: tendon_power
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
-   public :: yield_displacement, storey_strengths, elongation_of, moves
+   public :: yield_displacement, storey_strengths, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
-   public :: frame_residuals, base_residual
+   public :: frame_residuals, uneven_residual
    public :: frame_force_column, fuse_uplift
 
    character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
@@ -85,23 +85,16 @@ contains
    !> Straight lines of the branches that are in force; to be called when one has changed.
    subroutine follow_branches(equation)
       type(equation_t), intent(inout) :: equation
-      integer :: i
 
       if (.not. equation%has_bilinear_springs) return
-      if (any(equation%springs%place == place_frame)) then
-         equation%frame_offset = 0
-         equation%frame_slope = 0
-      end if
-      do i = 1, size(equation%springs)
-         associate (sprung => equation%springs(i))
-            sprung%offset = spring_force(sprung%spring, 0.0_wp)
-            sprung%slope = spring_tangent(sprung%spring)
-            if (sprung%place == place_frame) then
-               equation%frame_offset = equation%frame_offset + sprung%offset
-               equation%frame_slope = equation%frame_slope + sprung%slope
-            end if
-         end associate
-      end do
+      associate (springs => equation%springs)
+         springs%offset = spring_force(springs%spring, 0.0_wp)
+         springs%slope = spring_tangent(springs%spring)
+         if (any(springs%place == place_frame)) then
+            equation%frame_offset = sum(springs%offset, springs%place == place_frame)
+            equation%frame_slope = sum(springs%slope, springs%place == place_frame)
+         end if
+      end associate
       associate (cable => equation%cable)
          if (.not. cable%is_tendon .or. cable%is_straight) return
          cable%line_0 = spring_force(cable%tendon, 0.0_wp)
@@ -121,7 +114,11 @@ contains
 
       allocate (equation%springs(0))
       if (frame_yields) then
-         equation%parts = frame_parts(case)
+         equation%parts = [1.0_wp]
+         if (allocated(case%yielding%storey_u_y)) then
+            equation%parts = case%storeys%frame%k*case%storeys%frame%height**2
+            equation%parts = equation%parts/sum(equation%parts)
+         end if
          equation%springs = frame_springs(case, equation%p%omega_s**2, equation%parts)
       end if
       if (allocated(case%fuse)) then
@@ -139,18 +136,6 @@ contains
       equation%angle_limit = case%model%overturning_angle
       call follow_branches(equation)
    end subroutine choose_springs
-
-   !> Parts that the springs of the frame have in its stiffness: one has all, storeys have theirs.
-   pure function frame_parts(case) result(parts)
-      type(case_t), intent(in) :: case
-      !! with `&yielding`
-      real(wp), allocatable :: parts(:)
-
-      parts = [1.0_wp]
-      if (.not. allocated(case%yielding%storey_u_y)) return
-      parts = case%storeys%frame%k*case%storeys%frame%height**2
-      parts = parts/sum(parts)
-   end function frame_parts
 
    !> Spring of the frame, or one for each of its storeys where a straight line links them to the
    !> rotation: all of them follow the roof.
@@ -210,25 +195,6 @@ contains
       if (allocated(yielding%law)) is_elastic_plastic = yielding%law == 'elastic_plastic'
    end function is_elastic_plastic
 
-   !> Elongation of a spring at the rotation phi on the side in force [m].
-   real(wp) function elongation(equation, place, phi) result(x)
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: place
-      real(wp), intent(in) :: phi
-      !! [rad]; bare frame: its displacement [m]
-      type(kinematics_t) :: kin
-
-      select case (place)
-      case (place_frame)
-         x = phi
-         if (.not. equation%has_wall) return
-         kin = kinematics_at(equation, equation%side*phi)
-         x = equation%side*equation%p%R*kin%u
-      case default
-         x = 4*equation%p%R*equation%sin_alpha*sin(phi/2)
-      end select
-   end function elongation
-
    !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
    !> hinged wall always, and stands for both.
    pure logical function moves(equation, place)
@@ -275,12 +241,12 @@ contains
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
             if (place == place_frame) then
-               x = elongation(equation, place, equation%side*y(1))
+               x = elongation_of(equation, i, equation%side*y(1))
                energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
                   - equation%parts(i)*(equation%p%omega_s*x)**2/2)
             else
                x = 0
-               if (moves(equation, place)) x = elongation(equation, place, equation%side*y(1))
+               if (moves(equation, place)) x = elongation_of(equation, i, equation%side*y(1))
                energy = energy + spring_energy(spring, x)
             end if
          end associate
@@ -304,7 +270,7 @@ contains
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
             if (place == place_frame) cycle
             if (moves(equation, place)) then
-               force = force - spring_force(spring, elongation(equation, place, 2*half_angle)) &
+               force = force - spring_force(spring, elongation_of(equation, i, 2*half_angle)) &
                   *[equation%side*sin(half_angle), cos(half_angle)]
             else
                force(2) = force(2) - spring_force(spring, 0.0_wp)
@@ -328,13 +294,10 @@ contains
    !> All springs as they were before anything happened.
    subroutine reset_springs(equation)
       type(equation_t), intent(inout) :: equation
-      integer :: i
 
       if (.not. equation%has_bilinear_springs) return
       call reset_spring(equation%cable%tendon)
-      do i = 1, size(equation%springs)
-         call reset_spring(equation%springs(i)%spring)
-      end do
+      call reset_spring(equation%springs%spring)
       call follow_branches(equation)
    end subroutine reset_springs
 
@@ -384,7 +347,11 @@ contains
       !! limits of the elongation [m]
       real(wp) :: theta(2)
 
-      spring = spring_of(equation, number)
+      if (number == 0) then
+         spring = equation%cable%tendon
+      else
+         spring = equation%springs(number)%spring
+      end if
       if (is_yielding(spring)) equation%ends_at_peak = .true.
       call spring_limits(spring, x(1), x(2))
       theta = [rotation_at(equation, number, x(1)), rotation_at(equation, number, x(2))]
@@ -392,20 +359,9 @@ contains
       equation%high = min(equation%high, maxval(theta))
    end subroutine narrow_window
 
-   pure type(spring_t) function spring_of(equation, number) result(spring)
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: number
-
-      if (number == 0) then
-         spring = equation%cable%tendon
-      else
-         spring = equation%springs(number)%spring
-      end if
-   end function spring_of
-
    !> Elongation of a spring at a rotation of the side in force [m].
    real(wp) function elongation_of(equation, number, phi) result(x)
-      type(equation_t), intent(in) :: equation
+      class(equation_t), intent(in) :: equation
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
       real(wp), intent(in) :: phi
@@ -414,8 +370,10 @@ contains
 
       if (number == 0) then
          call cable_elongation(equation%cable, phi, x, arm)
+      else if (equation%springs(number)%place == place_frame) then
+         x = frame_displacement(equation, equation%side*phi)
       else
-         x = elongation(equation, equation%springs(number)%place, phi)
+         x = 4*equation%p%R*equation%sin_alpha*sin(phi/2)
       end if
    end function elongation_of
 
@@ -498,19 +456,9 @@ contains
       if (number > 0) then
          if (equation%springs(number)%place == place_frame) grows = is_rising
       end if
-      if (same(rotation_at(equation, number, merge(x(2), x(1), grows)), limit)) then
+      if (abs(rotation_at(equation, number, merge(x(2), x(1), grows)) - limit) <= 0) then
          call pass_limit(spring, grows)
       end if
-
-   contains
-
-      pure logical function same(a, b)
-         real(wp), intent(in) :: a
-         real(wp), intent(in) :: b
-
-         same = abs(a - b) <= 0
-      end function same
-
    end subroutine pass_one
 
    !> The motion turns back, or hits the base, at a rotation: what yielded unloads.
@@ -624,21 +572,21 @@ contains
       if (allocated(equation%parts)) residual = sum(equation%parts*frame_residuals(equation, theta))
    end function frame_residual
 
-   !> The same of the lowest storey, as a displacement of the roof: where storeys yield one by one
-   !> it is not that of the frame [m].
-   real(wp) function base_residual(equation, theta) result(residual)
+   !> How far it differs from that of the lowest storey, as a displacement of the roof: not zero
+   !> where storeys yield one by one [m].
+   real(wp) function uneven_residual(equation, theta) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp), allocatable :: residuals(:)
 
       residual = 0
       if (.not. allocated(equation%parts)) return
-      residuals = frame_residuals(equation, theta)
-      residual = residuals(1)
-   end function base_residual
+      associate (residuals => frame_residuals(equation, theta))
+         residual = sum(equation%parts*residuals) - residuals(1)
+      end associate
+   end function uneven_residual
 
-   !> The same of each spring of the frame by itself [m].
+   !> Displacement that elastic unloading to no force would leave of each spring of the frame [m].
    function frame_residuals(equation, theta) result(residuals)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta

@@ -9,7 +9,7 @@ module rwmf_spectrum_fast_bare_frame
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_spectrum_fast_schedule, only: group_t, list_groups
-   use rwmf_spectrum_fast_simd_dispatch, only: advance_frames, best_level
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of, kernels_t
    use rwmf_spectrum_fast_taylor_oscillator, only: find_root, newton_to_powers, series, state_at, &
       step_weights, terms => series_terms
    use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step, time_grid_t
@@ -61,20 +61,20 @@ contains
       type(ground_step_t), allocatable, target :: ground(:)
       type(time_grid_t) :: grid(0:halvings)
       real(wp) :: h_max(0:halvings)
-      integer :: instructions
+      type(kernels_t) :: kernels
       integer :: i, k
 
       h_max = [(merge(min(base_step/2.0_wp**i, pulse_step(case, motion)), 0.0_wp, &
          any(levels(T_s) == i)), i=0, halvings)]
       call build_grids(case, motion, threads, h_max, ground, grid)
       group = list_groups(T_s, levels(T_s), halvings)
-      instructions = best_level()
+      kernels = kernels_of(best_level())
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
       do i = 1, size(group)
          if (.not. associated(grid(group(i)%level)%step)) cycle
          associate (member => group(i)%member(:group(i)%n))
             call run_block(control, grid(group(i)%level), T_s(member), case%frame%xi_s, &
-               instructions, u_max, member)
+               kernels, u_max, member)
             if (is_cancelled(control)) cycle
             is_done(member) = .true.
             do k = 1, group(i)%n
@@ -95,18 +95,19 @@ contains
    end function levels
 
    !> Compute up to `frame_block_width` frames together.
-   subroutine run_block(control, grid, T_s, xi_s, instructions, u_max, member)
+   subroutine run_block(control, grid, T_s, xi_s, kernels, u_max, member)
       type(control_t), intent(in) :: control
       type(time_grid_t), intent(in) :: grid
       real(wp), intent(in) :: T_s(:)
       !! (n) [s]
       real(wp), intent(in) :: xi_s
-      integer, intent(in) :: instructions
+      type(kernels_t), intent(in) :: kernels
       real(wp), intent(inout) :: u_max(:)
       !! [m]
       integer, intent(in) :: member(:)
       !! (n) indices of the periods, for the results
       type(frames_t) :: frames
+      real(wp) :: weight(12, 3)
       real(wp) :: h
       integer :: i, n, number
       logical :: is_at_rest
@@ -131,9 +132,12 @@ contains
          associate (step => grid%step(number))
             if (abs(step%h - h) > 0) then
                h = step%h
-               call set_weights(n, h, frames)
+               do i = 1, n
+                  weight = step_weights(frames%damping(i), frames%stiffness(i), h, 0.5_wp)
+                  frames%weight(i, :) = weight(:, 3)
+               end do
             end if
-            call advance_frames(instructions, n, h, step%f, frames%weight, frames%u, frames%w, &
+            call kernels%step_frames(n, h, step%f, frames%weight, frames%u, frames%w, &
                frames%u_max, frames%event)
             ! In the step that begins without a velocity its sign does not indicate a peak.
             if (is_at_rest .and. any(abs(step%f) > 0)) then
@@ -145,21 +149,6 @@ contains
       end do
       u_max(member) = frames%u_max(:size(T_s))
    end subroutine run_block
-
-   !> Set the weights of the frames for a step h.
-   pure subroutine set_weights(n, h, frames)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: h
-      !! [s]
-      type(frames_t), intent(inout) :: frames
-      real(wp) :: weight(12, 3)
-      integer :: i
-
-      do i = 1, n
-         weight = step_weights(frames%damping(i), frames%stiffness(i), h, 0.5_wp)
-         frames%weight(i, :) = weight(:, 3)
-      end do
-   end subroutine set_weights
 
    !> Update the largest |u| by peaks within a step. For a motion that begins with u' = 0 the root
    !> is that of u'/x or u'/x**2, which does not vanish there.
@@ -177,9 +166,7 @@ contains
          if (.not. frames%event(i) > 0) cycle
          call series(frames%damping(i), frames%stiffness(i), h, frames%u(i, 2), frames%w(i, 2), &
             -newton_to_powers(f), p)
-         do j = 0, terms - 1
-            rate(j) = (j + 1)*p(j + 1)
-         end do
+         rate = [((j + 1)*p(j + 1), j=0, terms - 1)]
          first = findloc(abs(rate(:2)) > 0, .true., dim=1) - 1
          if (first < 0) cycle
          if (rate(first)*sum(rate(first:)) >= 0) cycle

@@ -13,7 +13,7 @@ module rwmf_spectrum_fast_driver
    use rwmf_spectrum_fast_schedule, only: order_by_cost
    use rwmf_spectrum_fast_shared_data, only: describe_kinds, kind_of, list_uplift_steps, &
       max_stages, shared_data_t, task_t
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
    use rwmf_spectrum_fast_task_queue, only: new_task_queue, task_queue_t
    use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step
    implicit none
@@ -228,7 +228,7 @@ contains
       integer :: i
 
       shared%control = request%control
-      shared%instructions = best_level()
+      shared%kernels = kernels_of(best_level())
       shared%xi_s = request%case%frame%xi_s
       shared%rtol = request%case%solver%rtol
       call prepare_equations(request, attempt, shared)
@@ -319,11 +319,7 @@ contains
       !! [m]
       type(case_t) :: pair_case
 
-      pair_case%wall = case%wall
-      pair_case%frame = case%frame
-      if (allocated(case%cable)) pair_case%cable = case%cable
-      if (allocated(case%impact)) pair_case%impact = case%impact
-      pair_case%model = case%model
+      pair_case%structure_t = case%structure_t
       pair_case%wall%b = b
       pair_case%frame%gamma = gamma
    end function case_of_pair

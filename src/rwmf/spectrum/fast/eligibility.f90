@@ -23,8 +23,8 @@ module rwmf_spectrum_fast_eligibility
 
 contains
 
-   !> Does the method cover a case? It excludes effects, an initial state, a second run for `verify`,
-   !> a requested accuracy or absolute tolerance, and laws and rules not listed here.
+   !> Does the method cover a case? It excludes effects, an initial state, a second run for
+   !> `verify`, a requested accuracy or absolute tolerance, and laws and rules not listed here.
    logical function is_supported(case)
       type(case_t), intent(in) :: case
 

@@ -4,14 +4,12 @@
 !> `rwmf_spectrum_fast_event_kernel`); this module loads the batches and classifies the results.
 module rwmf_spectrum_fast_lane_events
    use rwmf_core_kinds, only: wp
-   use rwmf_spectrum_fast_energy_bound, only: is_peak_final
    use rwmf_spectrum_fast_event_kernel, only: place_impacts
    use rwmf_spectrum_fast_lane_pool, only: block_of, dequeue, lane_of, lane_pool_t, push
-   use rwmf_spectrum_fast_ordinate, only: ordinate_t
-   use rwmf_spectrum_fast_rest_rule, only: comes_to_rest, find_next_uplift, velocity_share
+   use rwmf_spectrum_fast_rest_rule, only: comes_to_rest, find_next_uplift, is_peak_final, &
+      velocity_share
    use rwmf_spectrum_fast_scalar_events, only: locate_flight_events
-   use rwmf_spectrum_fast_shared_data, only: shared_data_t
-   use rwmf_spectrum_fast_simd_dispatch, only: integrate_batch, rebound_batch, search_batch
+   use rwmf_spectrum_fast_shared_data, only: ordinate_t, shared_data_t
    use rwmf_spectrum_fast_types, only: batch_width, lane_block_t, reduced_equation_t, &
       substep_batch_t, trial_step_t
    implicit none
@@ -48,46 +46,25 @@ contains
             call find_next_uplift(equation, grid, &
                shared%uplift(ordinate%pair, ordinate%grid)%next, uplift_number, uplift_x, &
                ordinate%side)
-            call clear_motion(slot, pool)
+            associate (now => pool%block(block_of(slot))%now, i => lane_of(slot))
+               now%v(i) = 0
+               now%w(i) = 0
+               now%n(i) = 0
+               now%n_rate(i) = 0
+               now%v_d2(i) = 0
+            end associate
             if (uplift_number > size(grid%step)) then
                call push(slot, pool%finished_queue)
             else
-               call plan_flight(uplift_number, min(uplift_x, last_x), 0.0_wp, ordinate)
+               ordinate%step = uplift_number
+               ordinate%x = min(uplift_x, last_x)
+               ordinate%span = 1 - ordinate%x
+               ordinate%w = 0
                call push(slot, pool%start_queue)
             end if
          end associate
       end associate
    end subroutine put_to_rest
-
-   !> Clear the motion of a lane.
-   pure subroutine clear_motion(slot, pool)
-      integer, intent(in) :: slot
-      type(lane_pool_t), intent(inout) :: pool
-
-      associate (now => pool%block(block_of(slot))%now, i => lane_of(slot))
-         now%v(i) = 0
-         now%w(i) = 0
-         now%n(i) = 0
-         now%n_rate(i) = 0
-         now%v_d2(i) = 0
-      end associate
-   end subroutine clear_motion
-
-   !> Plan a flight that starts on the base.
-   pure subroutine plan_flight(number, x, w, ordinate)
-      integer, intent(in) :: number
-      !! number of the step in the grid
-      real(wp), intent(in) :: x
-      !! position in the step [-]
-      real(wp), intent(in) :: w
-      !! rate of v [1/s]
-      type(ordinate_t), intent(inout) :: ordinate
-
-      ordinate%step = number
-      ordinate%x = x
-      ordinate%span = 1 - x
-      ordinate%w = w
-   end subroutine plan_flight
 
    !> Locate the events of the waiting steps. The flights after the impacts are followed in the same
    !> batch, with planned flights at its free places.
@@ -102,9 +79,10 @@ contains
          if (batch%n_steps > 0) then
             batch%v(batch%n_steps + 1:) = 1
             batch%end_state%v(batch%n_steps + 1:) = 1
-            call search_batch(shared%instructions, batch)
+            call shared%kernels%expand_steps(batch)
+            call shared%kernels%locate_events(0, batch)
             call search_remaining(batch, pool)
-            call rebound_batch(shared%instructions, remainder_share*shared%rtol, batch)
+            call shared%kernels%rebound_substeps(remainder_share*shared%rtol, batch)
             do k = 1, batch%n_steps
                call classify(shared, k, batch, pool)
                if (batch%slot(k) == 0) then
@@ -163,9 +141,10 @@ contains
       type(lane_pool_t), intent(inout) :: pool
       integer :: k
 
-      call integrate_batch(shared%instructions, batch)
+      call shared%kernels%integrate_substeps(batch)
+      call shared%kernels%locate_events(1, batch)
       call search_remaining(batch, pool)
-      call rebound_batch(shared%instructions, remainder_share*shared%rtol, batch)
+      call shared%kernels%rebound_substeps(remainder_share*shared%rtol, batch)
       do k = 1, batch_width
          if (batch%slot(k) == 0) cycle
          call classify(shared, k, batch, pool)
@@ -260,23 +239,16 @@ contains
       type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: k
       type(substep_batch_t), intent(inout) :: batch
+      integer :: polynomial
 
       associate (equation => shared%equation(ordinate%equation))
-         if (batch%polynomial(k) == polynomial_of(equation, ordinate)) return
-         batch%polynomial(k) = polynomial_of(equation, ordinate)
+         polynomial = ordinate%equation
+         if (ordinate%side < 0 .and. .not. equation%is_even) polynomial = -polynomial
+         if (batch%polynomial(k) == polynomial) return
+         batch%polynomial(k) = polynomial
          batch%coef(k, :, :) = equation%coef(:, :, merge(1, 2, ordinate%side > 0))
       end associate
    end subroutine load_polynomials
-
-   !> Key of the polynomials of an ordinate: the number of its equation, negative for theta < 0
-   !> where the sides differ.
-   pure integer function polynomial_of(equation, ordinate) result(polynomial)
-      type(reduced_equation_t), intent(in) :: equation
-      type(ordinate_t), intent(in) :: ordinate
-
-      polynomial = ordinate%equation
-      if (ordinate%side < 0 .and. .not. equation%is_even) polynomial = -polynomial
-   end function polynomial_of
 
    !> Clear places of a batch: values that need no search. Components not set here may keep those of
    !> any flight.
@@ -368,7 +340,8 @@ contains
             lanes%now%n(i) = end_state%n(k)
             lanes%now%n_rate(i) = end_state%n_rate(k)
             lanes%now%v_d2(i) = end_state%v_d2(k)
-            call update_peak(ordinate%v_max, i, lanes)
+            if (ordinate%v_max > lanes%v_max(i)) lanes%error_at_peak(i) = lanes%error_estimate(i)
+            lanes%v_max(i) = max(lanes%v_max(i), ordinate%v_max)
             if (abs(lanes%constants%side(i) - ordinate%side) > 0) then
                lanes%constants%side(i) = ordinate%side
                associate (equation => shared%equation(ordinate%equation))
@@ -386,17 +359,6 @@ contains
          end associate
       end associate
    end subroutine return_to_block
-
-   !> Update the largest v and the error estimate that belongs to it.
-   pure subroutine update_peak(v_max, i, lanes)
-      real(wp), intent(in) :: v_max
-      integer, intent(in) :: i
-      !! lane
-      type(lane_block_t), intent(inout) :: lanes
-
-      if (v_max > lanes%v_max(i)) lanes%error_at_peak(i) = lanes%error_estimate(i)
-      lanes%v_max(i) = max(lanes%v_max(i), v_max)
-   end subroutine update_peak
 
    !> Apply an impact to an ordinate: the next flight is set up, or the wall comes to rest.
    pure subroutine apply_impact(shared, k, batch, ordinate, is_at_rest)

@@ -9,16 +9,13 @@
 module rwmf_spectrum_fast_lane_scheduler
    use rwmf_core_control, only: count_done, is_cancelled
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_spectrum_fast_compaction, only: compact_blocks
    use rwmf_spectrum_fast_lane_events, only: follow_new_flights, follow_steps, load_step, &
       max_impacts, put_to_rest
-   use rwmf_spectrum_fast_lane_pool, only: append, block_of, is_block_empty, lane_of, lane_pool_t, &
-      new_pool, pop, push
-   use rwmf_spectrum_fast_ordinate, only: ordinate_t
+   use rwmf_spectrum_fast_lane_pool, only: append, block_of, compact_blocks, is_block_empty, &
+      lane_of, lane_pool_t, new_pool, pop, push
    use rwmf_spectrum_fast_polynomial_fit, only: widen_range
-   use rwmf_spectrum_fast_shared_data, only: kind_of, kinds, max_stages, pair_of, shared_data_t, &
-      task_t
-   use rwmf_spectrum_fast_simd_dispatch, only: advance_block
+   use rwmf_spectrum_fast_shared_data, only: kind_of, kinds, max_stages, ordinate_t, pair_of, &
+      shared_data_t, task_t
    use rwmf_spectrum_fast_task_queue, only: assign_first, take_next_task, task_queue_t
    use rwmf_spectrum_fast_taylor_oscillator, only: step_weights
    use rwmf_spectrum_fast_types, only: batch_width, block_width, c_3, ground_step_t, lane_block_t, &
@@ -253,7 +250,8 @@ contains
             pool%ordinate(slot) = ordinate_t(task=number, equation=task(number)%equation, &
                pair=pair_of(shared, task(number)%equation), grid=task(number)%grid, &
                offset=grid%first - 1, motion_end_step=grid%motion_end_step, &
-               stages=stages_of_substeps(stages, omega_s*grid%longest_step), &
+               stages=merge(max_stages, stages, stages == 2 &
+               .and. omega_s*grid%longest_step > wide_angle), &
                damping=2*shared%xi_s*omega_s, stiffness=omega_s**2, rtol=shared%rtol)
          end associate
          lanes%constants%m2(i) = equation%m2
@@ -272,17 +270,6 @@ contains
       call put_to_rest(shared, slot, 1, 0.0_wp, pool)
    end subroutine start_ordinate
 
-   !> Evaluations of N in substeps.
-   pure integer function stages_of_substeps(stages, angle)
-      integer, intent(in) :: stages
-      !! evaluations in whole steps
-      real(wp), intent(in) :: angle
-      !! omega_s h [rad]
-
-      stages_of_substeps = stages
-      if (stages == 2 .and. angle > wide_angle) stages_of_substeps = max_stages
-   end function stages_of_substeps
-
    !> One step of a block. Lanes in which an event is possible leave it.
    pure subroutine advance_lanes(shared, k, pool, is_stalled)
       type(shared_data_t), intent(in) :: shared
@@ -296,8 +283,8 @@ contains
       if (pool%needs_update(k)) call update_step_size(shared, k, pool)
       if (pool%n_active(k) == 0) return
       is_stalled = .false.
-      call advance_block(shared%instructions, shared%ground, shared%scheme(pool%kind(k)), &
-         pool%block(k), pool%trial, event_bits, pool%needs_update(k))
+      call shared%kernels%step_block(shared%ground, shared%scheme(pool%kind(k)), pool%block(k), &
+         pool%trial, event_bits, pool%needs_update(k))
       if (event_bits /= 0) call remove_lanes(shared, k, event_bits, pool)
    end subroutine advance_lanes
 
@@ -403,18 +390,14 @@ contains
    !> Critical tasks are long chains of flights: a delay of one of them delays the end of the run.
    pure logical function has_critical_lane(pool)
       type(lane_pool_t), intent(in) :: pool
-      integer :: i
 
       has_critical_lane = .false.
       if (n_waiting(pool) < critical_batch) return
-      do i = 1, pool%step_batch%n_steps
-         has_critical_lane = has_critical_lane &
-            .or. pool%ordinate(pool%step_batch%slot(i))%task - pool%first_task < critical_tasks
-      end do
-      do i = 1, pool%start_queue%n
-         has_critical_lane = has_critical_lane &
-            .or. pool%ordinate(pool%start_queue%slot(i))%task - pool%first_task < critical_tasks
-      end do
+      associate (task => pool%ordinate%task, steps => pool%step_batch, flights => pool%start_queue)
+         has_critical_lane = any(task(steps%slot(:steps%n_steps)) < pool%first_task &
+            + critical_tasks) .or. any(task(flights%slot(:flights%n)) < pool%first_task &
+            + critical_tasks)
+      end associate
    end function has_critical_lane
 
 end module rwmf_spectrum_fast_lane_scheduler

@@ -2,10 +2,8 @@
 !> it.
 module rwmf_spectrum_fast_polynomial_fit
    use rwmf_core_kinds, only: wp
-   use rwmf_problem_case, only: case_t
    use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
    use rwmf_spectrum_fast_shared_data, only: shared_data_t, task_t
-   use rwmf_spectrum_fast_types, only: reduced_equation_t
    implicit none
    private
 
@@ -70,21 +68,11 @@ contains
       associate (case => shared%case(mod(i - 1, shared%pairs) + 1), equation => shared%equation(i))
          call build_reduced_equation(case, fit_range((i - 1)/shared%pairs + 1), &
             fit_share*shared%rtol, equation)
-         shared%is_usable(i) = is_fit_sufficient(case, shared%rtol, equation)
+         ! an error within the tolerance, and an end before overturning
+         shared%is_usable(i) = equation%fit_error < fit_share*shared%rtol .and. equation%e > 0 &
+            .and. equation%v_high < sin(min(case%model%overturning_angle, 1.0_wp)/2) &
+            *cos(atan2(case%wall%b, case%wall%h))
       end associate
    end subroutine fit_equation
-
-   !> Is the error of the fit within the tolerance, and its end before overturning?
-   pure logical function is_fit_sufficient(case, rtol, equation)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: rtol
-      type(reduced_equation_t), intent(in) :: equation
-      real(wp) :: alpha
-      !! slenderness [rad]
-
-      alpha = atan2(case%wall%b, case%wall%h)
-      is_fit_sufficient = equation%fit_error < fit_share*rtol .and. equation%e > 0 &
-         .and. equation%v_high < sin(min(case%model%overturning_angle, 1.0_wp)/2)*cos(alpha)
-   end function is_fit_sufficient
 
 end module rwmf_spectrum_fast_polynomial_fit

@@ -237,8 +237,9 @@ contains
       real(qp) :: node(0:n)
       real(qp) :: values(0:n, curves)
       real(qp) :: v
+      real(qp) :: fitted(curves)
       real(qp) :: deviation(curves)
-      integer :: i
+      integer :: i, j
 
       do i = 0, n
          node(i) = chebyshev_node(real(equation%v_high, qp), n, i + 0.5_qp)
@@ -250,8 +251,11 @@ contains
       end do
       do i = 0, n + 1
          v = chebyshev_node(real(equation%v_high, qp), n, real(i, qp)) + 1.0e-9_qp
-         deviation = abs(remainder_curves(param, side, at_0, m3_1, v) &
-            - polynomials(equation, side, v))
+         fitted = 0
+         do j = degree, 0, -1
+            fitted = fitted*v + equation%coef(j, :, side)
+         end do
+         deviation = abs(remainder_curves(param, side, at_0, m3_1, v) - fitted)
          deviation(2:) = deviation(2:)*abs(v)/[1.0_qp, at_0(3), param%g/param%R]
          ! The error of Q v'**2 is relative to omega_s**2 v.
          deviation(1) = deviation(1)*abs(v)
@@ -268,20 +272,6 @@ contains
 
       v = v_high*(0.35_qp + 0.65_qp*cos(i*acos(-1.0_qp)/(n + 1)))
    end function chebyshev_node
-
-   !> Values of the fitted polynomials at v.
-   pure function polynomials(equation, side, v) result(values)
-      type(reduced_equation_t), intent(in) :: equation
-      integer, intent(in) :: side
-      real(qp), intent(in) :: v
-      real(qp) :: values(curves)
-      integer :: i
-
-      values = 0
-      do i = degree, 0, -1
-         values = values*v + equation%coef(i, :, side)
-      end do
-   end function polynomials
 
    !> Coefficients in powers of v of the polynomial through (node, values): Newton's divided
    !> differences, multiplied out.

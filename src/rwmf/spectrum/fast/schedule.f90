@@ -48,30 +48,19 @@ contains
       !! (n_T) halvings of the step
       integer, intent(in) :: last_level
       type(group_t), allocatable :: group(:)
-      integer :: order(size(T_s))
-      integer :: i, l, n
+      integer, allocatable :: order(:)
+      integer :: i, n
 
-      order = sorted(T_s)
+      order = order_by_cost(T_s, level, last_level)
       allocate (group(0))
-      do l = last_level, 0, -1
-         associate (members => pack(order, level(order) == l))
-            do i = 1, size(members), frame_block_width
-               n = min(frame_block_width, size(members) - i + 1)
-               group = [group, group_of(l, members(i:i + n - 1))]
-            end do
-         end associate
+      i = 1
+      do while (i <= size(order))
+         n = min(frame_block_width, count(level(order(i:)) == level(order(i))))
+         group = [group, group_t(level(order(i)), n, 0)]
+         group(size(group))%member(:n) = order(i:i + n - 1)
+         i = i + n
       end do
    end function list_groups
-
-   pure type(group_t) function group_of(level, member) result(group)
-      integer, intent(in) :: level
-      integer, intent(in) :: member(:)
-
-      group%level = level
-      group%n = size(member)
-      group%member = 0
-      group%member(:group%n) = member
-   end function group_of
 
    !> Indices of a list in rising order, by merging sorted runs.
    pure function sorted(x) result(order)

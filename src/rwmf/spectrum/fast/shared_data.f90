@@ -3,13 +3,14 @@ module rwmf_spectrum_fast_shared_data
    use rwmf_core_control, only: control_t
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_simd_dispatch, only: kernels_t
    use rwmf_spectrum_fast_time_grid, only: time_grid_t, uplift_steps
    use rwmf_spectrum_fast_types, only: ground_step_t, reduced_equation_t, scheme_t
    implicit none
    private
 
-   public :: task_t, shared_data_t, max_stages, kinds, kind_of, pair_of, describe_kinds, &
-      list_uplift_steps
+   public :: task_t, ordinate_t, shared_data_t, max_stages, kinds, kind_of, pair_of, &
+      describe_kinds, list_uplift_steps
 
    integer, parameter :: max_stages = 3
    !! largest number of evaluations of N in a step
@@ -28,6 +29,47 @@ module rwmf_spectrum_fast_shared_data
       !! kind of its steps, from `kind_of`
    end type task_t
 
+   !> One ordinate in a lane: its constants, and its state that changes only with events.
+   type :: ordinate_t
+      integer :: task = 0
+      !! number of the task; 0: the lane is idle
+      integer :: equation
+      !! number of the reduced equation
+      integer :: pair
+      !! number of the pair of mass ratio and width
+      integer :: grid
+      !! number of the time grid
+      integer :: offset
+      !! steps of other grids before those of this grid
+      integer :: motion_end_step
+      !! first step of the grid from which on the ground stands still
+      integer :: stages
+      !! evaluations of N in a substep
+      real(wp) :: damping
+      !! 2 xi_s omega_s [1/s]
+      real(wp) :: stiffness
+      !! omega_s**2 [1/s2]
+      real(wp) :: rtol
+      !! requested relative tolerance [-]
+      integer :: side = 1
+      !! sign of theta of the current or next flight, +1 or -1
+      real(wp) :: v_max = 0
+      !! largest v so far [-]
+      real(wp) :: w_max = 0
+      !! largest rate at an impact [1/s]
+      integer :: impacts = 0
+      logical :: failed = .false.
+      !! left to the general kernel
+      integer :: step = 1
+      !! number of the step in the grid in which the next flight begins
+      real(wp) :: x = 0
+      !! position in the step where that flight begins [-]
+      real(wp) :: span = 1
+      !! length of its substep over that of the step [-]
+      real(wp) :: w = 0
+      !! rate of v with which it begins [1/s]
+   end type ordinate_t
+
    !> List of steps that can lift a resting wall.
    type :: step_list_t
       integer, allocatable :: next(:)
@@ -37,8 +79,8 @@ module rwmf_spectrum_fast_shared_data
    !> Data shared by all threads.
    type :: shared_data_t
       type(control_t) :: control
-      integer :: instructions
-      !! instruction set, from `best_level`
+      type(kernels_t) :: kernels
+      !! for the instruction set of the processor
       type(scheme_t) :: scheme(kinds)
       real(wp) :: xi_s
       !! damping ratio of the frame [-]

@@ -7,8 +7,6 @@ module rwmf_spectrum_fast_simd_dispatch
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_spectrum_fast_types, only: frame_block_width, ground_step_t, lane_block_t, scheme_t, &
-      substep_batch_t, trial_step_t, wp
    use rwmf_spectrum_fast_event_kernel, only: locate_events
    use rwmf_spectrum_fast_substep_kernel, only: expand_steps, integrate_substeps, rebound_substeps
    use rwmf_spectrum_fast_step_kernel, only: step_block, step_frames
@@ -25,8 +23,17 @@ module rwmf_spectrum_fast_simd_dispatch
    implicit none
    private
 
-   public :: best_level, instruction_set, advance_block, advance_frames, search_batch, &
-      integrate_batch, rebound_batch
+   public :: kernels_t, kernels_of, best_level, instruction_set
+
+   !> The loops, compiled for one instruction set.
+   type :: kernels_t
+      procedure(step_block), pointer, nopass :: step_block => null()
+      procedure(step_frames), pointer, nopass :: step_frames => null()
+      procedure(expand_steps), pointer, nopass :: expand_steps => null()
+      procedure(integrate_substeps), pointer, nopass :: integrate_substeps => null()
+      procedure(rebound_substeps), pointer, nopass :: rebound_substeps => null()
+      procedure(locate_events), pointer, nopass :: locate_events => null()
+   end type kernels_t
 
 #ifdef FAST_LEVELS
    interface
@@ -41,7 +48,7 @@ module rwmf_spectrum_fast_simd_dispatch
 
 contains
 
-   !> Instruction set for `advance_block` and the others: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
+   !> Instruction set of this processor: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
    integer function best_level() result(level)
       level = 1
 #ifdef FAST_LEVELS
@@ -67,123 +74,24 @@ contains
 #endif
    end function instruction_set
 
-   !> One step of a block. Lanes in which an event is possible keep their state.
-   pure subroutine advance_block(level, ground, scheme, lanes, trial, event_bits, needs_update)
+   !> The loops for an instruction set.
+   pure type(kernels_t) function kernels_of(level) result(kernels)
       integer, intent(in) :: level
-      !! from `best_level`
-      type(ground_step_t), contiguous, intent(in) :: ground(:)
-      !! (steps)
-      type(scheme_t), intent(in) :: scheme
-      type(lane_block_t), intent(inout) :: lanes
-      type(trial_step_t), intent(inout) :: trial
-      integer, intent(out) :: event_bits
-      !! bit i - 1: an event is possible in lane i
-      logical, intent(out) :: needs_update
-      !! a lane has reached a step of another length, or its end
+      !! 1, 3 or 4, at most `best_level`
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call step_block_v4(ground, scheme, lanes, trial, event_bits, needs_update)
+         kernels = kernels_t(step_block_v4, step_frames_v4, expand_steps_v4, &
+            integrate_substeps_v4, rebound_substeps_v4, locate_events_v4)
       case (3)
-         call step_block_v3(ground, scheme, lanes, trial, event_bits, needs_update)
+         kernels = kernels_t(step_block_v3, step_frames_v3, expand_steps_v3, &
+            integrate_substeps_v3, rebound_substeps_v3, locate_events_v3)
 #endif
       case default
-         call step_block(ground, scheme, lanes, trial, event_bits, needs_update)
+         kernels = kernels_t(step_block, step_frames, expand_steps, integrate_substeps, &
+            rebound_substeps, locate_events)
       end select
-   end subroutine advance_block
-
-   !> First impact and largest v of whole steps, from their differences of N.
-   pure subroutine search_batch(level, batch)
-      integer, intent(in) :: level
-      !! from `best_level`
-      type(substep_batch_t), intent(inout) :: batch
-
-      select case (level)
-#ifdef FAST_LEVELS
-      case (4)
-         call expand_steps_v4(batch)
-         call locate_events_v4(0, batch)
-      case (3)
-         call expand_steps_v3(batch)
-         call locate_events_v3(0, batch)
-#endif
-      case default
-         call expand_steps(batch)
-         call locate_events(0, batch)
-      end select
-   end subroutine search_batch
-
-   !> Set up the flights that follow the impacts of a batch.
-   pure subroutine rebound_batch(level, remainder_share, batch)
-      integer, intent(in) :: level
-      !! from `best_level`
-      real(wp), intent(in) :: remainder_share
-      !! change of v by N that is left out, over the largest v [-]
-      type(substep_batch_t), intent(inout) :: batch
-
-      select case (level)
-#ifdef FAST_LEVELS
-      case (4)
-         call rebound_substeps_v4(remainder_share, batch)
-      case (3)
-         call rebound_substeps_v3(remainder_share, batch)
-#endif
-      case default
-         call rebound_substeps(remainder_share, batch)
-      end select
-   end subroutine rebound_batch
-
-   !> Integrate flights that start on the base over their substeps; first impact and largest v.
-   pure subroutine integrate_batch(level, batch)
-      integer, intent(in) :: level
-      !! from `best_level`
-      type(substep_batch_t), intent(inout) :: batch
-
-      select case (level)
-#ifdef FAST_LEVELS
-      case (4)
-         call integrate_substeps_v4(batch)
-         call locate_events_v4(1, batch)
-      case (3)
-         call integrate_substeps_v3(batch)
-         call locate_events_v3(1, batch)
-#endif
-      case default
-         call integrate_substeps(batch)
-         call locate_events(1, batch)
-      end select
-   end subroutine integrate_batch
-
-   !> One step of bare frames, as `step_frames`.
-   pure subroutine advance_frames(level, n, h, f, weight, u, w, u_max, event)
-      integer, intent(in) :: level
-      !! from `best_level`
-      integer, intent(in) :: n
-      !! lanes in use, a multiple of `block_width`
-      real(wp), intent(in) :: h
-      !! [s]
-      real(wp), intent(in) :: f(0:3)
-      !! as in `ground_step_t` [m/s2]
-      real(wp), intent(in) :: weight(frame_block_width, 12)
-      real(wp), intent(inout) :: u(frame_block_width, 2)
-      !! [m]
-      real(wp), intent(inout) :: w(frame_block_width, 2)
-      !! [m/s]
-      real(wp), intent(inout) :: u_max(frame_block_width)
-      !! [m]
-      real(wp), intent(out) :: event(frame_block_width)
-
-      select case (level)
-#ifdef FAST_LEVELS
-      case (4)
-         call step_frames_v4(n, h, f, weight, u, w, u_max, event)
-      case (3)
-         call step_frames_v3(n, h, f, weight, u, w, u_max, event)
-#endif
-      case default
-         call step_frames(n, h, f, weight, u, w, u_max, event)
-      end select
-   end subroutine advance_frames
+   end function kernels_of
 
 end module rwmf_spectrum_fast_simd_dispatch

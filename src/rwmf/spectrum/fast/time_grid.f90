@@ -12,7 +12,7 @@ module rwmf_spectrum_fast_time_grid
    implicit none
    private
 
-   public :: time_grid_t, build_grids, ground_at, ground_end, uplift_steps, pulse_step
+   public :: time_grid_t, build_grids, ground_at, uplift_steps, pulse_step
 
    integer, parameter :: max_grid_steps = 1000000
    !! steps of a grid: 64 MB
@@ -185,7 +185,7 @@ contains
             if (abs(step%jump) <= negligible_jump) step%jump = 0
             if (i > 1 .and. abs(step%jump) > 0) grid%has_jumps = .true.
             step%kink = (step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3))/step%h - rate
-            f = ground_end(step)
+            f = ground_at(step, 1.0_wp)
             rate = (step%f(1) + (2 - c_2)*step%f(2) &
                + ((1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2))*step%f(3))/step%h
          end associate
@@ -218,13 +218,6 @@ contains
       ground_at = step%f(0) + x*(step%f(1) + (x - c_2)*(step%f(2) + (x - c_3)*step%f(3)))
    end function ground_at
 
-   !> Ground acceleration at the end of a step [m/s2].
-   pure real(wp) function ground_end(step)
-      type(ground_step_t), intent(in) :: step
-
-      ground_end = ground_at(step, 1.0_wp)
-   end function ground_end
-
    !> For each step the first one, from it on, that can lift a resting wall; the number of steps
    !> plus one if there is none.
    pure function uplift_steps(grid, threshold) result(next)
@@ -239,7 +232,9 @@ contains
       next(size(next)) = size(next)
       do i = size(grid%step), 1, -1
          next(i) = next(i + 1)
-         if (max(abs(grid%step(i)%f(0)), abs(ground_end(grid%step(i)))) > threshold) next(i) = i
+         associate (step => grid%step(i))
+            if (max(abs(step%f(0)), abs(ground_at(step, 1.0_wp))) > threshold) next(i) = i
+         end associate
       end do
    end function uplift_steps
 

@@ -6,9 +6,8 @@
 !>
 !>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i,   i < n
 !>
-!> The roof's own mass and the stiffness of the storey below it are the frame of `equation.f90`
-!> (gamma and omega_s). The rates are those of `rates_with_floors`; a storey that yields is on one
-!> of the branches of `storey_springs.f90`.
+!> The roof's own mass and the stiffness of the storey below it are the frame of `equation_t` (gamma
+!> and omega_s); a storey that yields is on one of the branches of `yielding_storeys`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_motion, frame_travel, &
@@ -119,9 +118,8 @@ contains
       real(wp), intent(inout) :: moment
       real(wp), intent(inout) :: y_dot(equation%n)
 
-      moment = moment - frame_mass(equation)*(equation%excited_mass_ratio - &
-         1)*kin%lever*equation%side &
-         *ground(equation, t)/equation%p%R
+      moment = moment - frame_mass(equation)*(equation%excited_mass_ratio - 1)*kin%lever &
+         *equation%side*ground(equation, t)/equation%p%R
    end subroutine add_excited_mass
 
    !> Power of that push [W/kg].
@@ -148,9 +146,14 @@ contains
 
       associate (floors => equation%floors, n => equation%floors%n, R => equation%p%R)
          force = resistance_to(floors, y, equation%side*R*kin%u, R*kin%j*y(2))
-         if (allocated(floors%laws)) call flow(floors, R*kin%j*y(2), y, y_dot)
          moment = moment - kin%lever*(equation%side*force(n)/R - floors%k(n)*kin%u)
          associate (first => floors%first)
+            if (allocated(floors%laws)) then
+               associate (laws => floors%laws, &
+                          v => [0.0_wp, y(first + n - 1:first + 2*n - 3), R*kin%j*y(2)])
+                  y_dot(laws%place) = (v(2:) - v(:n))/laws%u_y*kept_part(laws, y(laws%place))
+               end associate
+            end if
             y_dot(first:first + n - 2) = y(first + n - 1:first + 2*n - 3)
             y_dot(first + n - 1:first + 2*n - 3) = -force(:n - 1)/floors%m(:n - 1) &
                - ground(equation, t)
@@ -189,40 +192,15 @@ contains
       associate (n => floors%n, first => floors%first)
          u = [0.0_wp, y(first:first + n - 2), u_roof]
          shear = floors%slope*(u(1:) - u(:n - 1))
-         if (floors%yields) shear = shear + offsets(floors, y)
+         if (allocated(floors%laws)) then
+            shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
+         else if (floors%yields) then
+            shear = shear + floors%offset
+         end if
          force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
          force(:n - 1) = force(:n - 1) - shear(2:)
       end associate
    end function resistance_to
-
-   !> Shears of storeys that yield at no displacement [m/s2].
-   pure function offsets(floors, y) result(shears)
-      type(floors_t), intent(in) :: floors
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: shears(floors%n)
-
-      if (allocated(floors%laws)) then
-         shears = floors%laws%force_at_z1*y(floors%laws%place)
-      else
-         shears = floors%offset
-      end if
-   end function offsets
-
-   !> Rates of the hysteretic states of smooth storeys.
-   pure subroutine flow(floors, v_roof, y, y_dot)
-      type(floors_t), intent(in) :: floors
-      real(wp), intent(in) :: v_roof
-      !! [m/s]
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(inout) :: y_dot(:)
-      real(wp) :: v(0:floors%n)
-
-      associate (n => floors%n, first => floors%first, laws => floors%laws)
-         v = [0.0_wp, y(first + n - 1:first + 2*n - 3), v_roof]
-         y_dot(laws%place) = (v(1:) - v(:n - 1))/laws%u_y*kept_part(laws, y(laws%place))
-      end associate
-   end subroutine flow
 
    !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
    !> storeys [m/s2].
@@ -260,8 +238,10 @@ contains
 
       n = size(v)
       u(0) = 0
-      u(1:n - 1) = y(equation%floors%first:equation%floors%first + n - 2)
-      v(:n - 1) = velocities(equation, y)
+      associate (first => equation%floors%first)
+         u(1:n - 1) = y(first:first + n - 2)
+         v(:n - 1) = y(first + n - 1:first + 2*n - 3)
+      end associate
       call frame_motion(equation, y, u(n), v(n))
    end subroutine floor_motion
 
@@ -282,17 +262,6 @@ contains
       call put(row, 'floor_{i}_m', u(1:n - 1))
       call put(row, 'storey_{i}_drift', (u(1:) - u(:n - 1))/equation%floors%height)
    end subroutine put_floors
-
-   !> Of the floors below the roof [m/s].
-   pure function velocities(equation, y) result(v)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      real(wp) :: v(size(equation%floors%m) - 1)
-
-      associate (first => equation%floors%first + size(v))
-         v = y(first:first + size(v) - 1)
-      end associate
-   end function velocities
 
    !> The floors move about as much as the roof; z is at most d/u_y and 1.
    subroutine storey_sizes(equation, size_guess, sizes)
@@ -351,7 +320,9 @@ contains
       integer :: n
 
       n = size(equation%floors%m)
-      power = -ground(equation, t)*dot_product(equation%floors%m(:n - 1), velocities(equation, y))
+      associate (first => equation%floors%first + n - 1)
+         power = -ground(equation, t)*dot_product(equation%floors%m(:n - 1), y(first:first + n - 2))
+      end associate
    end function storey_input
 
 end module rwmf_model_effects_storeys_shear_building

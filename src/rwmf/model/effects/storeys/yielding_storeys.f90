@@ -2,7 +2,7 @@
 !> the shear, the energy and what stays displaced.
 !>
 !> The displacement d_i = u_i - u_(i-1) of a storey is no function of the rotation alone. So the end
-!> of a branch is looked for in the states (`storey_search.f90`), storey by storey: elastic branches
+!> of a branch is looked for in the states (`simulation/events`), storey by storey: elastic branches
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
