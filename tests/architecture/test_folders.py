@@ -35,8 +35,8 @@ _CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, n
 _ONE_LANE = "part of a vectorised loop: what is passed stays in registers"
 _STEP = "the two ends of a step, one by one"
 LARGE: dict[str, str] = {
-    "rwmf_spectrum_fast_step_kernel:take_three": "a vectorised loop, its stages written out",
-    "rwmf_spectrum_fast_stage_kernel:state": _ONE_LANE,
+    "rwmf_spectrum_fast_step_kernel:step_three_stages": "a vectorised loop, its stages written out",
+    "rwmf_spectrum_fast_stage_kernel:state_at_node": _ONE_LANE,
     "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
     "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
     "rwmf_model_right_hand_sides:move_floors": "a loop over floors on plain arrays",
@@ -49,9 +49,6 @@ LARGE: dict[str, str] = {
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_kernel:describe": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_kernel:inventory": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_kernel:spectrum": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_reference:solve": _CALLER_IS_NO_FORTRAN,
 }
 

@@ -5,7 +5,7 @@ module rwmf_output_preview
    use rwmf_output_summary, only: joined, list_absent_effects, list_effects, summarise, &
       summary_item_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_case_group, only: case_group_t, event_name_length, state_name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    implicit none
@@ -50,8 +50,8 @@ contains
       !! of it
       character(:), allocatable, intent(out) :: text
       type(summary_item_t), allocatable :: items(:)
-      character(state_name_length), allocatable :: states(:)
-      character(event_name_length), allocatable :: events(:)
+      character(name_length), allocatable :: states(:)
+      character(name_length), allocatable :: events(:)
       integer :: i
 
       call list_states(case, states)
@@ -82,13 +82,13 @@ contains
    !> Unknowns of the equation of motion.
    subroutine list_states(case, names)
       type(case_t), intent(in) :: case
-      character(state_name_length), allocatable, intent(out) :: names(:)
+      character(name_length), allocatable, intent(out) :: names(:)
       !! (states)
       type(case_group_t), allocatable :: effects(:)
       integer :: i
 
-      names = [character(state_name_length) :: 'u_s_m', 'u_s_dot_m_s']
-      if (allocated(case%wall)) names = [character(state_name_length) :: 'theta_rad', &
+      names = [character(name_length) :: 'u_s_m', 'u_s_dot_m_s']
+      if (allocated(case%wall)) names = [character(name_length) :: 'theta_rad', &
          'theta_dot_rad_s']
       effects = all_effects()
       do i = 1, size(effects)
@@ -100,16 +100,16 @@ contains
    !> Events that are located, each once.
    subroutine list_events(case, names)
       type(case_t), intent(in) :: case
-      character(event_name_length), allocatable, intent(out) :: names(:)
+      character(name_length), allocatable, intent(out) :: names(:)
       !! (kinds)
-      character(event_name_length), allocatable :: found(:)
+      character(name_length), allocatable :: found(:)
       type(case_group_t), allocatable :: effects(:)
       integer :: i
 
-      found = [character(event_name_length) :: 'peak']
+      found = [character(name_length) :: 'peak']
       if (allocated(case%wall)) then
-         found = [character(event_name_length) :: 'peak', 'overturned']
-         if (case%wall%base == 'rocking') found = [character(event_name_length) :: 'impact', &
+         found = [character(name_length) :: 'peak', 'overturned']
+         if (case%wall%base == 'rocking') found = [character(name_length) :: 'impact', &
             'peak', 'lift_off', 'rest', 'overturned']
       end if
       effects = all_effects()

@@ -10,10 +10,10 @@ module rwmf_problem_case_group
    implicit none
    private
 
-   public :: case_group_t, state_name_length, event_name_length
+   public :: case_group_t, name_length
 
-   integer, parameter :: state_name_length = 24
-   integer, parameter :: event_name_length = 10
+   integer, parameter :: name_length = 24
+   !! of states and events
 
    !> A group. What is not associated does not apply.
    type :: case_group_t
@@ -69,11 +69,11 @@ module rwmf_problem_case_group
 
       !> Append names to a list.
       pure subroutine add_names_i(case, names)
-         import :: case_t
+         import :: case_t, name_length
          implicit none
          type(case_t), intent(in) :: case
          !! in which it is present
-         character(*), allocatable, intent(inout) :: names(:)
+         character(name_length), allocatable, intent(inout) :: names(:)
       end subroutine add_names_i
 
       !> Fail with `err_input` when the case has what an element cannot have.

@@ -2,7 +2,7 @@
 module rwmf_model_effects_fuse
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_problem_case, only: case_t, fuse_t
-   use rwmf_problem_case_group, only: case_group_t, event_name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: group_values_t, real_of
    use rwmf_problem_key, only: below_one, optional_key, positive, required
    use rwmf_problem_rules, only: check_period, fail_key
@@ -58,9 +58,9 @@ contains
 
    pure subroutine add_branch_event(case, names)
       type(case_t), intent(in) :: case
-      character(*), allocatable, intent(inout) :: names(:)
+      character(name_length), allocatable, intent(inout) :: names(:)
 
-      names = [character(event_name_length) :: names, 'branch']
+      names = [character(name_length) :: names, 'branch']
    end subroutine add_branch_event
 
    subroutine refuse_element(case, error)

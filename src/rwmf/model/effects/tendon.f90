@@ -3,7 +3,7 @@ module rwmf_model_effects_tendon
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_case_group, only: case_group_t, event_name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_key, real_of, &
       text_of
    use rwmf_problem_key, only: below_one, optional_key, positive
@@ -137,11 +137,11 @@ contains
 
    pure subroutine add_tendon_events(case, names)
       type(case_t), intent(in) :: case
-      character(*), allocatable, intent(inout) :: names(:)
+      character(name_length), allocatable, intent(inout) :: names(:)
 
-      if (allocated(case%cable%eta_y)) names = [character(event_name_length) :: names, 'branch']
+      if (allocated(case%cable%eta_y)) names = [character(name_length) :: names, 'branch']
       if (allocated(case%cable%rupture_strain)) then
-         names = [character(event_name_length) :: names, 'rupture']
+         names = [character(name_length) :: names, 'rupture']
       end if
    end subroutine add_tendon_events
 

@@ -3,7 +3,7 @@ module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_case_group, only: case_group_t, event_name_length, state_name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
       real_of, text_of
    use rwmf_problem_key, only: below_one, optional_key, positive
@@ -221,8 +221,8 @@ contains
    !> The smooth law has a state of its own: one for the frame, or one for each storey.
    pure subroutine add_hysteretic_states(case, names)
       type(case_t), intent(in) :: case
-      character(*), allocatable, intent(inout) :: names(:)
-      character(state_name_length), allocatable :: states(:)
+      character(name_length), allocatable, intent(inout) :: names(:)
+      character(name_length), allocatable :: states(:)
       logical :: is_full
       integer :: i
 
@@ -236,16 +236,16 @@ contains
             states(i) = 'z_'//trim(integer_to_text(i))
          end do
       else
-         states = [character(state_name_length) :: 'z']
+         states = [character(name_length) :: 'z']
       end if
-      names = [character(state_name_length) :: names, states]
+      names = [character(name_length) :: names, states]
    end subroutine add_hysteretic_states
 
    pure subroutine add_branch_event(case, names)
       type(case_t), intent(in) :: case
-      character(*), allocatable, intent(inout) :: names(:)
+      character(name_length), allocatable, intent(inout) :: names(:)
 
-      names = [character(event_name_length) :: names, 'branch']
+      names = [character(name_length) :: names, 'branch']
    end subroutine add_branch_event
 
    subroutine refuse_element(case, error)

@@ -3,7 +3,7 @@ module rwmf_model_effects_storeys_storeys
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_case_group, only: case_group_t, state_name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, real_of, &
       text_of
@@ -129,8 +129,8 @@ contains
    !> With all modes, displacements and velocities of the floors below the roof.
    pure subroutine add_floor_states(case, names)
       type(case_t), intent(in) :: case
-      character(*), allocatable, intent(inout) :: names(:)
-      character(state_name_length) :: states(size(case%storeys%frame%m) - 1, 2)
+      character(name_length), allocatable, intent(inout) :: names(:)
+      character(name_length) :: states(size(case%storeys%frame%m) - 1, 2)
       integer :: i
 
       if (case%storeys%coupling /= 'full') return
@@ -138,7 +138,7 @@ contains
          states(i, 1) = 'floor_'//trim(integer_to_text(i))//'_m'
          states(i, 2) = 'floor_'//trim(integer_to_text(i))//'_dot_m_s'
       end do
-      names = [character(state_name_length) :: names, states(:, 1), states(:, 2)]
+      names = [character(name_length) :: names, states(:, 1), states(:, 2)]
    end subroutine add_floor_states
 
    subroutine refuse_element(case, error)
