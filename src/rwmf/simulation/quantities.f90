@@ -119,8 +119,8 @@ module rwmf_simulation_quantities
       '`base = ''rocking''`', 'number of times that the wall lifts off from rest'), &
       quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run cost', 'wall', '', &
       '`base = ''rocking''`', 'whether the wall overturned'), &
-      quantity_t('e', 'e', '1', 'real', 'before', 'run', 'wall', '', '`base = ''rocking''`', &
-      'velocity factor at impact'), &
+      quantity_t('e', 'e', '1', 'real', 'before', 'run', 'wall', '', &
+      '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run', 'wall', '', &
       '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
       quantity_t('T_s_s', '', 's', 'real', 'before', 'run spectrum', 'frame', '', &
