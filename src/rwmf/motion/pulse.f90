@@ -3,7 +3,7 @@
 !> Beside a vertical record a pulse needs more knots than its own, and more is asked of it: the
 !> resting wall bears the horizontal motion less a straight line, which turns where the slope of the
 !> pulse is that of the line (`steep_time`).
-module rwmf_motion_pulse_curve
+module rwmf_motion_pulse
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_polyline, only: next_extremum
    use rwmf_motion_pulse_shape, only: amplitude_of, angular_frequency, build_pulse, cut_times, &
@@ -196,4 +196,4 @@ contains
       end do
    end function steep_time_of_pulse
 
-end module rwmf_motion_pulse_curve
+end module rwmf_motion_pulse

@@ -1,0 +1,94 @@
+!> C binding of a whole simulation: include/rwmf.h.
+module rwmf_bindings_c_run
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
+      c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
+   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of
+   use rwmf_bindings_c_strings, only: put_message, put_text
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_version, only: version
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
+   implicit none
+   private
+
+   public :: c_version, c_run, c_run_case
+
+   !> `rwmf_result` of the header.
+   type, bind(c) :: c_result_t
+      real(c_double) :: u_s_max
+      real(c_double) :: theta_max
+      real(c_double) :: theta_dot_max
+      real(c_double) :: cable_increment_max
+      real(c_double) :: t_end
+      integer(c_int64_t) :: impacts
+      integer(c_int64_t) :: lift_offs
+      integer(c_int64_t) :: steps
+      integer(c_int32_t) :: overturned
+   end type c_result_t
+
+contains
+
+   !> `rwmf_version`.
+   subroutine c_version(text, size) bind(c, name='rwmf_version')
+      type(c_ptr), value :: text
+      integer(c_size_t), value :: size
+
+      call put_text(version, text, size)
+   end subroutine c_version
+
+   !> `rwmf_run`.
+   integer(c_int) function c_run(namelist, result, message, size) bind(c, name='rwmf_run')
+      type(c_ptr), value :: namelist
+      type(c_ptr), value :: result
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(c_ptr), target :: case
+
+      case = c_null_ptr
+      c_run = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      if (c_run == 0) c_run = c_run_case(case, result, message, size)
+      call c_destroy_case(c_loc(case))
+   end function c_run
+
+   !> `rwmf_run_case`.
+   integer(c_int) function c_run_case(handle, result, message, size) bind(c, name='rwmf_run_case')
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: result
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t), pointer :: case
+      type(c_result_t), pointer :: place
+      type(result_t) :: found
+      type(error_t), allocatable :: error
+
+      call case_of(handle, case, error)
+      if (.not. allocated(error) .and. .not. c_associated(result)) then
+         call fail(error, err_input, 'the address for the result is NULL')
+      end if
+      if (.not. allocated(error)) call simulate(case, found, error)
+      if (.not. allocated(error)) then
+         call c_f_pointer(result, place)
+         call fill_result(found, place)
+      end if
+      c_run_case = put_message(error, message, size)
+   end function c_run_case
+
+   subroutine fill_result(found, result)
+      type(result_t), intent(in) :: found
+      type(c_result_t), intent(out) :: result
+      real(c_double) :: nan
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      result = c_result_t(nan, nan, nan, nan, found%t_end, found%impacts, found%lift_offs, &
+         found%steps, merge(1_c_int32_t, 0_c_int32_t, found%overturned))
+      if (allocated(found%u_s_max)) result%u_s_max = found%u_s_max
+      if (allocated(found%theta_max)) result%theta_max = max(found%theta_max, -found%theta_min)
+      if (allocated(found%theta_dot_max)) result%theta_dot_max = found%theta_dot_max
+      if (allocated(found%cable_increment_max)) then
+         result%cable_increment_max = found%cable_increment_max
+      end if
+   end subroutine fill_result
+
+end module rwmf_bindings_c_run
