@@ -8,6 +8,7 @@ module rwmf_simulation_held_wall
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_rest, only: inverse_inertia, lifts, pressing_acceleration
@@ -202,26 +203,21 @@ contains
       real(wp), intent(in) :: before
       integer, intent(inout) :: side
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: low
-      real(wp) :: middle
+      type(bracket_t) :: bracket
       real(wp) :: y(equation%n)
       integer :: side_there
 
-      low = before
-      do while (hybrid%t - low > spacing(hybrid%t))
-         middle = low + (hybrid%t - low)/2
-         if (middle <= low .or. middle >= hybrid%t) exit
-         call integrator%state_at(middle, y, error)
+      bracket = bracket_between(before, hybrid%t, spacings=1)
+      do while (bracket%is_open)
+         call integrator%state_at(bracket%middle, y, error)
          if (allocated(error)) return
-         side_there = lifting_side(drives(equation, middle, y), equation%threshold)
-         if (side_there == 0) then
-            low = middle
-         else
-            hybrid%t = middle
-            hybrid%y(:) = y
-            side = side_there
-         end if
+         side_there = lifting_side(drives(equation, bracket%middle, y), equation%threshold)
+         call narrow(bracket, side_there /= 0)
+         if (side_there == 0) cycle
+         hybrid%y(:) = y
+         side = side_there
       end do
+      hybrid%t = bracket%high
       call find_uplift_acceleration(equation, hybrid%y)
    end subroutine refine
 

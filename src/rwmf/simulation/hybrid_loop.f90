@@ -9,6 +9,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_assembly, only: cable_at, enter_interval, equation_t, interval_of, &
       second_derivative
    use rwmf_model_cable, only: cable_state_t
@@ -206,27 +207,20 @@ contains
       type(equation_t), intent(in) :: equation
       class(integrator_t), intent(inout) :: integrator
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: low
+      type(bracket_t) :: bracket
       real(wp) :: high
-      real(wp) :: middle
       real(wp) :: y(equation%n)
 
       ! forces grow with the stroke: what they are on the base mostly says that all is well
       if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
       if (.not. stands_on_fuses(equation, hybrid%y(1))) return
-      low = integrator%t0
-      high = hybrid%t
-      do
-         middle = low + (high - low)/2
-         if (middle <= low .or. middle >= high) exit
-         call integrator%state_at(middle, y, error)
+      bracket = bracket_between(integrator%t0, hybrid%t)
+      do while (bracket%is_open)
+         call integrator%state_at(bracket%middle, y, error)
          if (allocated(error)) return
-         if (stands_on_fuses(equation, y(1))) then
-            high = middle
-         else
-            low = middle
-         end if
+         call narrow(bracket, stands_on_fuses(equation, y(1)))
       end do
+      high = bracket%high
       !$omp critical (rwmf_text)
       call fail(error, err_numerical, 'the wall stands on its fuses at t = '//real_to_text(high) &
          //' s: drawn out before, both together push it up with more than weight and cable, and ' &

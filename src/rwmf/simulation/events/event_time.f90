@@ -4,12 +4,13 @@ module rwmf_simulation_events_event_time
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow, stationary_point
    use rwmf_model_assembly, only: equation_t, interval_of, rhs, second_derivative
    use rwmf_motion_ground_motion, only: interval_end, turning_point
    implicit none
    private
 
-   public :: find_event_time, count_parts, find_reversal, stationary_point
+   public :: find_event_time, count_parts, find_reversal
 
    integer, parameter :: most_iterations = 200
    !! a bisection of the whole range of exponents takes fewer
@@ -42,9 +43,8 @@ contains
       real(wp), intent(out) :: y(:)
       !! (states) there
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: low
-      real(wp) :: high
-      !! bracket [s]
+      type(bracket_t) :: bracket
+      !! [s]
       real(wp) :: g
       real(wp) :: correction
       real(wp) :: y_dot(size(y))
@@ -52,8 +52,7 @@ contains
       !! y - level is positive at t_a, or zero there and negative at t_b
       integer :: i
 
-      low = t_a
-      high = t_b
+      bracket = bracket_between(t_a, t_b, spacings=2)
       is_falling = y_a(component) > level &
          .or. (y_a(component) >= level .and. y_b(component) < level)
       t = first_guess(equation, component, level, t_a, y_a, t_b, y_b)
@@ -62,12 +61,8 @@ contains
          if (allocated(error)) return
          g = y(component) - level
          if (abs(g) <= tiny(g)) return
-         if ((g > 0) .eqv. is_falling) then
-            low = t
-         else
-            high = t
-         end if
-         if (high - low <= 2*spacing(high)) exit
+         call narrow(bracket, (g > 0) .neqv. is_falling, t)
+         if (.not. bracket%is_open) exit
          call rhs(equation, t, y, y_dot)
          correction = newton_correction(g, y_dot(component))
          if (abs(correction) <= sqrt(epsilon(g))/10*(t_b - t_a) .and. t + correction >= t_a &
@@ -76,13 +71,9 @@ contains
             y = y + correction*y_dot
             return
          end if
-         if (t + correction > low .and. t + correction < high) then
-            t = t + correction
-         else
-            t = low + (high - low)/2
-         end if
+         t = keep_inside(bracket, t + correction)
       end do
-      t = high
+      t = bracket%high
       call integrator%state_at(t, y, error)
       if (allocated(error)) return
       ! A few spacings of the time are not nothing to a flight of a hundred: without this its impact
@@ -215,24 +206,5 @@ contains
       if (allocated(error)) return
       found = y(2)*(y_a(2) + y_b(2)) < 0
    end subroutine find_reversal
-
-   !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
-   pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
-      real(wp), intent(in) :: v_0
-      real(wp), intent(in) :: s_0
-      real(wp), intent(in) :: v_1
-      real(wp), intent(in) :: s_1
-      real(wp) :: a
-      real(wp) :: b
-      real(wp) :: root
-
-      ! Slope of the cubic: a x**2 + 2 b x + s_0.
-      a = 3*(s_0 + s_1 - 2*(v_1 - v_0))
-      b = 3*(v_1 - v_0) - 2*s_0 - s_1
-      root = sqrt(max(0.0_wp, b**2 - a*s_0))
-      ! The slopes differ in sign, so exactly one root lies inside; this form never cancels there.
-      x = s_0/(-b + sign(root, s_0))
-      if (.not. (x >= 0 .and. x <= 1)) x = s_0/(s_0 - s_1)
-   end function stationary_point
 
 end module rwmf_simulation_events_event_time

@@ -6,6 +6,7 @@ module rwmf_simulation_events_storey_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
@@ -331,9 +332,6 @@ contains
    end subroutine find_turn
 
    !> Where displacement or rate of a storey passes a level, to round-off of the time.
-   !>
-   !> The secant between the ends of a bracket; an end that stays counts half the next time
-   !> (Illinois), so that both ends close in.
    subroutine find_root(equation, integrator, storey, which, level, a, b, t, error)
       type(equation_t), intent(in) :: equation
       class(integrator_t), intent(inout) :: integrator
@@ -348,36 +346,21 @@ contains
       real(wp), intent(out) :: t
       !! [s]
       type(error_t), allocatable, intent(out) :: error
-      integer, parameter :: most_iterations = 200
+      type(secant_t) :: secant
       type(moment_t) :: now
-      real(wp) :: time(2)
-      !! ends of the bracket [s]
-      real(wp) :: g(2)
-      real(wp) :: g_now
-      integer :: last
-      !! end that was replaced last
-      integer :: i, k
+      real(wp) :: g
 
-      time = [a%t, b%t]
-      g = [a%motion(storey, which), b%motion(storey, which)] - level
-      last = 0
-      do i = 1, most_iterations
-         t = time(2)
-         if (time(2) - time(1) <= 2*spacing(time(2))) return
-         t = time(1) + (time(2) - time(1))*(g(1)/(g(1) - g(2)))
-         if (.not. (t > time(1) .and. t < time(2)) .or. mod(i, 8) == 0) then
-            t = time(1) + (time(2) - time(1))/2
-         end if
+      secant = secant_between([a%t, b%t], &
+         [a%motion(storey, which), b%motion(storey, which)] - level)
+      do while (secant%is_open)
+         t = secant%next
          call sample_storeys(equation, integrator, t, now, error)
          if (allocated(error)) return
-         g_now = now%motion(storey, which) - level
-         if (abs(g_now) <= 0) return
-         k = merge(1, 2, g_now*sign(1.0_wp, g(1)) > 0)
-         time(k) = t
-         g(k) = g_now
-         if (k == last) g(3 - k) = g(3 - k)/2
-         last = k
+         g = now%motion(storey, which) - level
+         if (abs(g) <= 0) return
+         call close_in(secant, g)
       end do
+      t = secant%x(2)
    end subroutine find_root
 
    !> The storeys at a time of the last step.

@@ -9,6 +9,8 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, climb, maximum_between, maximum_t, &
+      narrow, vertex_of_parabola
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
@@ -206,6 +208,8 @@ contains
       class(integrator_t), intent(inout), optional :: integrator
       real(wp), parameter :: margin = 0.25_wp
       !! of the range of the samples, beyond the largest of them: more than they can miss
+      type(maximum_t) :: search
+      real(wp) :: at_point(n_quantities)
       real(wp) :: vertex
       integer :: best
       integer :: k
@@ -217,94 +221,15 @@ contains
       k = min(max(best, 2), n_nodes - 1)
       vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
       if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) return
-      call maximise_brent(forces, equation, q, [t(k - 1), t(k + 1)], vertex, t_peak, error, &
-         integrator)
-   end subroutine refine
-
-   !> Maximum inside a bracket by Brent's method: parabolas, golden sections where they fail.
-   subroutine maximise_brent(forces, equation, q, bracket, t_start, t_peak, error, integrator)
-      type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: q
-      real(wp), intent(in) :: bracket(2)
-      real(wp), intent(in) :: t_start
-      !! inside the bracket
-      real(wp), intent(out) :: t_peak
-      type(error_t), allocatable, intent(out) :: error
-      class(integrator_t), intent(inout), optional :: integrator
-      integer, parameter :: most_iterations = 60
-      real(wp), parameter :: golden = (3 - sqrt(5.0_wp))/2
-      real(wp) :: low, high
-      real(wp) :: x(3)
-      !! the best three points, best first [s]
-      real(wp) :: f(3)
-      real(wp) :: all_values(n_quantities)
-      real(wp) :: smallest
-      !! distance that matters [s]
-      real(wp) :: step, before_last
-      real(wp) :: t
-      integer :: i
-
-      low = bracket(1)
-      high = bracket(2)
-      smallest = max(sqrt(epsilon(1.0_wp))*(high - low), 4*spacing(high))
-      t = t_start
-      step = high - low
-      before_last = step
-      do i = 1, most_iterations
-         call sample(equation, t, all_values, error, integrator)
+      search = maximum_between(t(k - 1), t(k + 1), vertex)
+      do while (search%is_open)
+         call sample(equation, search%next, at_point, error, integrator)
          if (allocated(error)) return
-         call keep_largest(forces, t, all_values)
-         if (i == 1) then
-            x = t
-            f = all_values(q)
-         else
-            call insert(t, all_values(q), x, f, low, high)
-         end if
-         t_peak = x(1)
-         ! the pivot lifts here: no demand is larger
-         if (f(1) >= huge(f)) return
-         if (max(x(1) - low, high - x(1)) <= 2*smallest) return
-         t = vertex_of_parabola(x, f)
-         if (.not. (t > low + smallest .and. t < high - smallest &
-            .and. abs(t - x(1)) < before_last/2)) then
-            t = x(1) + golden*(merge(low, high, x(1) > (low + high)/2) - x(1))
-         end if
-         before_last = step
-         step = abs(t - x(1))
-         if (step < smallest) t = x(1) + sign(smallest, merge(low, high, x(1) - low > high - x(1)) &
-            - x(1))
+         call keep_largest(forces, search%next, at_point)
+         call climb(search, at_point(q))
       end do
-   end subroutine maximise_brent
-
-   !> Let a new point take its rank among the best three, and tighten the bracket.
-   pure subroutine insert(t, value, x, f, low, high)
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: value
-      real(wp), intent(inout) :: x(3)
-      real(wp), intent(inout) :: f(3)
-      real(wp), intent(inout) :: low
-      real(wp), intent(inout) :: high
-      real(wp) :: worse
-
-      worse = t
-      if (value >= f(1)) worse = x(1)
-      if (value >= f(1) .neqv. t > x(1)) then
-         high = max(t, x(1))
-      else
-         low = min(t, x(1))
-      end if
-      if (value >= f(1)) then
-         x = [t, x(:2)]
-         f = [value, f(:2)]
-      else if (value >= f(2) .or. abs(x(2) - x(1)) <= 0) then
-         x = [x(1), t, x(2)]
-         f = [f(1), value, f(2)]
-      else if (value >= f(3) .or. abs(x(3) - x(1)) <= 0 .or. abs(x(3) - x(2)) <= 0) then
-         x(3) = t
-         f(3) = value
-      end if
-   end subroutine insert
+      t_peak = search%x(1)
+   end subroutine refine
 
    !> Bisect to the instant at which the demand passes the limit.
    subroutine find_exceedance(forces, equation, t_below, t_above, error, integrator)
@@ -317,23 +242,15 @@ contains
       type(error_t), allocatable, intent(out) :: error
       class(integrator_t), intent(inout), optional :: integrator
       real(wp) :: found(n_quantities)
-      real(wp) :: low
-      real(wp) :: high
-      real(wp) :: middle
+      type(bracket_t) :: bracket
 
-      low = t_below
-      high = t_above
-      do while (high - low > 2*spacing(high))
-         middle = low + (high - low)/2
-         call sample(equation, middle, found, error, integrator)
+      bracket = bracket_between(t_below, t_above, spacings=2)
+      do while (bracket%is_open)
+         call sample(equation, bracket%middle, found, error, integrator)
          if (allocated(error)) return
-         if (found(demand) > forces%limit) then
-            high = middle
-         else
-            low = middle
-         end if
+         call narrow(bracket, found(demand) > forces%limit)
       end do
-      forces%t_exceeded = high
+      forces%t_exceeded = bracket%high
    end subroutine find_exceedance
 
    !> What is to be maximised, at one instant.
@@ -376,19 +293,5 @@ contains
       end where
       forces%smallest = min(forces%smallest, found)
    end subroutine keep_largest
-
-   !> Where the parabola through three points is stationary, when it has a maximum; else not a
-   !> number that lies between them.
-   pure real(wp) function vertex_of_parabola(x, f) result(vertex)
-      real(wp), intent(in) :: x(3)
-      real(wp), intent(in) :: f(3)
-      real(wp) :: p
-      real(wp) :: q
-
-      p = (x(2) - x(1))**2*(f(2) - f(3)) - (x(2) - x(3))**2*(f(2) - f(1))
-      q = 2*((x(2) - x(1))*(f(2) - f(3)) - (x(2) - x(3))*(f(2) - f(1)))
-      vertex = huge(vertex)
-      if (abs(p) < abs(q)*sqrt(huge(p))) vertex = x(2) - p/q
-   end function vertex_of_parabola
 
 end module rwmf_simulation_recorder_reaction_extremes

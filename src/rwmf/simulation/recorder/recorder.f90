@@ -5,6 +5,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: stationary_point
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
       kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
@@ -16,7 +17,6 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: acceleration, vertical_acceleration
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_event_time, only: stationary_point
    use rwmf_simulation_recorder_energy_balance, only: energy_names, energy_values, integrate_powers
    use rwmf_simulation_recorder_reaction_columns, only: force_columns, force_values
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, observe_last, &
