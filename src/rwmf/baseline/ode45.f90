@@ -252,10 +252,8 @@ contains
       type(problem_t), intent(inout) :: scene
       type(step_t), intent(in) :: step
       logical, intent(out) :: hit
-      real(wp) :: left
+      real(wp) :: left, resolution
       !! [s]
-      real(wp) :: right
-      real(wp) :: resolution
       type(secant_t) :: secant
       real(wp) :: y(2)
       real(wp) :: side
@@ -263,8 +261,7 @@ contains
       hit = .false.
       if (.not. scene%equation%has_wall) return
       left = step%t
-      right = scene%t
-      resolution = min(128*max(spacing(left), spacing(right)), right - left)
+      resolution = min(128*max(spacing(left), spacing(scene%t)), scene%t - left)
       y = step%y
       if (abs(y(1)) <= 0) then
          left = left + resolution/2
@@ -273,7 +270,7 @@ contains
       hit = y(1)*step%y_new(1) < 0 .or. (abs(y(1)) > 0 .and. abs(step%y_new(1)) <= 0)
       if (.not. hit) return
       side = sign(1.0_wp, y(1))
-      secant = secant_between([left, right], [y(1), step%y_new(1)], resolution)
+      secant = secant_between([left, scene%t], [y(1), step%y_new(1)], resolution)
       do while (secant%is_open)
          y = state_inside(step, secant%next)
          call close_in(secant, y(1))

@@ -17,7 +17,7 @@ module rwmf_embedding_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_equation, only: equation_t
@@ -275,14 +275,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_iterations = 100
       type(bracket_t) :: bracket
-      real(wp) :: low
       real(wp) :: rest
       real(wp) :: step
       integer :: i
 
-      low = -element%largest_angle
-      if (element%equation%has_impacts) low = max(-element%equation%p%alpha, low)
-      bracket = bracket_between(low, element%largest_angle, spacings=4)
+      bracket = bracket_between(-min(element%largest_angle, merge(element%equation%p%alpha, &
+         huge(phi), element%equation%has_impacts)), element%largest_angle)
       phi = 0
       do i = 1, most_iterations
          kin = kinematics_of(element, side, phi)
@@ -291,7 +289,7 @@ contains
          step = rest/kin%j
          if (abs(step) <= 2*spacing(phi) .or. abs(rest) <= tiny(rest)) return
          phi = keep_inside(bracket, phi + step)
-         if (.not. bracket%is_open) exit
+         if (.not. is_wider(bracket, 4)) exit
       end do
       if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > bracket%low) return
       !$omp critical (rwmf_text)

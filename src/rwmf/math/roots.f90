@@ -6,7 +6,7 @@ module rwmf_math_roots
    implicit none
    private
 
-   public :: bracket_t, bracket_between, narrow, keep_inside
+   public :: bracket_t, bracket_between, narrow, is_wider, keep_inside
    public :: secant_t, secant_between, close_in
    public :: maximum_t, maximum_between, climb, vertex_of_parabola
    public :: stationary_point
@@ -21,23 +21,15 @@ module rwmf_math_roots
    !> Newton's method narrows it at its own points, `narrow(bracket, is_beyond, x)`, and asks
    !> `keep_inside` for the next one.
    type :: bracket_t
-      real(wp) :: low
-      !! before the passage
-      real(wp) :: high
-      !! beyond it
+      real(wp) :: low, high
+      !! before the passage and beyond it
       real(wp) :: middle
       logical :: is_open
-      !! numbers lie between the ends, which are more than `spacings` apart
-      integer :: spacings
-      !! of the numbers at `high`
+      !! numbers lie between the ends
    end type bracket_t
 
-   !> An interval at whose ends a function has different signs, for regula falsi by Illinois' rule:
-   !>
-   !>    secant = secant_between([low, high], [f(low), f(high)])
-   !>    do while (secant%is_open)
-   !>       call close_in(secant, f(secant%next))
-   !>    end do
+   !> An interval at whose ends a function has different signs, for regula falsi: while it is open,
+   !> `close_in` takes the value at `next`.
    type :: secant_t
       real(wp) :: x(2)
       !! ends
@@ -45,21 +37,13 @@ module rwmf_math_roots
       !! where the function is wanted
       logical :: is_open
       !! the ends are farther apart than wanted
-      real(wp), private :: f(2)
-      !! values at the ends; one that stays counts half
-      real(wp), private :: resolution
-      integer, private :: last = 0
-      !! end that was replaced last
-      integer, private :: count = 0
-      !! of the points so far
+      real(wp), private :: f(2), resolution
+      !! values at the ends, of which one that stays counts half; distance of the ends that suffices
+      integer, private :: last = 0, count = 0
+      !! end that was replaced last, number of points so far
    end type secant_t
 
-   !> Search for a maximum by Brent's method:
-   !>
-   !>    search = maximum_between(low, high, start)
-   !>    do while (search%is_open)
-   !>       call climb(search, f(search%next))
-   !>    end do
+   !> Search for a maximum by Brent's method: while it is open, `climb` takes the value at `next`.
    type :: maximum_t
       real(wp) :: next
       !! where the function is wanted
@@ -67,14 +51,10 @@ module rwmf_math_roots
       !! the best three points, best first
       logical :: is_open = .true.
       !! x(1) is not yet known to a part sqrt(epsilon) of the interval
-      real(wp), private :: f(3)
-      real(wp), private :: low
-      real(wp), private :: high
+      real(wp), private :: f(3), low, high, step, before_last
+      !! values at x; bracket; the last two steps
       real(wp), private :: smallest
       !! distance that matters
-      real(wp), private :: step
-      real(wp), private :: before_last
-      !! last steps
       integer, private :: count = 0
       !! of the points so far
    end type maximum_t
@@ -82,16 +62,10 @@ module rwmf_math_roots
 contains
 
    !> Begin to narrow an interval.
-   pure type(bracket_t) function bracket_between(low, high, spacings) result(bracket)
-      real(wp), intent(in) :: low
-      real(wp), intent(in) :: high
-      integer, intent(in), optional :: spacings
-      !! of the numbers, which the ends may be apart in the end; absent: they become neighbours
+   pure type(bracket_t) function bracket_between(low, high) result(bracket)
+      real(wp), intent(in) :: low, high
 
-      bracket%low = low
-      bracket%high = high
-      bracket%spacings = 0
-      if (present(spacings)) bracket%spacings = spacings
+      bracket = bracket_t(low, high, low, .false.)
       call find_middle(bracket)
    end function bracket_between
 
@@ -103,13 +77,11 @@ contains
       real(wp), intent(in), optional :: x
       !! the point; absent: the middle
 
-      if (.not. present(x)) then
-         if (is_beyond) bracket%high = bracket%middle
-         if (.not. is_beyond) bracket%low = bracket%middle
-      else if (is_beyond) then
-         bracket%high = x
+      if (present(x)) bracket%middle = x
+      if (is_beyond) then
+         bracket%high = bracket%middle
       else
-         bracket%low = x
+         bracket%low = bracket%middle
       end if
       call find_middle(bracket)
    end subroutine narrow
@@ -117,13 +89,18 @@ contains
    pure subroutine find_middle(bracket)
       type(bracket_t), intent(inout) :: bracket
 
-      associate (low => bracket%low, high => bracket%high, middle => bracket%middle)
-         middle = low + (high - low)/2
-         bracket%is_open = middle > low .and. middle < high
-         if (bracket%spacings > 0) bracket%is_open = bracket%is_open &
-            .and. high - low > bracket%spacings*spacing(high)
-      end associate
+      bracket%middle = bracket%low + (bracket%high - bracket%low)/2
+      bracket%is_open = bracket%middle > bracket%low .and. bracket%middle < bracket%high
    end subroutine find_middle
+
+   !> Are the ends, which need not become neighbours, still more than so many spacings apart?
+   pure logical function is_wider(bracket, spacings)
+      type(bracket_t), intent(in) :: bracket
+      integer, intent(in) :: spacings
+      !! of the numbers at `high`
+
+      is_wider = bracket%is_open .and. bracket%high - bracket%low > spacings*spacing(bracket%high)
+   end function is_wider
 
    !> The point itself where it lies inside a bracket, else the middle.
    pure real(wp) function keep_inside(bracket, x, may_be_end) result(inside)
@@ -141,10 +118,8 @@ contains
 
    !> Begin with regula falsi.
    pure type(secant_t) function secant_between(x, f, resolution) result(secant)
-      real(wp), intent(in) :: x(2)
-      !! ends
-      real(wp), intent(in) :: f(2)
-      !! values of different sign there
+      real(wp), intent(in) :: x(2), f(2)
+      !! ends, and values of different sign there
       real(wp), intent(in), optional :: resolution
       !! distance of the ends that suffices, where it is more than two spacings of the numbers
 
@@ -175,13 +150,11 @@ contains
    !> that is no place inside, and every eighth time.
    pure subroutine find_next(secant)
       type(secant_t), intent(inout) :: secant
-      integer, parameter :: most_points = 200
       real(wp) :: width
 
       width = secant%x(2) - secant%x(1)
       secant%count = secant%count + 1
-      secant%is_open = width > max(secant%resolution, 2*spacing(secant%x(2))) &
-         .and. secant%count <= most_points
+      secant%is_open = width > max(secant%resolution, 2*spacing(secant%x(2)))
       associate (f => secant%f, margin => secant%resolution/2)
          secant%next = secant%x(1) + min(max(width*(f(1)/(f(1) - f(2))), margin), width - margin)
       end associate
@@ -191,8 +164,7 @@ contains
 
    !> Begin to search for a maximum.
    pure type(maximum_t) function maximum_between(low, high, start) result(search)
-      real(wp), intent(in) :: low
-      real(wp), intent(in) :: high
+      real(wp), intent(in) :: low, high
       real(wp), intent(in) :: start
       !! inside
 
@@ -262,10 +234,8 @@ contains
 
    !> Where the parabola through three points is stationary; `huge` for a straight line.
    pure real(wp) function vertex_of_parabola(x, f) result(vertex)
-      real(wp), intent(in) :: x(3)
-      real(wp), intent(in) :: f(3)
-      real(wp) :: p
-      real(wp) :: q
+      real(wp), intent(in) :: x(3), f(3)
+      real(wp) :: p, q
 
       p = (x(2) - x(1))**2*(f(2) - f(3)) - (x(2) - x(3))**2*(f(2) - f(1))
       q = 2*((x(2) - x(1))*(f(2) - f(3)) - (x(2) - x(3))*(f(2) - f(1)))
@@ -275,13 +245,8 @@ contains
 
    !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
    pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
-      real(wp), intent(in) :: v_0
-      real(wp), intent(in) :: s_0
-      real(wp), intent(in) :: v_1
-      real(wp), intent(in) :: s_1
-      real(wp) :: a
-      real(wp) :: b
-      real(wp) :: root
+      real(wp), intent(in) :: v_0, s_0, v_1, s_1
+      real(wp) :: a, b, root
 
       ! Slope of the cubic: a x**2 + 2 b x + s_0.
       a = 3*(s_0 + s_1 - 2*(v_1 - v_0))

@@ -5,7 +5,7 @@
 !> vertical record makes one that turns where their slopes meet (`drive_turns`).
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until, steep_point, &
       turning_point
@@ -128,8 +128,8 @@ contains
       !! a time after lift-off [s]
       type(bracket_t) :: bracket
 
-      bracket = bracket_between(t, t_end, spacings=1)
-      do while (bracket%is_open)
+      bracket = bracket_between(t, t_end)
+      do while (is_wider(bracket, 1))
          call narrow(bracket, &
             lifts(lift_off_drive(equation, side, interval, bracket%middle), equation%threshold))
       end do
@@ -143,8 +143,7 @@ contains
       real(wp), intent(in) :: t_begin
       !! a time at which it pulls [s]
       type(bracket_t) :: bracket
-      real(wp) :: low
-      real(wp) :: high
+      real(wp) :: low, high
 
       duration = huge(duration)
       high = t_begin
@@ -155,8 +154,8 @@ contains
          high = drive_turns(equation, interval_of(equation), low)
          if (lift_off_drive(equation, equation%side, interval_of(equation), high) <= 0) exit
       end do
-      bracket = bracket_between(low, high, spacings=4)
-      do while (bracket%is_open .and. bracket%high - bracket%low &
+      bracket = bracket_between(low, high)
+      do while (is_wider(bracket, 4) .and. bracket%high - bracket%low &
           > 1.0e-3_wp*(bracket%low - t_begin))
          call narrow(bracket, &
             lift_off_drive(equation, equation%side, interval_of(equation), bracket%middle) <= 0)

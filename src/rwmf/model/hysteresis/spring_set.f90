@@ -445,8 +445,7 @@ contains
       theta = -theta
       if (x <= minval(at_ends)) return
       do while (bracket%is_open)
-         call narrow(bracket, &
-            direction*(elongation_of(equation, number, bracket%middle) - x) >= 0)
+         call narrow(bracket, direction*(elongation_of(equation, number, bracket%middle) - x) >= 0)
       end do
       theta = equation%side*bracket%high
    end function rotation_at
