@@ -53,7 +53,7 @@ program bare_cvode
    kernel = huge(kernel)
    do i = 1, repeats
       bare = min(bare, seconds_of_bare_loop(case%solver%rtol, u_bare, steps))
-      ! The kernel gives CVODE a quarter of the tolerance (src/sundials.f90).
+      ! The kernel gives CVODE a quarter of the tolerance (integrator/sundials/cvode.f90).
       equal = min(equal, seconds_of_bare_loop(0.25_wp*case%solver%rtol, u_equal, steps_equal))
       call simulate(case, result, error)
       if (allocated(error)) stop 1

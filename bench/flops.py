@@ -33,7 +33,7 @@ from spectra import RECORD, ROOT
 BATCH = ROOT / ".venv" / "bin" / "rwmf-batch"
 RTOL = 1e-7
 # the modules of the method
-PREFIX = "fast_"
+PREFIX = "spectrum_fast_"
 # name of an instruction: operation, packed or scalar, double
 _OPERATION = re.compile(r"^v?(add|sub|mul|div|sqrt|fn?m(?:add|sub)\d+)(p|s)d$")
 _MODULE = re.compile(r"__(?:rwmf_)?(\w+?)(?:_v\d)?_MOD_")

@@ -48,7 +48,7 @@ def _truth(record: Record, T_s: Array, quad: int) -> dict[float, Array]:
         for part in bands(T_s) if quad else []:
             for k in part[((np.arange(quad) + 0.5) * part.size / quad).astype(int)]:
                 one = case(record, *TRUTH).replace(frame={"gamma": gamma, "T_s": float(T_s[k])})
-                exact = _measure.solve_reference(one.text, one.kernel_source(), *QUAD)
+                exact = _measure.solve_reference(one, *QUAD)
                 worst = max(worst, abs(found[gamma][k] / exact.values["u_s_max_m"] - 1))
                 count += 1
     if count:

@@ -1,16 +1,16 @@
-/* A host in C: a wall that steps under samples and under a function, a step that is taken back, and
- * the wall as an element. */
+/* A host in C: a case that is read once, a wall of it that steps under samples and under a function,
+ * a step that is taken back, and the wall as an element. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "rwmf.h"
 
-static const char *scene = "&wall h = 2.0, b = 0.5, m_w = 2.0e4 /\n"
-                           "&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /\n"
-                           "&impact rule = 'coupled' /\n"
-                           "&model formulation = 'exact' /\n"
-                           "&solver method = 'dop853', t_end = 2.0 /\n";
+static const char *text = "&wall h = 2.0, b = 0.5, m_w = 2.0e4 /\n"
+                          "&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /\n"
+                          "&impact rule = 'coupled' /\n"
+                          "&model formulation = 'exact' /\n"
+                          "&solver method = 'dop853', t_end = 2.0 /\n";
 
 static char message[256];
 
@@ -28,6 +28,7 @@ int main(void) {
    const double dt = 0.02;
    double amplitude = 4;
    char version[32];
+   rwmf_case *scene = NULL;
    rwmf_wall *wall = NULL;
    rwmf_snapshot *before = NULL;
    rwmf_element *element = NULL;
@@ -38,7 +39,8 @@ int main(void) {
    size_t count, impacts = 0;
 
    rwmf_version(version, sizeof version);
-   check(rwmf_create(scene, 0, amplitude, &wall, message, sizeof message));
+   check(rwmf_read_case(text, NULL, &scene, message, sizeof message));
+   check(rwmf_create_from_case(scene, 0, amplitude, &wall, message, sizeof message));
    for (int i = 0; i < 90; i++) {
       const double t[2] = {i * dt, (i + 1) * dt};
       const double trial[2] = {0, 9};
@@ -55,7 +57,8 @@ int main(void) {
    if (impacts != (size_t)state.impacts) return 2;
 
    /* The element answers with the link's force to the motion that the wall made. */
-   check(rwmf_create_element(scene, &element, message, sizeof message));
+   check(rwmf_create_element_from_case(scene, &element, message, sizeof message));
+   rwmf_destroy_case(&scene);
    check(rwmf_respond(element, state.theta > 0 ? 1 : -1, state.u_s, state.u_s_dot, state.u_s_ddot,
                       pulse(state.t, &amplitude), &response, message, sizeof message));
    if (fabs(response.force + forces.link) > 1e-9 * fabs(forces.link)) return 3;

@@ -24,6 +24,7 @@ enum {
    RWMF_EVENT_OVERTURNED = 5
 };
 
+typedef struct rwmf_case rwmf_case;         /* a case that has been read */
 typedef struct rwmf_wall rwmf_wall;         /* a wall that steps */
 typedef struct rwmf_snapshot rwmf_snapshot; /* a saved state */
 typedef struct rwmf_element rwmf_element;   /* a wall without frame */
@@ -88,6 +89,24 @@ void rwmf_version(char *text, size_t size);
 
 /* One simulation of a case in namelist text. */
 int rwmf_run(const char *namelist, rwmf_result *result, char *message, size_t size);
+
+/* --- a case that is read once --- */
+
+/* Read and check a case, its records included. Relative paths in the text start from `folder` (NULL:
+ * the working folder). `*scene` has to be NULL. A case never changes: any number of threads may use
+ * it at once. What is made from it does not need it any more. */
+int rwmf_read_case(const char *namelist, const char *folder, rwmf_case **scene, char *message,
+                   size_t size);
+/* The same from a file; relative paths start from its folder. */
+int rwmf_read_case_file(const char *path, rwmf_case **scene, char *message, size_t size);
+/* Sets *scene to NULL. Safe to call twice. */
+void rwmf_destroy_case(rwmf_case **scene);
+/* As `rwmf_run`, and as `rwmf_create` and `rwmf_create_element` below. */
+int rwmf_run_case(const rwmf_case *scene, rwmf_result *result, char *message, size_t size);
+int rwmf_create_from_case(const rwmf_case *scene, double t_begin, double peak, rwmf_wall **wall,
+                          char *message, size_t size);
+int rwmf_create_element_from_case(const rwmf_case *scene, rwmf_element **element, char *message,
+                                  size_t size);
 
 /* --- a wall that steps --- */
 

@@ -1,7 +1,8 @@
 """The one place that knows the compiled kernel: buffers, handles, status numbers, Ctrl-C.
 
-Text enters the kernel as UTF-8 bytes and leaves it in byte buffers; results stay in the kernel
-behind a handle until they are released.
+Text enters the kernel as UTF-8 bytes and leaves it in byte buffers. Cases and results stay in the
+kernel behind a handle as long as Python refers to them, be it through an array alone: the large
+arrays are not copied.
 """
 
 from __future__ import annotations
@@ -24,8 +25,6 @@ from rwmf._reference import (
     rwmf_bindings_python_reference as reference_kernel,  # noqa: F401 (for _measure)
 )
 from rwmf._wire import (
-    FIRST_BUFFER,
-    decode,
     encode,
     fetch_text,
     message_buffer,
@@ -36,11 +35,11 @@ from rwmf._wire import (
 from rwmf.errors import Interrupted
 
 __all__ = [
+    "KernelCase",
     "Run",
     "Sweep",
-    "describe",
     "instruction_set",
-    "inventory",
+    "read_case",
     "schema",
     "start_simulation",
     "start_spectrum",
@@ -52,6 +51,8 @@ _T = TypeVar("_T")
 
 # how often the waiting thread looks for Ctrl-C and reports progress: well below 0.2 s
 _POLL_SECONDS = 0.05
+# scalars of a run that are fetched at once
+_FIRST_ROOM = 256
 
 
 def version() -> str:
@@ -87,7 +88,77 @@ def schema() -> list[list[str]]:
     return split_table(fetch_text(_kernel.schema))
 
 
-def describe(text: str, source: str) -> list[list[str]]:
+class _Memory:
+    """Memory of the kernel behind a handle, given back when nothing refers to it any more."""
+
+    __slots__ = ("handle",)
+
+    def __init__(self, handle: int) -> None:
+        self.handle = int(handle)
+
+    def __del__(self, release: Callable[[int], None] = _kernel.release) -> None:
+        release(self.handle)
+
+
+class _Array:
+    """What numpy needs to see an array of the kernel; the array keeps the memory alive."""
+
+    def __init__(self, memory: _Memory, address: int, shape: tuple[int, ...]) -> None:
+        self.memory = memory
+        # in C's order: the first index of Fortran, which runs fastest, is the last one here
+        self.__array_interface__ = {
+            "version": 3,
+            "typestr": np.dtype(np.float64).str,
+            "shape": tuple(int(n) for n in shape),
+            "data": (int(address), False),
+        }
+
+
+class KernelCase:
+    """A case as the kernel has read it: any number of threads may compute from it at once."""
+
+    def __init__(self, memory: _Memory) -> None:
+        self._memory = memory
+
+    @property
+    def handle(self) -> int:
+        """The handle, good as long as this object."""
+        return self._memory.handle
+
+    def describe(self) -> list[list[str]]:
+        """One row a value: ``group.key``, type, value, unit, ``given`` or ``default``."""
+        return split_table(fetch_text(_kernel.describe, self.handle))
+
+    def inventory(self) -> dict[str, list[str]]:
+        """List what the case will simulate and report.
+
+        Returns
+        -------
+        dict of str to list of str
+            ``effects``, ``absent`` (effects that are not simulated), ``states``, ``events``,
+            ``scalars``, and ``columns`` when there is a history.
+
+        Raises
+        ------
+        InputError, NumericalError
+            When the case cannot be simulated.
+        """
+
+        def call(buffer: npt.NDArray[np.int8]) -> int:
+            message = message_buffer()
+            length, status, n = _kernel.inventory(self.handle, buffer, message)
+            raise_for(status, message, n)
+            return length
+
+        rows = split_table(fetch_text(call))
+        return {word: [name for name in names if name] for word, *names in rows}
+
+    def end_of_motion(self) -> float:
+        """When the ground has come to rest, at the end of pulse or record; 0 without motion [s]."""
+        return float(_kernel.end_of_motion(self.handle))
+
+
+def read_case(text: str, source: str, known: KernelCase | None = None) -> KernelCase:
     """Read and validate a case.
 
     Parameters
@@ -97,70 +168,13 @@ def describe(text: str, source: str) -> list[list[str]]:
     source : str
         Path of its file, against whose folder the path of a record is resolved; '' when it was
         made in memory.
+    known : KernelCase, optional
+        Where both name the same record, its samples are taken and the file is not read again.
 
     Returns
     -------
-    list of list of str
-        One row a value: ``group.key``, type, value, unit, ``given`` or ``default``.
-
-    Raises
-    ------
-    InputError
-        When the case is not acceptable.
-    """
-    return split_table(_read_case(_kernel.describe, text, source))
-
-
-def inventory(text: str, source: str) -> dict[str, list[str]]:
-    """Read and validate a case, and list what it will simulate and report.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text.
-    source : str
-        Path of its file, as for `describe`.
-
-    Returns
-    -------
-    dict of str to list of str
-        ``effects``, ``absent`` (effects that are not simulated), ``states``, ``events``,
-        ``scalars``, and ``columns`` when there is a history.
-
-    Raises
-    ------
-    InputError, NumericalError
-        When the case is not acceptable.
-    """
-    rows = split_table(_read_case(_kernel.inventory, text, source))
-    return {word: [name for name in names if name] for word, *names in rows}
-
-
-def _read_case(procedure: Callable[..., tuple[int, int, int]], text: str, source: str) -> str:
-    """Text that a procedure makes of a case, with a buffer as large as it asks for."""
-    message = message_buffer()
-    size = FIRST_BUFFER
-    while True:
-        buffer = np.zeros(size, dtype=np.int8)
-        length, status, n = procedure(encode(text), encode(source), buffer, message)
-        raise_for(status, message, n)
-        if length <= size:
-            return decode(buffer, length)
-        size = int(length)
-
-
-def end_of_motion(text: str, source: str) -> float:
-    """Return when the ground of a case has come to rest [s].
-
-    Parameters
-    ----------
-    text, source : str
-        As for `describe`.
-
-    Returns
-    -------
-    float
-        End of the pulse or of the record, 0 without motion.
+    KernelCase
+        What all computations start from.
 
     Raises
     ------
@@ -168,31 +182,38 @@ def end_of_motion(text: str, source: str) -> float:
         When the case is not acceptable.
     """
     message = message_buffer()
-    t, status, n = _kernel.end_of_motion(encode(text), encode(source), message)
+    handle, status, n = _kernel.case_read(
+        encode(text), encode(source), 0 if known is None else known.handle, message
+    )
     raise_for(status, message, n)
-    return float(t)
+    return KernelCase(_Memory(handle))
 
 
-class _Handle:
-    """A result in the kernel's memory; leave the ``with`` block and it is released."""
+class _Result:
+    """A result in the kernel's memory; leave the ``with`` block and it is released.
 
-    _free: Callable[[int], None]
+    Arrays that show its memory keep it until they are gone as well.
+    """
 
-    def __init__(self, handle: int) -> None:
-        self._handle: int | None = int(handle)
+    def __init__(self, case: KernelCase, handle: int) -> None:
+        self._case = case
+        self._memory: _Memory | None = _Memory(handle)
+
+    @property
+    def memory(self) -> _Memory:
+        """The memory; an address in the kernel must never be used after its release."""
+        if self._memory is None:
+            raise RuntimeError("this result of the kernel has been released")
+        return self._memory
 
     @property
     def handle(self) -> int:
-        """The handle; an address in the kernel must never be used after its release."""
-        if self._handle is None:
-            raise RuntimeError("this result of the kernel has been released")
-        return self._handle
+        """The handle of the memory."""
+        return self.memory.handle
 
     def close(self) -> None:
-        """Release the kernel's memory; calling it twice does no harm."""
-        if self._handle is not None:
-            type(self)._free(self._handle)
-            self._handle = None
+        """Let go of the kernel's memory; calling it twice does no harm."""
+        self._memory = None
 
     def __enter__(self) -> Self:
         """Return the result itself."""
@@ -204,31 +225,38 @@ class _Handle:
         value: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Release the kernel's memory."""
-        self.close()
-
-    def __del__(self) -> None:
-        """Release what nobody released."""
+        """Let go of the kernel's memory."""
         self.close()
 
 
-class Run(_Handle):
+class Run(_Result):
     """Result of one simulation."""
-
-    _free = staticmethod(_kernel.result_free)
 
     def summary(self) -> dict[str, Any]:
         """Named scalars and lists: the keys of ``rwmf run --json`` in their order."""
-        lines = fetch_text(_kernel.result_summary, self.handle).splitlines()
-        return dict(summary_item(line) for line in lines)
+        lines: list[str] = []
+        room = _FIRST_ROOM
+        while True:
+            reals, counts = np.zeros(room), np.zeros(room, dtype=np.int64)
+            lines = fetch_text(
+                _kernel.result_summary, self._case.handle, self.handle, reals, counts
+            ).splitlines()
+            if len(lines) <= room:
+                break
+            room = len(lines)
+        numbers = zip(lines, reals.tolist(), counts.tolist(), strict=False)
+        return dict(summary_item(*item) for item in numbers)
 
     def history(self) -> tuple[list[str], npt.NDArray[np.float64]]:
-        """Column names and values (rows, columns); both empty without `&output dt`."""
-        n_rows, n_columns, _ = _kernel.result_shape(self.handle)
-        values = np.zeros((n_rows, n_columns), dtype=np.float64, order="F")
+        """Column names and values (columns, rows); both empty without `&output dt`.
+
+        The values are the kernel's memory, which the array keeps: changes of it show in whatever
+        else looks at the history of this run.
+        """
+        address, n_rows, n_columns, _ = _kernel.result_history(self.handle)
         if n_columns == 0:
-            return [], values
-        _kernel.result_history(self.handle, values)
+            return [], np.zeros((0, 0))
+        values = np.asarray(_Array(self.memory, address, (n_columns, n_rows)))
         return fetch_text(_kernel.result_columns, self.handle).splitlines(), values
 
     def events(self) -> dict[str, npt.NDArray[Any]]:
@@ -236,7 +264,7 @@ class Run(_Handle):
 
         For the bare frame theta is the displacement [m] and theta_dot its rate [m/s].
         """
-        n = _kernel.result_shape(self.handle)[2]
+        n = _kernel.result_history(self.handle)[3]
         kinds = np.zeros(n, dtype=np.intc)
         t, theta, theta_dot = (np.zeros(n) for _ in range(3))
         if n > 0:
@@ -247,52 +275,50 @@ class Run(_Handle):
     def write(self, source: str, folder: str) -> None:
         """Write the files of the batch program, named after `source`, into `folder`."""
         message = message_buffer()
-        status, n = _kernel.result_write(self.handle, encode(source), encode(folder), message)
+        status, n = _kernel.result_write(
+            self._case.handle, self.handle, encode(source), encode(folder), message
+        )
         raise_for(status, message, n, writing=True)
 
 
-class Sweep(_Handle):
+class Sweep(_Result):
     """Result of a spectrum."""
-
-    _free = staticmethod(_kernel.spectrum_free)
 
     def facts(self) -> dict[str, Any]:
         """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds."""
         names = ("n_T", "n_gamma", "n_b", "bare", "threads", "rhs_evaluations", "seconds")
-        return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
+        return dict(zip(names, _kernel.spectrum_shape(self.handle)[1:], strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:
         """T_s [s], gamma [-], b [m], u_s_max [m] and status, the last two (b, gamma, T_s)."""
-        facts = self.facts()
-        shape = (facts["n_T"], facts["n_gamma"], facts["n_b"])
+        address, *shape = _kernel.spectrum_shape(self.handle)[:4]
         axes = [np.zeros(n) for n in shape]
-        u_s_max = np.zeros(shape, order="F")
-        _kernel.spectrum_values(self.handle, *axes, u_s_max)
+        _kernel.spectrum_axes(self.handle, *axes)
         status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
         return {
             "T_s": axes[0],
             "gamma": axes[1],
             "b": axes[2],
-            "u_s_max": np.ascontiguousarray(u_s_max.T),
+            "u_s_max": np.asarray(_Array(self.memory, address, tuple(shape[::-1]))),
             "status": status.reshape(shape[::-1]),
         }
 
     def write(self, path: str) -> None:
         """Write the CSV file of the batch program."""
         message = message_buffer()
-        status, n = _kernel.spectrum_write(self.handle, encode(path), message)
+        status, n = _kernel.spectrum_write(self._case.handle, self.handle, encode(path), message)
         raise_for(status, message, n, writing=True)
 
 
-def start_simulation(text: str, source: str) -> Run:
+def start_simulation(case: KernelCase, source: str) -> Run:
     """Run one simulation in a worker thread.
 
     Parameters
     ----------
-    text : str
-        Namelist text.
+    case : KernelCase
+        From `read_case`.
     source : str
-        Path of its file, '' when it was made in memory.
+        What a message begins with: the path of the case's file, or ''.
 
     Returns
     -------
@@ -309,22 +335,22 @@ def start_simulation(text: str, source: str) -> Run:
     message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        return _kernel.simulate(encode(text), encode(source), control, message)
+        return _kernel.simulate(case.handle, control, message)
 
-    return _wait_for(call, message, source, Run, None)
+    return _wait_for(call, message, source, lambda handle: Run(case, handle), None)
 
 
 def start_spectrum(
-    text: str, source: str, threads: int = 0, progress: Progress | None = None
+    case: KernelCase, source: str, threads: int = 0, progress: Progress | None = None
 ) -> Sweep:
     """Compute a spectrum in a worker thread.
 
     Parameters
     ----------
-    text : str
-        Namelist text with `&spectrum`.
+    case : KernelCase
+        From `read_case`, with `&spectrum`.
     source : str
-        Path of its file, '' when it was made in memory.
+        What a message begins with: the path of the case's file, or ''.
     threads : int
         Threads of the kernel, 0 for all.
     progress : callable, optional
@@ -345,9 +371,9 @@ def start_spectrum(
     message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        return _kernel.spectrum(encode(text), encode(source), threads, control, message)
+        return _kernel.spectrum(case.handle, threads, control, message)
 
-    return _wait_for(call, message, source, Sweep, progress)
+    return _wait_for(call, message, source, lambda handle: Sweep(case, handle), progress)
 
 
 def _wait_for(

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from rwmf import _library
 from rwmf._wire import encode, fetch_text, message_buffer
+from rwmf.case import Case
 
 __all__ = ["Measurement", "Reference", "measure_method", "measure_baseline", "solve_reference"]
 
@@ -69,13 +70,13 @@ class Reference(Measurement):
     )
 
 
-def measure_method(text: str, source: str, method: str, rtol: float, budget: float) -> Measurement:
+def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
     """Run a case with a method and tolerance, repeatedly.
 
     Parameters
     ----------
-    text, source : str
-        Namelist text, and path of its file or ''.
+    case : Case
+        The case.
     method : str
         As `&solver method`.
     rtol : float
@@ -98,7 +99,8 @@ def measure_method(text: str, source: str, method: str, rtol: float, budget: flo
         control: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
     ) -> tuple[dict[str, Any], int, int]:
         seconds, counts, status, n = _library.cost_kernel.measure(
-            *_encoded(text, source, method),
+            case.kernel.handle,
+            encode(method),
             rtol,
             budget,
             control,
@@ -108,19 +110,17 @@ def measure_method(text: str, source: str, method: str, rtol: float, budget: flo
         )
         return {"seconds": seconds} | _counts(counts), status, n
 
-    found, room = _run(call, source)
+    found, room = _run(call, case)
     return Measurement(**room.content(found["impacts"]), **found)
 
 
-def measure_baseline(
-    text: str, source: str, name: str, divisor: float, budget: float
-) -> Measurement:
+def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Measurement:
     """Run a case with one of today's procedures, repeatedly.
 
     Parameters
     ----------
-    text, source : str
-        Namelist text, and path of its file or ''.
+    case : Case
+        The case.
     name : str
         'ode45', 'rk4' or 'newmark'.
     divisor : float
@@ -143,7 +143,8 @@ def measure_baseline(
         _: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
     ) -> tuple[dict[str, Any], int, int]:
         seconds, dt, counts, status, n = _library.cost_kernel.measure_baseline(
-            *_encoded(text, source, name),
+            case.kernel.handle,
+            encode(name),
             divisor,
             budget,
             room.values,
@@ -152,23 +153,25 @@ def measure_baseline(
         )
         return {"seconds": seconds, "dt": dt} | _counts(counts), status, n
 
-    found, room = _run(call, source)
+    found, room = _run(call, case)
     return Measurement(**room.content(found["impacts"]), **found)
 
 
 def solve_reference(
-    text: str,
-    source: str,
+    case: Case,
     rtol_loose: float,
     rtol: float,
     progress: Callable[[int], None] | None = None,
 ) -> Reference:
     """Run a case in quadruple precision at two tolerances.
 
+    The quadruple kernel is a library of its own, to which a case of the double one means nothing:
+    it reads the text, and the records, again.
+
     Parameters
     ----------
-    text, source : str
-        Namelist text, and path of its file or ''.
+    case : Case
+        The case.
     rtol_loose, rtol : float
         Relative tolerances [-]; the results are those of the second.
     progress : callable, optional
@@ -192,7 +195,8 @@ def solve_reference(
         control: npt.NDArray[np.int64], room: _Room, message: npt.NDArray[np.int8]
     ) -> tuple[dict[str, Any], int, int]:
         seconds, counts, status, n = _library.reference_kernel.solve(
-            *_encoded(text, source),
+            encode(case.text),
+            encode(case.kernel_source()),
             rtol_loose,
             rtol,
             control,
@@ -204,7 +208,7 @@ def solve_reference(
         )
         return {"seconds": seconds} | _counts(counts), status, n
 
-    found, room = _run(call, source, progress)
+    found, room = _run(call, case, progress)
     return Reference(
         **room.content(found["impacts"]),
         **found,
@@ -240,7 +244,7 @@ class _Found(dict[str, Any]):
 
 
 def _run(
-    call: _Call, source: str, progress: Callable[[int], None] | None = None
+    call: _Call, case: Case, progress: Callable[[int], None] | None = None
 ) -> tuple[dict[str, Any], _Room]:
     """Wait for the kernel in a way that Ctrl-C can end."""
     room = _Room()
@@ -252,7 +256,7 @@ def _run(
         found.update(facts)
         return 0, status, n
 
-    _library._wait_for(work, message, source, lambda _: found, progress)
+    _library._wait_for(work, message, case.kernel_source(), lambda _: found, progress)
     return found, room
 
 
@@ -276,7 +280,3 @@ def _n_values() -> int:
 
 def _by_name(values: npt.NDArray[np.float64]) -> dict[str, float]:
     return dict(zip(_names(), values.tolist(), strict=True))
-
-
-def _encoded(*texts: str) -> tuple[bytes, ...]:
-    return tuple(encode(text) for text in texts)

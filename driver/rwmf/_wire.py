@@ -35,7 +35,7 @@ def raise_for(
     raise (OutputError if writing else _ERRORS.get(status, NumericalError))(text)
 
 
-def fetch_text(procedure: Callable[..., int], *arguments: int) -> str:
+def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
     """Ask for a text; a second time with the room that it needs when the first is too small."""
     size = FIRST_BUFFER
     while True:
@@ -46,18 +46,12 @@ def fetch_text(procedure: Callable[..., int], *arguments: int) -> str:
         size = length
 
 
-def summary_item(line: str) -> tuple[str, Any]:
-    """Key and typed value of a line ``key<TAB>kind<TAB>value``; a list has tabs between items."""
-    key, kind, value = line.split("\t", 2)
-    if kind == "real":
-        return key, float(value)
-    if kind == "int":
-        return key, int(value)
-    if kind == "logical":
-        return key, value == "true"
+def summary_item(line: str, real: float, count: int) -> tuple[str, Any]:
+    """Key and typed value of a line ``key<TAB>kind<TAB>text`` and the numbers that go with it."""
+    key, kind, text = line.split("\t", 2)
     if kind == "list":
-        return key, value.split("\t") if value else []
-    return key, value
+        return key, text.split("\t") if text else []
+    return key, {"real": real, "int": count, "logical": bool(count), "text": text}[kind]
 
 
 def split_table(text: str) -> list[list[str]]:

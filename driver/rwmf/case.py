@@ -21,6 +21,10 @@ class Case:
     A case never changes: `replace` and `without` return another one. Every case is validated by
     the kernel when it is made; its groups are attributes (``case.frame.T_s``), None when absent.
 
+    A case is what was read: the kernel keeps it, the samples of its records included, so that
+    neither it nor what `replace` and `without` return looks at those files again, whatever becomes
+    of them. What is pickled is the text: the kernel reads it, and the records, where it is loaded.
+
     Parameters
     ----------
     **groups : mapping
@@ -32,27 +36,33 @@ class Case:
         When the kernel does not accept the case.
     """
 
-    __slots__ = ("_edited", "_folder", "_groups", "_source", "_text")
+    __slots__ = ("_edited", "_folder", "_groups", "_kernel", "_source", "_text")
 
     def __init__(self, **groups: Mapping[str, object]) -> None:
-        self._assemble(compose(groups), None, edited=False)
+        self._assemble(compose(groups), None, None)
 
-    def _assemble(self, text: str, source: str | None, *, edited: bool) -> None:
+    def _assemble(self, text: str, source: str | None, origin: Case | None) -> None:
+        """Let the kernel read the text; an edited case keeps place and records of its origin."""
         put = super().__setattr__
         put("_text", text)
         put("_source", source)
-        put("_edited", edited)
-        put("_folder", (Path(source).parent if source else Path()).absolute())
+        put("_edited", origin is not None)
+        folder = (Path(source).parent if source else Path()).absolute()
+        if origin is not None and (source or origin._names_records()):
+            folder = origin._folder
+        put("_folder", folder)
+        known = None if origin is None else origin._kernel
+        put("_kernel", _library.read_case(text, self.kernel_source(), known))
         rows: dict[str, list[list[str]]] = {}
-        for name, *row in _library.describe(text, self._label()):
+        for name, *row in self._kernel.describe():
             group, key = name.split(".", 1)
             rows.setdefault(group, []).append([key, *row])
         put("_groups", {group: Group(group, entries) for group, entries in rows.items()})
 
     @classmethod
-    def _make(cls, text: str, source: str | None, *, edited: bool = False) -> Case:
+    def _make(cls, text: str, source: str | None, origin: Case | None = None) -> Case:
         case = cls.__new__(cls)
-        case._assemble(text, source, edited=edited)
+        case._assemble(text, source, origin)
         return case
 
     @classmethod
@@ -164,7 +174,7 @@ class Case:
                 # the same key in another spelling is the same key
                 same = next((k for k in group if k.lower() == key.lower()), key)
                 group[same] = value
-        return self._make(compose(entries), self._source, edited=True)
+        return self._make(compose(entries), self._source, self)
 
     def without(self, *groups: str) -> Case:
         """Return a case without some groups: effects that are then not simulated.
@@ -224,6 +234,11 @@ class Case:
             _write_atomically(Path(path), text)
         return text
 
+    @property
+    def kernel(self) -> _library.KernelCase:
+        """The case as the kernel has read it."""
+        return self._kernel
+
     def kernel_source(self) -> str:
         """Path that the kernel resolves records against; good from any current folder."""
         label = self._label()
@@ -234,6 +249,9 @@ class Case:
     def _label(self) -> str:
         # the lines that a message counts are not those of the file once a case is edited
         return (self._source or "") + (" (edited)" if self._edited and self._source else "")
+
+    def _names_records(self) -> bool:
+        return any("file" in group for group in self._groups.values())
 
     def _given_entries(self) -> dict[str, dict[str, Value]]:
         return {
@@ -255,6 +273,14 @@ class Case:
         """Pickle text and place; the kernel reads it again."""
         source = None if self._source is None else str(Path(self._folder, Path(self._source).name))
         return (_restore, (self.to_namelist() if source is None else self._text, source))
+
+    def __copy__(self) -> Case:
+        """Return the case itself: it never changes."""
+        return self
+
+    def __deepcopy__(self, _: object) -> Case:
+        """Return the case itself: it never changes."""
+        return self
 
     def __repr__(self) -> str:
         """Show the groups, one a line."""

@@ -106,7 +106,7 @@ def spectrum(options: argparse.Namespace) -> int:
 def check(options: argparse.Namespace) -> int:
     """Validate a case and say what it holds (``rwmf check``)."""
     case = Case.from_namelist(options.case)
-    found = _library.inventory(case.text, case.kernel_source())
+    found = case.kernel.inventory()
     print(f"{options.case}: valid")
     for word, shown, nothing in _INVENTORY:
         print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")

@@ -222,15 +222,11 @@ def _methods(case: Case) -> list[_Task]:
 
 
 def _method(case: Case, method: str, rtol: float) -> Callable[[float], Measurement]:
-    return lambda budget: _measure.measure_method(
-        case.text, case.kernel_source(), method, rtol, budget
-    )
+    return lambda budget: _measure.measure_method(case, method, rtol, budget)
 
 
 def _practice(case: Case, name: str, divisor: float) -> Callable[[float], Measurement]:
-    return lambda budget: _measure.measure_baseline(
-        case.text, case.kernel_source(), name, divisor, budget
-    )
+    return lambda budget: _measure.measure_baseline(case, name, divisor, budget)
 
 
 class _TooSlowError(Exception):
@@ -248,7 +244,7 @@ def _reference(case: Case) -> tuple[Reference, dict[str, Any]]:
     how = "extrapolation of order 18 in quadruple precision"
     tolerances = _QUAD
     try:
-        found = _measure.solve_reference(case.text, case.kernel_source(), *_QUAD, watch)
+        found = _measure.solve_reference(case, *_QUAD, watch)
     except (_TooSlowError, NumericalError) as error:
         cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
         how = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
@@ -271,10 +267,7 @@ def _reference(case: Case) -> tuple[Reference, dict[str, Any]]:
 
 def _double_reference(case: Case) -> Reference:
     """Two tolerances in double precision: not two digits better than the best row."""
-    loose, tight = (
-        _measure.measure_method(case.text, case.kernel_source(), "extrapolation", rtol, 0.0)
-        for rtol in _DOUBLE
-    )
+    loose, tight = (_measure.measure_method(case, "extrapolation", rtol, 0.0) for rtol in _DOUBLE)
     differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
     fields = {field.name: getattr(tight, field.name) for field in dataclasses.fields(tight)}
     return Reference(**fields, differences=differences)

@@ -89,7 +89,7 @@ def start(case: Case) -> Iterator[_library.Run]:
     InputError, NumericalError, Interrupted
         As `simulate`.
     """
-    with _library.start_simulation(case.text, case.kernel_source()) as run:
+    with _library.start_simulation(case.kernel, case.kernel_source()) as run:
         yield run
 
 
@@ -107,20 +107,23 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
         As `simulate` returns it.
     """
     summary = run.summary()
-    dataset = xr.Dataset(attrs={"version": _library.version()})
+    variables: dict[str, Any] = {}
     columns, values = run.history()
     for i, column in enumerate(columns):
         name, attributes = _label(column)
-        dataset[name] = ("time", values[:, i].copy(), attributes)
+        variables[name] = ("time", values[i], attributes)
+    coordinates: dict[str, Any] = {}
     if columns:
-        dataset = dataset.set_coords("time").assign_coords(_event_coordinates(run, summary))
+        coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
+    facts: dict[str, Any] = {"version": _library.version()}
     for key, value in summary.items():
         if key in QUANTITIES:
             name, attributes = _label(key)
-            dataset[name] = ((), value, attributes)
+            variables[name] = ((), value, attributes)
         else:
-            dataset.attrs[key] = value
-    return dataset
+            facts[key] = value
+    # all at once: xarray aligns everything anew for each variable that is added
+    return xr.Dataset(variables, coordinates, facts)
 
 
 def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Any]:

@@ -124,7 +124,7 @@ def start(
     """
     total = count_ordinates(case)
     report = None if progress is None else lambda done: progress(done, total)
-    with _library.start_spectrum(case.text, case.kernel_source(), threads, report) as sweep:
+    with _library.start_spectrum(case.kernel, case.kernel_source(), threads, report) as sweep:
         yield sweep
 
 

@@ -6,6 +6,27 @@ module rwmf_app_cli
 
    public :: path_t, command_line_t, read_command_line, usage
 
+   character(1), parameter :: nl = new_line('a')
+   character(*), parameter :: usage = &
+      'usage: rwmf-batch CASE.nml [CASE2.nml ...] [--out DIR] [--part K/N]'//nl//nl &
+      //'Seismic response of post-tensioned rocking wall-moment frames.'//nl//nl &
+      //'Every file is checked before the first one runs. A case writes'//nl &
+      //'   CASE.summary.csv    maxima and counts of the response in time'//nl &
+      //'   CASE.history.csv    the response in time, when &output gives dt'//nl &
+      //'   CASE.spectrum.csv   maxima over the frame period, with &spectrum'//nl//nl &
+      //'options:'//nl &
+      //'   --out DIR    existing folder for the files (default: the current one)'//nl &
+      //'   --part K/N   only the K-th of N parts of the periods of &spectrum, into'//nl &
+      //'                CASE.part-K-of-N.spectrum.csv; rwmf merge joins the parts'//nl &
+      //'   --version    print the version and leave'//nl &
+      //'   --help       print this and leave'//nl//nl &
+      //'example:'//nl &
+      //'   rwmf-batch inputs/fig12_one_cosine.nml --out results'//nl//nl &
+      //'OMP_NUM_THREADS bounds the threads of a spectrum.'//nl &
+      //'exit status: 0 done (overturning is a result), 1 numerical failure,'//nl &
+      //'   2 input or output not acceptable, 130 interrupted'
+   !! what `--help` prints
+
    !> A path of any length.
    type :: path_t
       character(:), allocatable :: text
@@ -69,6 +90,7 @@ contains
       integer, intent(inout) :: position
       !! of the option; on return of its value, when it has one
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: value
 
       select case (option)
       case ('-h', '--help')
@@ -76,12 +98,13 @@ contains
       case ('--version')
          command_line%version = .true.
       case ('-o', '--out')
-         command_line%folder = next_argument(position)
+         call take_argument(position, command_line%folder)
          if (len(command_line%folder) == 0) then
             call fail(error, err_input, option//' needs a folder')
          end if
       case ('--part')
-         call read_part(next_argument(position), command_line, error)
+         call take_argument(position, value)
+         call read_part(value, command_line, error)
       case default
          if (index(option, '--out=') == 1 .and. len(option) > len('--out=')) then
             command_line%folder = option(len('--out=') + 1:)
@@ -93,18 +116,18 @@ contains
    end subroutine read_option
 
    !> The word that follows an option; empty when it is the last one.
-   function next_argument(position) result(text)
+   subroutine take_argument(position, text)
       integer, intent(inout) :: position
       !! of the option; on return of its value
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       type(path_t) :: value
 
       text = ''
       position = position + 1
       if (position > command_argument_count()) return
       value = argument(position)
-      text = value%text
-   end function next_argument
+      call move_alloc(value%text, text)
+   end subroutine take_argument
 
    !> The value of `--part`: K/N with 1 <= K <= N.
    subroutine read_part(text, command_line, error)
@@ -140,29 +163,5 @@ contains
       allocate (character(length) :: value%text)
       if (status == 0 .and. length > 0) call get_command_argument(position, value%text)
    end function argument
-
-   !> What `--help` prints.
-   pure function usage() result(text)
-      character(:), allocatable :: text
-      character(1), parameter :: nl = new_line('a')
-
-      text = 'usage: rwmf-batch CASE.nml [CASE2.nml ...] [--out DIR] [--part K/N]'//nl//nl &
-         //'Seismic response of post-tensioned rocking wall-moment frames.'//nl//nl &
-         //'Every file is checked before the first one runs. A case writes'//nl &
-         //'   CASE.summary.csv    maxima and counts of the response in time'//nl &
-         //'   CASE.history.csv    the response in time, when &output gives dt'//nl &
-         //'   CASE.spectrum.csv   maxima over the frame period, with &spectrum'//nl//nl &
-         //'options:'//nl &
-         //'   --out DIR    existing folder for the files (default: the current one)'//nl &
-         //'   --part K/N   only the K-th of N parts of the periods of &spectrum, into'//nl &
-         //'                CASE.part-K-of-N.spectrum.csv; rwmf merge joins the parts'//nl &
-         //'   --version    print the version and leave'//nl &
-         //'   --help       print this and leave'//nl//nl &
-         //'example:'//nl &
-         //'   rwmf-batch inputs/fig12_one_cosine.nml --out results'//nl//nl &
-         //'OMP_NUM_THREADS bounds the threads of a spectrum.'//nl &
-         //'exit status: 0 done (overturning is a result), 1 numerical failure,'//nl &
-         //'   2 input or output not acceptable, 130 interrupted'
-   end function usage
 
 end module rwmf_app_cli

@@ -11,7 +11,6 @@ program rwmf_batch
    use rwmf_output_csv, only: case_name
    use rwmf_spectrum_spectrum, only: spectrum_periods
    use rwmf_text_atomic_file, only: check_folder, join_path
-   use rwmf_text_strings, only: integer_to_text
    implicit none
 
    type(command_line_t) :: command_line
@@ -23,7 +22,7 @@ program rwmf_batch
       call report(error)
       status = error%stat
    else if (command_line%help) then
-      write (output_unit, '(a)') usage()
+      write (output_unit, '(a)') usage
       status = 0
    else if (command_line%version) then
       write (output_unit, '(a)') 'rwmf '//version//' ('//trim(instruction_set())//')'
@@ -116,22 +115,22 @@ contains
          end if
          T_s = spectrum_periods(case%spectrum)
          if (command_line%part > size(T_s)) then
-            call fail(error, err_input, path//': --part '//part_name(command_line, '/') &
-               //': there are more parts than periods')
+            call fail(error, err_input, path//': --part ' &
+               //trim(part_name(command_line, '/'))//': there are more parts than periods')
             return
          end if
       end associate
       case%spectrum%T_s = T_s(command_line%part::command_line%parts)
    end subroutine take_part
 
-   !> Which part, for messages and names of files.
+   !> Which part, for messages and names of files; with blanks behind.
    pure function part_name(command_line, between) result(text)
       type(command_line_t), intent(in) :: command_line
       character(*), intent(in) :: between
       !! the two numbers
-      character(:), allocatable :: text
+      character(40 + len(between)) :: text
 
-      text = integer_to_text(command_line%part)//between//integer_to_text(command_line%parts)
+      write (text, '(i0, a, i0)') command_line%part, between, command_line%parts
    end function part_name
 
    !> Run what the case asks for: one simulation, a spectrum, or both. A part is of a spectrum only.
@@ -225,9 +224,9 @@ contains
          call write_spectrum(case, spectrum, &
             join_path(command_line%folder, name//'.spectrum.csv'), error)
       else
-         name = name//'.part-'//part_name(command_line, '-of-')//'.spectrum.csv'
+         name = name//'.part-'//trim(part_name(command_line, '-of-'))//'.spectrum.csv'
          call write_spectrum(case, spectrum, join_path(command_line%folder, name), error, &
-            part_name(command_line, '/'))
+            trim(part_name(command_line, '/')))
       end if
    end subroutine save_spectrum
 

@@ -98,8 +98,8 @@ def test_a_frame_alone_has_no_impacts() -> None:
 
 def test_twice_the_intervals_are_the_same_motion() -> None:
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "accuracy_elcentro_2s.nml")
-    reference = _measure.solve_reference(case.text, case.kernel_source(), 1e-15, 1e-16)
-    ours = _measure.measure_method(case.text, case.kernel_source(), "dop853", 1e-12, 0.0)
+    reference = _measure.solve_reference(case, 1e-15, 1e-16)
+    ours = _measure.measure_method(case, "dop853", 1e-12, 0.0)
     assert ours.values["u_s_max_m"] == pytest.approx(reference.values["u_s_max_m"], rel=1e-12)
     assert 0 < reference.differences["u_s_max_m"] < 1e-15
     assert np.all(reference.impact_differences[:5] < 1e-14)

@@ -12,7 +12,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import rwmf
-from rwmf import _library
 from scenes import bare_frame, coupled
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import eigh
@@ -322,7 +321,7 @@ def test_history_of_the_floors() -> None:
         drift = np.diff(np.vstack([np.zeros(t.size), u]), axis=0)[i] / height[i]
         assert run[f"storey_{i + 1}_drift"].values == pytest.approx(drift, abs=1e-8)
     assert run["floor_1"].attrs["units"] == "m"
-    assert _library.inventory(case.text, case.kernel_source())["states"] == [
+    assert case.kernel.inventory()["states"] == [
         "u_s_m",
         "u_s_dot_m_s",
         "floor_1_m",

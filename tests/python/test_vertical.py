@@ -212,7 +212,7 @@ def test_methods_agree_with_quadruple_precision(tmp_path: Path) -> None:
     t = np.arange(0, 6, 0.015)
     vertical = _vertical(tmp_path, t, 5 * np.sin(9 * t))
     case = coupled(motion=_horizontal(tmp_path), vertical=vertical, solver={"t_end": 6.0})
-    reference = _measure.solve_reference(case.text, case.kernel_source(), 1e-15, 1e-16)
+    reference = _measure.solve_reference(case, 1e-15, 1e-16)
     expected = reference.values["u_s_max_m"]
     assert 0 < reference.differences["u_s_max_m"] < 1e-13
     for method in METHODS:
@@ -492,7 +492,7 @@ def test_record_beside_a_pulse(kind: str, method: str, tmp_path: Path) -> None:
     run = rwmf.simulate(case)
     assert int(run["impacts"]) > 3
     assert abs(float(run["energy_balance_relative"])) < 1e-7
-    reference = _measure.solve_reference(case.text, case.kernel_source(), 1e-15, 1e-16)
+    reference = _measure.solve_reference(case, 1e-15, 1e-16)
     assert float(run["u_s_max"]) == pytest.approx(reference.values["u_s_max_m"], rel=1e-8)
     mirrored = rwmf.simulate(case.replace(motion={"a_max_g": -0.4}))
     assert float(mirrored["u_s_max"]) == float(run["u_s_max"])

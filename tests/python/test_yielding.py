@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import rwmf
 from oscillator import exact_peak
-from rwmf import _library
 from scenes import bare_frame, record
 from yielding import exact_yielding
 
@@ -115,7 +114,7 @@ def test_history_of_the_smooth_force() -> None:
         float(run[f"energy_{part}_J_per_kg"]) for part in ("strain", "effects", "hysteretic")
     )
     assert work == pytest.approx(stored, rel=1e-6)
-    assert _library.inventory(case.text, case.kernel_source())["states"] == [
+    assert case.kernel.inventory()["states"] == [
         "u_s_m",
         "u_s_dot_m_s",
         "z",

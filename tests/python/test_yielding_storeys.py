@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from rwmf import _library
 from scenes import bare_frame, coupled
 from scipy.integrate import solve_ivp
 from test_storeys import PULSE, PULSE_END, TIGHT, B, H, Storeys, ground
@@ -377,7 +376,7 @@ def test_states_of_smooth_storeys() -> None:
         motion=PULSE,
         solver={"t_end": 1.0},
     )
-    assert _library.inventory(case.text, case.kernel_source())["states"] == [
+    assert case.kernel.inventory()["states"] == [
         "u_s_m",
         "u_s_dot_m_s",
         "floor_1_m",

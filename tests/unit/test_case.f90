@@ -5,8 +5,9 @@ program test_case
    use rwmf_core_kinds, only: dp, i8, pi, wp
    use rwmf_input_describe, only: describe_case
    use rwmf_input_reader, only: read_case_file, read_case_text
-   use rwmf_input_schema, only: all_keys, group_names, key_t, schema_text
+   use rwmf_input_schema, only: all_keys, group_names, write_schema
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_key, only: key_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
 
@@ -108,6 +109,7 @@ contains
       type(case_t) :: case
       type(error_t), allocatable :: error
       integer :: unit
+      character(:), allocatable :: text
 
       call scratch_file('0'//nl//'0.1'//nl//'0', folder, name, unit)
       call read_case_text(wall//'&motion kind = ''record'', file = '''//name//''', dt = 0.5, ' &
@@ -116,8 +118,9 @@ contains
       if (.not. allocated(error)) then
          call checks%close_to(case%solver%t_end, 1.0_wp, 'the record ends the simulation')
          call checks%that(case%record%n == 3 .and. case%motion%file == name, 'the record is there')
-         call checks%that(index(describe_case(case), 'solver.t_end'//tab//'real'//tab//'1.0' &
-            //tab//'s'//tab//'default') > 0, 'the end is described as a default')
+         call describe_case(case, text)
+         call checks%that(index(text, 'solver.t_end'//tab//'real'//tab//'1.0'//tab//'s'//tab &
+            //'default') > 0, 'the end is described as a default')
       end if
       call read_case_text(wall//nl//'&motion kind = ''record'', file = '''//name//''', ' &
          //'unit = ''g'' /', folder, case, error)
@@ -140,7 +143,7 @@ contains
       folder = '/tmp'
       if (stat == 0 .and. temporary /= '') folder = trim(temporary)
       call system_clock(ticks)
-      name = 'rwmf-test-'//integer_to_text(ticks)//'.txt'
+      name = 'rwmf-test-'//trim(integer_to_text(ticks))//'.txt'
       open (newunit=unit, file=folder//'/'//name, access='stream', form='unformatted', &
          status='new', action='readwrite', iostat=stat)
       call checks%that(stat == 0, 'open a scratch file')
@@ -292,7 +295,8 @@ contains
 
       call accept(scene//'&impact r = 0.81 / &motion kind = ''one_sine'', a_max_g = 4d-1, ' &
          //'T_p = 1 / &output / &spectrum T_s_min = 1, T_s_max = 2, n = 5, gamma = 5, 1e6 /', case)
-      text = nl//describe_case(case)
+      call describe_case(case, text)
+      text = nl//text
       call says(text, 'wall.h'//tab//'real'//tab//'2.0'//tab//'m'//tab//'given')
       call says(text, 'impact.r'//tab//'real'//tab//'0.81'//tab//'-'//tab//'given')
       call says(text, 'impact.rule'//tab//'choice'//tab//'constant'//tab//tab//'default')
@@ -317,7 +321,7 @@ contains
       integer :: tabs
 
       keys = all_keys()
-      text = schema_text()
+      call write_schema(text)
       lines = 0
       tabs = 0
       do i = 1, len(text)

@@ -127,7 +127,6 @@ contains
       logical :: equal
       integer :: i
 
-      call read_in_threads()
       !$omp parallel do
       do i = 1, runs
          call run(scene//frame, results(i))
@@ -139,43 +138,6 @@ contains
       end do
       call checks%that(equal, 'the same bits in all threads')
    end subroutine test_threads
-
-   !> Cases with and without errors, thousands at once: texts of different lengths in all threads.
-   subroutine read_in_threads()
-      integer, parameter :: reads = 4000
-      character(*), parameter :: wrong(2) = [character(30) :: '&impact e = 1.7 /', &
-         '&solver method = ''eulerian'' /']
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-      character(:), allocatable :: message(:)
-      integer :: i, k, bad
-
-      allocate (character(400) :: message(0:size(wrong)))
-      message = ''
-      do k = 1, size(wrong)
-         call read_case_text(scene//frame//wrong(k), '', case, error)
-         if (allocated(error)) message(k) = error%message
-      end do
-      bad = 0
-      !$omp parallel do num_threads(8) private(case, error, k) reduction(+: bad)
-      do i = 1, reads
-         k = mod(i, size(wrong) + 1)
-         if (k == 0) then
-            call read_case_text(scene//frame, '', case, error)
-            if (allocated(error)) bad = bad + 1
-         else
-            call read_case_text(scene//frame//wrong(k), '', case, error)
-            if (.not. allocated(error)) then
-               bad = bad + 1
-            else if (error%message /= message(k)) then
-               bad = bad + 1
-            end if
-         end if
-      end do
-      !$omp end parallel do
-      call checks%that(all(message(1:) /= ''), 'cases with errors')
-      call checks%that(bad == 0, 'the same cases and messages in all threads')
-   end subroutine read_in_threads
 
    !> Read and run a case that must work.
    subroutine run(text, result)

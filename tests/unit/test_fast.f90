@@ -1,19 +1,19 @@
-!> Method 'fast': the same peaks as the general kernel, the same bits in every company.
+!> Method 'fast': the same peaks as the general kernel, the same bits with any other ordinates.
 program test_fast
    use check, only: checks_t
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
-   use rwmf_spectrum_fast_task_queue, only: deck_t, new_deck
-   use rwmf_spectrum_fast_time_grid, only: build_grids
-   use rwmf_spectrum_fast_reduced_equation, only: build_law
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
-   use rwmf_spectrum_fast_lane_scheduler, only: fast_result_t, run_pool
-   use rwmf_spectrum_fast_shared_data, only: describe_kinds, fast_scope_t, fast_task_t, kind_of, &
-      list_loud_steps, most_stages
-   use rwmf_spectrum_fast_driver, only: run_fast
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_driver, only: run_fast
+   use rwmf_spectrum_fast_lane_scheduler, only: ordinate_result_t, run_scheduler
+   use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
+   use rwmf_spectrum_fast_shared_data, only: describe_kinds, kind_of, list_uplift_steps, &
+      max_stages, shared_data_t, task_t
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_fast_task_queue, only: new_task_queue, task_queue_t
+   use rwmf_spectrum_fast_time_grid, only: build_grids
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text_strings, only: real_to_text
    use scenes, only: rwmf_scene
@@ -39,7 +39,7 @@ program test_fast
    call check_tiny_response()
    call check_perfect_restitution()
    call check_fallback()
-   call check_company()
+   call check_other_lanes()
    call check_levels()
    call check_repetition()
    call check_wide_motion()
@@ -96,7 +96,7 @@ contains
       excess = abs(fast%u_s_max/general%u_s_max - 1)/allowed
       write (position, '(3i4)') maxloc(excess)
       call checks%that(all(excess <= 1), name//': peaks', &
-         'error over what is allowed '//real_to_text(maxval(excess))//' at '//position)
+         'error over what is allowed '//trim(real_to_text(maxval(excess)))//' at '//position)
    end subroutine compare
 
    !> Enlarge the motion of a case.
@@ -171,9 +171,9 @@ contains
          (0.4_wp + 0.13_wp*k, k=1, 9)]
       !! [s]
       type(case_t) :: case
-      type(fast_scope_t), target :: scope
+      type(shared_data_t), target :: shared
 
-      allocate (scope%grid(1))
+      allocate (shared%grid(1))
       do i = 1, size(T_p)
          case = shaken_scene('exact')
          case%motion = pulse_of('sine')
@@ -182,10 +182,10 @@ contains
          case%motion%t_0 = 0.37_wp
          case%motion%omega_p = 2*acos(-1.0_wp)/T_p(i)
          case%solver%t_end = 5
-         call build_grids(case, motion_from_case(case), 1, [0.02_wp], scope%ground, scope%grid)
-         call checks%that(minval(scope%grid(1)%step%h) > 1.0e-9_wp, &
-            'end at an extremum, no vanishing step: '//real_to_text(T_p(i)))
-         if (i <= 3) call compare(case, 'end at an extremum, '//real_to_text(T_p(i)))
+         call build_grids(case, motion_from_case(case), 1, [0.02_wp], shared%ground, shared%grid)
+         call checks%that(minval(shared%grid(1)%step%h) > 1.0e-9_wp, &
+            'end at an extremum, no vanishing step: '//trim(real_to_text(T_p(i))))
+         if (i <= 3) call compare(case, 'end at an extremum, '//trim(real_to_text(T_p(i))))
       end do
    end subroutine check_end_at_extremum
 
@@ -236,7 +236,7 @@ contains
    end subroutine check_fallback
 
    !> An ordinate has the same bits alone, in any order and for any number of threads.
-   subroutine check_company()
+   subroutine check_other_lanes()
       type(case_t) :: case
       type(spectrum_t) :: together
       type(spectrum_t) :: alone
@@ -246,14 +246,14 @@ contains
       case = shaken_scene('published')
       case%spectrum%T_s = [periods(7:1:-1), (0.5_wp + 0.01_wp*i, i=1, 90)]
       call compute_spectrum(case, 2, together, error)
-      call checks%no_error(error, 'company')
+      call checks%no_error(error, 'other lanes')
       do i = 1, size(periods)
          case%spectrum%T_s = [together%T_s(i)]
          call compute_spectrum(case, 1, alone, error)
          call checks%that(all(abs(alone%u_s_max(1, :, :) - together%u_s_max(i, :, :)) <= 0), &
-            'company: same bits')
+            'other lanes: same bits')
       end do
-   end subroutine check_company
+   end subroutine check_other_lanes
 
    !> Ordinates that leave the range of the polynomials are repeated on wider ones: as accurate, and
    !> with the same bits alone and in two threads.
@@ -282,19 +282,19 @@ contains
       call compare(case, 'wide motion')
    end subroutine check_wide_motion
 
-   !> Every instruction set gives the same bits, whatever the number of evaluations.
+   !> Every instruction set gives the same bits, for every number of evaluations.
    subroutine check_levels()
       integer, parameter :: levels(3) = [1, 3, 4]
-      type(fast_scope_t), target :: scope
-      type(fast_task_t), allocatable :: task(:)
-      type(fast_result_t) :: found(size(periods), size(levels))
+      type(shared_data_t), target :: shared
+      type(task_t), allocatable :: task(:)
+      type(ordinate_result_t) :: found(size(periods), size(levels))
       integer :: i, stages
 
-      do stages = 1, most_stages
-         call lay_out(stages, scope, task)
+      do stages = 1, max_stages
+         call prepare(stages, shared, task)
          do i = 1, size(levels)
-            scope%instructions = min(levels(i), best_level())
-            call run_tasks(scope, task, found(:, i))
+            shared%instructions = min(levels(i), best_level())
+            call run_tasks(shared, task, found(:, i))
          end do
          call checks%that(.not. any(found%failed), 'levels: nothing failed')
          call checks%that(all(abs(found(:, 2)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX2')
@@ -306,68 +306,69 @@ contains
    !> it would have had in the first place.
    subroutine check_repetition()
       real(wp), parameter :: rtol(2) = [0.0_wp, 1.0e-3_wp]
-      !! no error is small enough, every error is
-      type(fast_scope_t), target :: scope
-      type(fast_task_t), allocatable :: task(:)
-      type(fast_result_t) :: all_at_once(size(periods))
-      type(fast_result_t) :: found(size(periods))
+      !! below and above every error
+      type(shared_data_t), target :: shared
+      type(task_t), allocatable :: task(:)
+      type(ordinate_result_t) :: all_at_once(size(periods))
+      type(ordinate_result_t) :: found(size(periods))
       integer :: stages, i
       logical :: is_same
 
-      do stages = 1, most_stages - 1
+      do stages = 1, max_stages - 1
          do i = 1, size(rtol)
-            call lay_out(most_stages, scope, task)
-            scope%rtol = rtol(i)
-            call run_tasks(scope, task, all_at_once)
-            call lay_out(stages, scope, task)
-            scope%rtol = rtol(i)
-            call run_tasks(scope, task, found)
+            call prepare(max_stages, shared, task)
+            shared%rtol = rtol(i)
+            call run_tasks(shared, task, all_at_once)
+            call prepare(stages, shared, task)
+            shared%rtol = rtol(i)
+            call run_tasks(shared, task, found)
             is_same = all(abs(found%v_max - all_at_once%v_max) <= 0)
-            call checks%that(is_same .eqv. rtol(i) <= 0, 'repetition: '//real_to_text(rtol(i)))
+            call checks%that(is_same .eqv. rtol(i) <= 0, &
+               'repetition: '//trim(real_to_text(rtol(i))))
          end do
       end do
    end subroutine check_repetition
 
    !> Equal steps of a record differ by round-off; that is no jump of the acceleration.
    subroutine check_kinks()
-      type(fast_scope_t), target :: scope
-      type(fast_task_t), allocatable :: task(:)
+      type(shared_data_t), target :: shared
+      type(task_t), allocatable :: task(:)
 
-      call lay_out(1, scope, task)
-      call checks%that(any(abs(scope%ground%kink) > 0), 'kinks: there are some')
-      call checks%that(.not. any(scope%scheme%has_jumps), 'kinks: no jumps')
+      call prepare(1, shared, task)
+      call checks%that(any(abs(shared%ground%kink) > 0), 'kinks: there are some')
+      call checks%that(.not. any(shared%scheme%has_jumps), 'kinks: no jumps')
    end subroutine check_kinks
 
-   !> The shaken wall, ready to be run.
-   subroutine lay_out(stages, scope, task)
+   !> Shared data and tasks of the shaken wall.
+   subroutine prepare(stages, shared, task)
       integer, intent(in) :: stages
       !! evaluations of N in a step
-      type(fast_scope_t), target, intent(out) :: scope
-      type(fast_task_t), allocatable, intent(out) :: task(:)
+      type(shared_data_t), target, intent(out) :: shared
+      type(task_t), allocatable, intent(out) :: task(:)
       type(case_t) :: case
       integer :: i
 
       case = shaken_scene('exact')
-      scope%instructions = best_level()
-      scope%xi_s = case%frame%xi_s
-      scope%rtol = case%solver%rtol
-      allocate (scope%grid(1), scope%law(1))
-      call build_grids(case, motion_from_case(case), 1, [0.005_wp], scope%ground, scope%grid)
-      call build_law(case, 0.2_wp, 0.0_wp, scope%law(1))
-      call describe_kinds(scope)
-      task = [(fast_task_t(periods(i), 1, 1, kind_of(stages, .false.)), i=1, size(periods))]
-      call list_loud_steps(task, 1, scope)
-   end subroutine lay_out
+      shared%instructions = best_level()
+      shared%xi_s = case%frame%xi_s
+      shared%rtol = case%solver%rtol
+      allocate (shared%grid(1), shared%equation(1))
+      call build_grids(case, motion_from_case(case), 1, [0.005_wp], shared%ground, shared%grid)
+      call build_reduced_equation(case, 0.2_wp, 0.0_wp, shared%equation(1))
+      call describe_kinds(shared)
+      task = [(task_t(periods(i), 1, 1, kind_of(stages, .false.)), i=1, size(periods))]
+      call list_uplift_steps(task, 1, shared)
+   end subroutine prepare
 
-   !> One pool, on one thread.
-   subroutine run_tasks(scope, task, found)
-      type(fast_scope_t), intent(inout) :: scope
-      type(fast_task_t), intent(inout) :: task(:)
-      type(fast_result_t), intent(inout) :: found(:)
-      type(deck_t) :: deck
+   !> Run tasks on one thread.
+   subroutine run_tasks(shared, task, found)
+      type(shared_data_t), intent(inout) :: shared
+      type(task_t), intent(inout) :: task(:)
+      type(ordinate_result_t), intent(inout) :: found(:)
+      type(task_queue_t) :: queue
 
-      call new_deck(task, 1, deck)
-      call run_pool(scope, task, 1, deck, found)
+      call new_task_queue(task, 1, queue)
+      call run_scheduler(shared, task, 1, queue, found)
    end subroutine run_tasks
 
 end program test_fast

@@ -186,7 +186,7 @@ contains
          a = [(acceleration(motion, interval, t + (t_next - t)*k/n), k=0, n)]
          associate (step => sign(1.0_wp, a(n) - a(0))*(a(1:) - a(:n - 1)))
             call checks%that(all(step >= -32*epsilon(t)*peak_acceleration(motion)), &
-               name//': monotone', real_to_text(minval(step))//' at '//real_to_text(t))
+               name//': monotone', trim(real_to_text(minval(step)))//' at '//trim(real_to_text(t)))
          end associate
          t = t_next
          if (t >= interval_end(motion, interval)) interval = interval + 1
@@ -202,7 +202,7 @@ contains
       tails = max(abs(acceleration(motion, 1, t_0)), &
          abs(acceleration(motion, interval_last(motion) - 1, motion_end(motion))))
       call checks%that(tails > 0 .and. tails < epsilon(1.0_dp)/2*peak_acceleration(motion), &
-         name//': tails', real_to_text(tails/size))
+         name//': tails', trim(real_to_text(tails/size)))
    end subroutine check_tails
 
    !> The integral of the acceleration is the velocity of the formula, at each turning point.
@@ -228,7 +228,8 @@ contains
          worst = max(worst, abs(v - velocity(formula, t)))
          if (t >= interval_end(motion, interval)) interval = interval + 1
       end do
-      call checks%that(worst <= quadrature*scale, name//': velocity', real_to_text(worst/scale))
+      call checks%that(worst <= quadrature*scale, name//': velocity', &
+         trim(real_to_text(worst/scale)))
       call checks%close_to(v, 0.0_wp, name//': the ground stops', atol=quadrature*scale)
    end subroutine check_velocity
 

@@ -621,7 +621,7 @@ contains
          //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
       call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
          //'height = 3 3 /', 'a floor is too stiff: the period 2 pi sqrt(mass/stiffness) is ' &
-         //real_to_text(2*pi/sqrt((1.0e13_wp + 300)/2)))
+         //trim(real_to_text(2*pi/sqrt((1.0e13_wp + 300)/2))))
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
    end subroutine check_refusals
 

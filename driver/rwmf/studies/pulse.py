@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
-from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
 
@@ -52,7 +51,7 @@ class Pulse:
             raise InputError(f"{study}: the case needs a pulse in &motion")
         t_0 = float(motion.t_0)
         T_p = float(motion.T_p) if "T_p" in motion else 2 * math.pi / float(motion.omega_p)
-        end = _library.end_of_motion(case.text, case.kernel_source())
+        end = case.kernel.end_of_motion()
         return cls(case, t_0, (end - t_0) / T_p)
 
     def resized(self, a_max_g: float, T_p: float, follow: float) -> Case:

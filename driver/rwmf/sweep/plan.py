@@ -99,23 +99,28 @@ class Plan:
             When it refuses one.
         """
         first = [0] * len(self.axes)
+        # a record that the case before has is not read again
+        known: _library.KernelCase | None = None
         for i, axis in enumerate(self.axes):
             for position in range(len(axis)):
                 # the first position of all axes is checked once
                 if position == 0 and i > 0:
                     continue
                 label = axis.coordinates()[0].values[position]
-                self._check_one((*first[:i], position, *first[i + 1 :]), f"{axis.name} = {label}")
+                at = (*first[:i], position, *first[i + 1 :])
+                known = self._check_one(at, f"{axis.name} = {label}", known)
         if not self.axes:
-            self._check_one((), "the case")
+            self._check_one((), "the case", None)
 
-    def _check_one(self, positions: tuple[int, ...], label: str) -> None:
+    def _check_one(
+        self, positions: tuple[int, ...], label: str, known: _library.KernelCase | None
+    ) -> _library.KernelCase:
         entries = self._entries(positions)
         grid = dict(self.inner)
         if "T_s" in grid:
             entries["spectrum"] = dict(grid)
         try:
-            _library.describe(compose(entries), self.source)
+            return _library.read_case(compose(entries), self.source, known)
         except InputError as error:
             raise InputError(f"sweep, {label}: {error}") from error
 

@@ -97,7 +97,8 @@ def _run_grid(task: Task, progress: Progress | None) -> Chunk:
     """Leave the whole chunk to the kernel."""
     text = compose(task.entries | {"spectrum": dict(task.grid)})
     try:
-        with _library.start_spectrum(text, task.source, task.threads, progress) as sweep:
+        case = _library.read_case(text, task.source)
+        with _library.start_spectrum(case, task.source, task.threads, progress) as sweep:
             found = sweep.values()
     except (InputError, NumericalError) as error:
         return _failed(task, _status_of(error))
@@ -109,12 +110,15 @@ def _run_points(task: Task, progress: Progress | None) -> Chunk:
     """Simulate the chunk's points one after the other for the scalars of their summaries."""
     status: list[str] = []
     rows: list[list[float]] = []
+    # the record of the points is read once
+    case = None
     for point in itertools.product(*(values for _, values in task.grid)):
         if progress is not None:
             progress(len(rows))
         text = compose(_with_point(task, point))
         try:
-            with _library.start_simulation(text, task.source) as run:
+            case = _library.read_case(text, task.source, case)
+            with _library.start_simulation(case, task.source) as run:
                 summary = run.summary()
         except (InputError, NumericalError) as error:
             status.append(_status_of(error))

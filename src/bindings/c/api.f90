@@ -6,7 +6,8 @@ module rwmf_bindings_c_api
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, &
       c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_bindings_c_strings, only: put_message, put_text, read_case
+   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, require_empty
+   use rwmf_bindings_c_strings, only: put_message, put_text
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_version, only: version
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -19,7 +20,7 @@ module rwmf_bindings_c_api
    implicit none
    private
 
-   public :: c_version, c_run, c_create, c_destroy, c_advance, c_advance_samples
+   public :: c_version, c_run, c_run_case, c_create, c_create_from_case, c_destroy, c_advance, c_advance_samples
    public :: c_advance_ground, c_query_state, c_query_forces, c_query_events
    public :: c_save, c_restore, c_destroy_snapshot
 
@@ -109,18 +110,39 @@ contains
    !> `rwmf_run`.
    integer(c_int) function c_run(namelist, result, message, size) bind(c, name='rwmf_run')
       type(c_ptr), value :: namelist
-      type(c_result_t), intent(inout) :: result
+      type(c_ptr), value :: result
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(case_t) :: case
+      type(c_ptr), target :: case
+
+      case = c_null_ptr
+      c_run = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      if (c_run == 0) c_run = c_run_case(case, result, message, size)
+      call c_destroy_case(c_loc(case))
+   end function c_run
+
+   !> `rwmf_run_case`.
+   integer(c_int) function c_run_case(handle, result, message, size) bind(c, name='rwmf_run_case')
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: result
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t), pointer :: case
+      type(c_result_t), pointer :: place
       type(result_t) :: found
       type(error_t), allocatable :: error
 
-      call read_case(namelist, case, error)
+      call case_of(handle, case, error)
+      if (.not. allocated(error) .and. .not. c_associated(result)) then
+         call fail(error, err_input, 'the address for the result is NULL')
+      end if
       if (.not. allocated(error)) call simulate(case, found, error)
-      if (.not. allocated(error)) call fill_result(found, result)
-      c_run = put_message(error, message, size)
-   end function c_run
+      if (.not. allocated(error)) then
+         call c_f_pointer(result, place)
+         call fill_result(found, place)
+      end if
+      c_run_case = put_message(error, message, size)
+   end function c_run_case
 
    subroutine fill_result(found, result)
       type(result_t), intent(in) :: found
@@ -155,18 +177,33 @@ contains
       type(c_ptr), value :: namelist
       real(c_double), value :: t_begin
       real(c_double), value :: peak
-      type(c_ptr), intent(inout) :: handle
+      type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(case_t) :: case
+      type(c_ptr), target :: case
+
+      case = c_null_ptr
+      c_create = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      if (c_create == 0) c_create = c_create_from_case(case, t_begin, peak, handle, message, size)
+      call c_destroy_case(c_loc(case))
+   end function c_create
+
+   !> `rwmf_create_from_case`.
+   integer(c_int) function c_create_from_case(from, t_begin, peak, handle, message, size) &
+      bind(c, name='rwmf_create_from_case')
+      type(c_ptr), value :: from
+      real(c_double), value :: t_begin
+      real(c_double), value :: peak
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t), pointer :: case
       type(stepping_t), pointer :: wall
+      type(c_ptr), pointer :: place
       type(error_t), allocatable :: error
 
-      if (c_associated(handle)) then
-         call fail(error, err_input, 'the handle is not NULL: destroy its wall first')
-      else
-         call read_case(namelist, case, error)
-      end if
+      call require_empty(handle, 'wall', error)
+      if (.not. allocated(error)) call case_of(from, case, error)
       if (.not. allocated(error)) then
          allocate (wall)
          if (peak > 0) then
@@ -177,11 +214,12 @@ contains
          if (allocated(error)) then
             deallocate (wall)
          else
-            handle = c_loc(wall)
+            call c_f_pointer(handle, place)
+            place = c_loc(wall)
          end if
       end if
-      c_create = put_message(error, message, size)
-   end function c_create
+      c_create_from_case = put_message(error, message, size)
+   end function c_create_from_case
 
    !> `rwmf_destroy`.
    subroutine c_destroy(handle) bind(c, name='rwmf_destroy')

@@ -3,7 +3,8 @@ module rwmf_bindings_c_element
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
       c_loc, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_bindings_c_strings, only: put_message, read_case
+   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, require_empty
+   use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
       wall_element_t
@@ -12,7 +13,7 @@ module rwmf_bindings_c_element
    implicit none
    private
 
-   public :: c_create_element, c_destroy_element, c_respond, c_velocity_factor
+   public :: c_create_element, c_create_element_from_case, c_destroy_element, c_respond, c_velocity_factor
    public :: c_next_impact, c_next_lift_off, c_settles
 
    !> `rwmf_response` of the header.
@@ -33,29 +34,45 @@ contains
    integer(c_int) function c_create_element(namelist, handle, message, size) &
       bind(c, name='rwmf_create_element')
       type(c_ptr), value :: namelist
-      type(c_ptr), intent(inout) :: handle
+      type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(case_t) :: case
+      type(c_ptr), target :: case
+
+      case = c_null_ptr
+      c_create_element = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      if (c_create_element == 0) then
+         c_create_element = c_create_element_from_case(case, handle, message, size)
+      end if
+      call c_destroy_case(c_loc(case))
+   end function c_create_element
+
+   !> `rwmf_create_element_from_case`.
+   integer(c_int) function c_create_element_from_case(from, handle, message, size) &
+      bind(c, name='rwmf_create_element_from_case')
+      type(c_ptr), value :: from
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(case_t), pointer :: case
       type(wall_element_t), pointer :: element
+      type(c_ptr), pointer :: place
       type(error_t), allocatable :: error
 
-      if (c_associated(handle)) then
-         call fail(error, err_input, 'the handle is not NULL: destroy its element first')
-      else
-         call read_case(namelist, case, error)
-      end if
+      call require_empty(handle, 'element', error)
+      if (.not. allocated(error)) call case_of(from, case, error)
       if (.not. allocated(error)) then
          allocate (element)
          call create_element(element, case, error)
          if (allocated(error)) then
             deallocate (element)
          else
-            handle = c_loc(element)
+            call c_f_pointer(handle, place)
+            place = c_loc(element)
          end if
       end if
-      c_create_element = put_message(error, message, size)
-   end function c_create_element
+      c_create_element_from_case = put_message(error, message, size)
+   end function c_create_element_from_case
 
    !> `rwmf_destroy_element`.
    subroutine c_destroy_element(handle) bind(c, name='rwmf_destroy_element')

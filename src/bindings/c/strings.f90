@@ -3,12 +3,10 @@ module rwmf_bindings_c_strings
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, &
       c_ptr, c_size_t
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_input_reader, only: read_case_text
-   use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: put_text, put_message, read_case
+   public :: put_text, put_message, get_text
 
    interface
       !> Length of a text of C without its null.
@@ -56,27 +54,26 @@ contains
       call put_text(error%message, message, size)
    end function put_message
 
-   !> A case from namelist text of C; paths in it are relative to the working folder.
-   subroutine read_case(namelist, case, error)
-      type(c_ptr), intent(in) :: namelist
-      type(case_t), intent(out) :: case
+   !> A text of C.
+   subroutine get_text(address, what, text, error)
+      type(c_ptr), intent(in) :: address
+      character(*), intent(in) :: what
+      !! it is, for the message
+      character(:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error
+      !! the address is NULL
       character(kind=c_char), pointer :: bytes(:)
-      character(:), allocatable :: text
-      integer :: n
       integer :: i
 
-      if (.not. c_associated(namelist)) then
-         call fail(error, err_input, 'the namelist text is NULL')
+      if (.not. c_associated(address)) then
+         call fail(error, err_input, 'the '//what//' is NULL')
          return
       end if
-      n = int(c_length(namelist))
-      call c_f_pointer(namelist, bytes, [n])
-      allocate (character(n) :: text)
-      do i = 1, n
+      call c_f_pointer(address, bytes, [c_length(address)])
+      allocate (character(size(bytes)) :: text)
+      do i = 1, size(bytes)
          text(i:i) = bytes(i)
       end do
-      call read_case_text(text, '', case, error)
-   end subroutine read_case
+   end subroutine get_text
 
 end module rwmf_bindings_c_strings

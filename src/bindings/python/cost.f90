@@ -5,10 +5,9 @@ module rwmf_bindings_python_cost
    use rwmf_baseline_run, only: usual_interval
    use rwmf_baseline_timed_run, only: empty_measured, measure_method, &
       names_of_values => value_names, put_measured, repeat_baseline, timed_run_t
-   use rwmf_bindings_python_handles, only: make_control, put_error, put_text, read_source
+   use rwmf_bindings_python_handles, only: find, kept_t, make_control, put_error, put_text
    use rwmf_core_error, only: error_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t
    implicit none
    public
 
@@ -22,17 +21,16 @@ contains
       !f2py integer*1 :: buffer
       integer(c_int), intent(out) :: length
 
-      call put_text(names_of_values(), buffer, length)
+      call put_text(names_of_values, buffer, length)
    end subroutine value_names
 
    !> Run a case with a method and tolerance, again and again until the budget (s) is spent.
    !>
    !> `counts` is (steps, right-hand sides, impacts, overturned, repeats); impact times beyond the
    !> room for them are left out.
-   subroutine measure(text, source, method, rtol, budget, control, n, values, seconds, counts, &
-      n_room, impact_times, status, n_message, message, message_length)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: source
+   subroutine measure(handle, method, rtol, budget, control, n, values, seconds, counts, n_room, &
+      impact_times, status, n_message, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: method
       real(c_double), intent(in) :: rtol
       real(c_double), intent(in) :: budget
@@ -47,19 +45,17 @@ contains
       integer(c_int), intent(in) :: n_message
       integer(c_int8_t), intent(inout) :: message(n_message)
       integer(c_int), intent(out) :: message_length
-      type(case_t) :: the_case
+      type(kept_t), pointer :: kept
       type(motion_t) :: motion
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       measured = empty_measured()
-      call read_source(text, source, the_case, error)
-      if (.not. allocated(error)) then
-         motion = motion_from_case(the_case)
-         call measure_method(the_case, motion, method, rtol, budget, make_control(control), &
-            measured, error)
-      end if
+      kept => find(handle)
+      motion = motion_from_case(kept%case)
+      call measure_method(kept%case, motion, method, rtol, budget, make_control(control), &
+         measured, error)
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)
@@ -67,10 +63,9 @@ contains
 
    !> The same with one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
    !> interval of such a case over a divisor; `dt` returns it (s).
-   subroutine measure_baseline(text, source, name, divisor, budget, n, values, seconds, dt, &
-      counts, n_room, impact_times, status, n_message, message, message_length)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: source
+   subroutine measure_baseline(handle, name, divisor, budget, n, values, seconds, dt, counts, &
+      n_room, impact_times, status, n_message, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: name
       real(c_double), intent(in) :: divisor
       real(c_double), intent(in) :: budget
@@ -85,18 +80,15 @@ contains
       integer(c_int), intent(in) :: n_message
       integer(c_int8_t), intent(inout) :: message(n_message)
       integer(c_int), intent(out) :: message_length
-      type(case_t) :: the_case
+      type(kept_t), pointer :: kept
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       measured = empty_measured()
-      dt = 0.0_c_double
-      call read_source(text, source, the_case, error)
-      if (.not. allocated(error)) then
-         dt = usual_interval(the_case)/divisor
-         call repeat_baseline(the_case, name, dt, budget, measured, error)
-      end if
+      kept => find(handle)
+      dt = usual_interval(kept%case)/divisor
+      call repeat_baseline(kept%case, name, dt, budget, measured, error)
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)

@@ -1,5 +1,5 @@
-!> What the Python wrapper needs besides the kernel: results kept behind integer handles, text as
-!> bytes, errors as numbers.
+!> What the Python wrapper needs besides the kernel: cases and results kept behind integer handles,
+!> text as bytes, errors as numbers.
 module rwmf_bindings_python_handles
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_int8_t, c_loc, &
       c_null_ptr
@@ -12,56 +12,42 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: run_t, sweep_t, keep_run, find_run, keep_sweep, find_sweep
-   public :: put_text, put_error, join_status, read_source, make_control
+   public :: kept_t, keep, find, put_text, put_error, join_status, read_source, make_control
 
-   !> A simulation that Python holds.
-   type :: run_t
-      type(case_t) :: case
-      type(result_t) :: result
-   end type run_t
-
-   !> A spectrum that Python holds.
-   type :: sweep_t
-      type(case_t) :: case
-      type(spectrum_t) :: spectrum
-   end type sweep_t
+   !> What a handle stands for: a case, or the result or the spectrum computed of one.
+   type :: kept_t
+      type(case_t), allocatable :: case
+      !! never changes once it is kept, so that any number of threads may compute of it
+      type(result_t), allocatable :: result
+      type(spectrum_t), allocatable :: spectrum
+   end type kept_t
 
 contains
 
-   !> Handle of a result on the heap: its address.
-   function keep_run(run) result(handle)
-      type(run_t), pointer, intent(in) :: run
-      integer(c_int64_t) :: handle
+   !> Handle of something on the heap: its address. Nothing is kept of what has failed.
+   subroutine keep(kept, error, handle)
+      type(kept_t), pointer, intent(inout) :: kept
+      !! given back on failure
+      type(error_t), allocatable, intent(in) :: error
+      integer(c_int64_t), intent(out) :: handle
+      !! 0 on failure
 
-      handle = transfer(c_loc(run), handle)
-   end function keep_run
+      handle = 0_c_int64_t
+      if (allocated(error)) then
+         deallocate (kept)
+      else
+         handle = transfer(c_loc(kept), handle)
+      end if
+   end subroutine keep
 
-   !> The result behind a handle.
-   function find_run(handle) result(run)
+   !> What a handle stands for.
+   function find(handle) result(kept)
       integer(c_int64_t), intent(in) :: handle
-      !! from `keep_run`, not freed
-      type(run_t), pointer :: run
+      !! from `keep`, not freed
+      type(kept_t), pointer :: kept
 
-      call c_f_pointer(transfer(handle, c_null_ptr), run)
-   end function find_run
-
-   !> Handle of a spectrum on the heap: its address.
-   function keep_sweep(sweep) result(handle)
-      type(sweep_t), pointer, intent(in) :: sweep
-      integer(c_int64_t) :: handle
-
-      handle = transfer(c_loc(sweep), handle)
-   end function keep_sweep
-
-   !> The spectrum behind a handle.
-   function find_sweep(handle) result(sweep)
-      integer(c_int64_t), intent(in) :: handle
-      !! from `keep_sweep`, not freed
-      type(sweep_t), pointer :: sweep
-
-      call c_f_pointer(transfer(handle, c_null_ptr), sweep)
-   end function find_sweep
+      call c_f_pointer(transfer(handle, c_null_ptr), kept)
+   end function find
 
    !> Copy a text into a buffer of bytes, as much of it as there is room for.
    pure subroutine put_text(text, buffer, length)
@@ -97,9 +83,9 @@ contains
    end subroutine put_error
 
    !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   pure function join_status(sweep) result(text)
-      type(sweep_t), intent(in) :: sweep
-      character(:), allocatable :: text
+   pure subroutine join_status(spectrum, text)
+      type(spectrum_t), intent(in) :: spectrum
+      character(:), allocatable, intent(out) :: text
       integer :: length
       integer :: i
       integer :: j
@@ -107,7 +93,7 @@ contains
       integer :: n
 
       ! the room is taken once: a text that grows a line at a time is copied as often
-      associate (status => sweep%spectrum%status)
+      associate (status => spectrum%status)
          allocate (character(sum(len_trim(status) + 1)) :: text)
          length = 0
          do k = 1, size(status, 3)
@@ -120,21 +106,21 @@ contains
             end do
          end do
       end associate
-   end function join_status
+   end subroutine join_status
 
    !> Read and validate a case; messages begin with the name of its file.
-   subroutine read_source(text, source, case, error)
+   subroutine read_source(text, source, case, error, known)
       character(*), intent(in) :: text
       !! namelist text
       character(*), intent(in) :: source
       !! path of its file, '' when it was made in memory
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
+      type(case_t), intent(in), optional :: known
+      !! as in `read_case_text`
 
-      call read_case_text(text, source(:index(source, '/', back=.true.)), case, error)
-      !$omp critical (rwmf_text)
+      call read_case_text(text, source(:index(source, '/', back=.true.)), case, error, known)
       if (allocated(error) .and. len(source) > 0) call add_context(error, source)
-      !$omp end critical (rwmf_text)
    end subroutine read_source
 
    !> Progress counter and cancel flag in the caller's memory.

@@ -29,7 +29,7 @@ contains
       integer(i8) :: k
 
       if (scene%t_end > scene%max_steps*dt) then
-         call fail(error, err_numerical, 'fixed steps of '//real_to_text(dt) &
+         call fail(error, err_numerical, 'fixed steps of '//trim(real_to_text(dt)) &
             //' s: more than the most steps by t_end', 'too_many_steps')
          return
       end if
@@ -71,7 +71,7 @@ contains
          scene%steps = scene%steps + 1_i8
          if (.not. allocated(error) .and. .not. all(abs(scene%y) < huge(1.0_wp))) then
             call fail(error, err_numerical, 'fixed steps: the state is not finite at t = ' &
-               //real_to_text(t_new)//' s')
+               //trim(real_to_text(t_new))//' s')
          end if
       end if
       scene%t = t_new
@@ -136,7 +136,7 @@ contains
       scene%y = average_acceleration(scene%y, a_old, a_new, h)
       if (i > most_iterations) then
          call fail(error, err_numerical, 'newmark: no convergence at t = ' &
-            //real_to_text(scene%t)//' s')
+            //trim(real_to_text(scene%t))//' s')
       end if
    end subroutine newmark_step
 

@@ -125,7 +125,7 @@ contains
       do while (step%t < scene%t_end)
          if (scene%steps >= scene%max_steps) then
             call fail(error, err_numerical, 'ode45: more than the most steps by t = ' &
-               //real_to_text(step%t)//' s', 'too_many_steps')
+               //trim(real_to_text(step%t))//' s', 'too_many_steps')
             return
          end if
          call advance(scene, step, rtol, atol, h, h_max, error)
@@ -189,7 +189,7 @@ contains
          if (local_error <= rtol) exit
          if (h <= least_length(step%t)) then
             call fail(error, err_numerical, 'ode45: no step is short enough at t = ' &
-               //real_to_text(step%t)//' s')
+               //trim(real_to_text(step%t))//' s')
             return
          end if
          shrink = 0.5_wp

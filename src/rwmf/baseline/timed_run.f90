@@ -27,6 +27,11 @@ module rwmf_baseline_timed_run
    integer, parameter :: at_theta_end = 5
    integer, parameter :: at_theta_dot_end = 6
    integer, parameter :: at_t_end = 7
+   character(1), parameter :: feed = new_line('a')
+   character(*), parameter :: value_names = 'u_s_max_m'//feed//'t_u_s_max_s'//feed &
+      //'theta_max_rad'//feed//'theta_dot_max_rad_s'//feed//'theta_end_rad'//feed &
+      //'theta_dot_end_rad_s'//feed//'t_end_s'//feed
+   !! one a line
 
    !> One simulation in numbers.
    type :: timed_run_t
@@ -43,16 +48,6 @@ module rwmf_baseline_timed_run
    end type timed_run_t
 
 contains
-
-   !> Names of the values, one a line.
-   pure function value_names() result(names)
-      character(:), allocatable :: names
-      character(1), parameter :: feed = new_line('a')
-
-      names = 'u_s_max_m'//feed//'t_u_s_max_s'//feed//'theta_max_rad'//feed &
-         //'theta_dot_max_rad_s'//feed//'theta_end_rad'//feed//'theta_dot_end_rad_s'//feed &
-         //'t_end_s'//feed
-   end function value_names
 
    !> Nothing measured yet.
    type(timed_run_t) function empty_measured() result(measured)

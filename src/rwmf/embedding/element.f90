@@ -20,10 +20,12 @@ module rwmf_embedding_element
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_effects_list, only: all_effects
    use rwmf_model_equation, only: equation_t
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t
    use rwmf_simulation_run, only: restitution
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -79,29 +81,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: wall_alone
       type(motion_t), target :: none
-      character(*), parameter :: no_memory = 'what yields has to be remembered, and an element ' &
-         //'holds no state; a wall that steps with the host (create_stepping) does'
 
-      if (.not. allocated(case%wall)) then
-         call fail(error, err_input, 'an element needs the group &wall')
-      else if (allocated(case%storeys)) then
-         call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
-      else if (allocated(case%fuse)) then
-         call fail(error, err_input, 'an element has no &fuse: '//no_memory)
-      else if (allocated(case%yielding)) then
-         call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
-      else if (allocated(case%vertical_record)) then
-         call fail(error, err_input, 'an element has no &vertical file: the host hands over the ' &
-            //'motion, and &vertical ratio follows it')
-      else if (has_table(case)) then
-         call fail(error, err_input, 'an element has no &impact ' &
-            //"rule = 'table': the host applies the velocity factor, and can look it up")
-      else if (allocated(case%cable)) then
-         if (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain)) then
-            call fail(error, err_input, 'an element has no &cable eta_y or rupture_strain: ' &
-               //no_memory)
-         end if
-      end if
+      call check_element(case, error)
       if (allocated(error)) return
       wall_alone = case
       if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
@@ -118,13 +99,24 @@ contains
       element%largest_angle = case%model%overturning_angle
    end subroutine create_element
 
-   !> Does the velocity factor come from a table?
-   pure logical function has_table(case)
+   !> A wall, and no effect that an element cannot have.
+   subroutine check_element(case, error)
       type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+      type(case_group_t), allocatable :: effects(:)
+      integer :: i
 
-      has_table = .false.
-      if (allocated(case%impact)) has_table = case%impact%rule == 'table'
-   end function has_table
+      if (.not. allocated(case%wall)) then
+         call fail(error, err_input, 'an element needs the group &wall')
+         return
+      end if
+      effects = all_effects()
+      do i = 1, size(effects)
+         if (.not. associated(effects(i)%refuse_element)) cycle
+         if (effects(i)%is_present(case)) call effects(i)%refuse_element(case, error)
+         if (allocated(error)) return
+      end do
+   end subroutine check_element
 
    !> Force and tangents at the motion of the link.
    !>
@@ -292,10 +284,8 @@ contains
          if (.not. is_wider(bracket, 4)) exit
       end do
       if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > bracket%low) return
-      !$omp critical (rwmf_text)
-      call fail(error, err_input, 'a displacement of '//real_to_text(w) &
+      call fail(error, err_input, 'a displacement of '//trim(real_to_text(w)) &
          //' m is more than the wall can follow', 'overturned')
-      !$omp end critical (rwmf_text)
    end subroutine find_rotation
 
    type(kinematics_t) function kinematics_of(element, side, phi) result(kin)

@@ -146,9 +146,8 @@ contains
       if (.not. present(peak)) return
       call check_finite(peak, 'peak', error)
       if (.not. allocated(error) .and. .not. peak > 0) then
-         !$omp critical (rwmf_text)
-         call fail(error, err_input, 'peak = '//real_to_text(peak)//', allowed are values > 0')
-         !$omp end critical (rwmf_text)
+         call fail(error, err_input, 'peak = '//trim(real_to_text(peak)) &
+            //', allowed are values > 0')
       end if
    end subroutine check_case
 
@@ -262,11 +261,9 @@ contains
       call check_finite(t, 'the time to advance to', error)
       if (allocated(error)) return
       if (t < stepping%instance%t) then
-         !$omp critical (rwmf_text)
-         call fail(error, err_input, 'cannot advance to t = '//real_to_text(t)//' s from ' &
-            //real_to_text(stepping%instance%t)//' s: restore a saved state to go back', &
+         call fail(error, err_input, 'cannot advance to t = '//trim(real_to_text(t))//' s from ' &
+            //trim(real_to_text(stepping%instance%t))//' s: restore a saved state to go back', &
                'backwards')
-         !$omp end critical (rwmf_text)
       end if
    end subroutine check_target
 
@@ -301,11 +298,9 @@ contains
       else if (any(t(2:) <= t(:n - 1))) then
          call fail(error, err_input, 'the times do not increase strictly', 'backwards')
       else if (abs(t(1) - stepping%instance%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then
-         !$omp critical (rwmf_text)
-         call fail(error, err_input, 'the first time is '//real_to_text(t(1)) &
-            //' s, expected is the present time, '//real_to_text(stepping%instance%t)//' s', &
+         call fail(error, err_input, 'the first time is '//trim(real_to_text(t(1))) &
+            //' s, expected is the present time, '//trim(real_to_text(stepping%instance%t))//' s', &
             'wrong_time')
-         !$omp end critical (rwmf_text)
       end if
    end subroutine check_samples
 

@@ -65,7 +65,7 @@ contains
          if (allocated(error)) exit
          if (token%kind == token_end) exit
          if (token%kind /= token_group .or. .not. is_name(token%text)) then
-            call fail(error, err_input, 'line '//integer_to_text(token%line)//": '" &
+            call fail(error, err_input, 'line '//trim(integer_to_text(token%line))//": '" &
                //shown(token%text)//"' stands outside a group (&name ... /)")
             exit
          end if
@@ -98,8 +98,8 @@ contains
             exit
          case (token_end, token_group)
             if (token%kind == token_group .and. token%text == 'end') exit
-            call fail(error, err_input, 'line '//integer_to_text(group%line)//': the group &' &
-               //shown(group%name)//' is not closed with /')
+            call fail(error, err_input, 'line '//trim(integer_to_text(group%line)) &
+               //': the group &'//shown(group%name)//' is not closed with /')
          case (token_word)
             call read_entry(text, scanner, token, entry, error)
             if (allocated(error)) call add_context(error, '&'//shown(group%name))
@@ -168,8 +168,8 @@ contains
       end do
       entry%values = entry%values(:n)
       if (n == 0 .or. token%kind == token_comma .or. token%kind == token_equals) then
-         call fail(error, err_input, 'line '//integer_to_text(token%line)//': '//shown(entry%key) &
-            //' has an empty value')
+         call fail(error, err_input, 'line '//trim(integer_to_text(token%line))//': ' &
+            //shown(entry%key)//' has an empty value')
       end if
    end subroutine read_values
 
@@ -209,8 +209,8 @@ contains
       integer :: i
 
       if (count > most_values - n) then
-         call fail(error, err_input, 'line '//integer_to_text(entry%line)//': '//shown(entry%key) &
-            //' has more than '//integer_to_text(most_values)//' values')
+         call fail(error, err_input, 'line '//trim(integer_to_text(entry%line))//': ' &
+            //shown(entry%key)//' has more than '//trim(integer_to_text(most_values))//' values')
          return
       end if
       if (n + count > size(entry%values)) then
@@ -251,8 +251,8 @@ contains
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_input, 'line '//integer_to_text(token%line)//": '"//shown(token%text) &
-         //"' "//problem)
+      call fail(error, err_input, 'line '//trim(integer_to_text(token%line))//": '" &
+         //shown(token%text)//"' "//problem)
    end subroutine fail_at
 
    !> Append a group, doubling the room when it is full.

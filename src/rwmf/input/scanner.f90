@@ -57,8 +57,8 @@ contains
       if (index(text(:min(len(text), 3)), byte_order_mark) == 1) scanner%position = 4
       do i = 1, len(text)
          if (is_control(text(i:i))) then
-            call fail(error, err_input, 'byte '//integer_to_text(i)//' is a control character: ' &
-               //'this is not a text file')
+            call fail(error, err_input, 'byte '//trim(integer_to_text(i)) &
+               //' is a control character: this is not a text file')
             return
          end if
       end do
@@ -180,12 +180,13 @@ contains
             scanner%position = scanner%position + 1
          end if
          if (len(token%text) > longest) then
-            call fail(error, err_input, 'line '//integer_to_text(token%line)//': the string ' &
-               //quote//shown(token%text)//' is longer than '//integer_to_text(longest)//' bytes')
+            call fail(error, err_input, 'line '//trim(integer_to_text(token%line)) &
+               //': the string '//quote//shown(token%text)//' is longer than ' &
+               //trim(integer_to_text(longest))//' bytes')
             return
          else if (.not. is_at(text, scanner%position - 1, quote)) then
-            call fail(error, err_input, 'line '//integer_to_text(token%line)//': the string ' &
-               //quote//shown(token%text)//' is not closed on its line')
+            call fail(error, err_input, 'line '//trim(integer_to_text(token%line)) &
+               //': the string '//quote//shown(token%text)//' is not closed on its line')
             return
          end if
       end do

@@ -1,92 +1,171 @@
-!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values?
+!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values? Then
+!> it becomes values by group and key.
 module rwmf_input_schema_check
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: dp
    use rwmf_input_namelist, only: entry_t, group_t
-   use rwmf_input_schema, only: find_key, group_names, key_t, keys_of
-   use rwmf_input_value_check, only: requirement, value_problem
-   use rwmf_text_strings, only: integer_to_text, nearest_name, shown
+   use rwmf_input_schema, only: all_groups, all_keys, find_key, group_names
+   use rwmf_input_value_check, only: check_value, default_number, requirement
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, key_values_t
+   use rwmf_problem_key, only: key_t
+   use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key
+   use rwmf_text_strings, only: integer_to_text, nearest_name, shown, to_lower
    implicit none
    private
 
-   public :: check_groups, fail_at_entry, fail_at_group
+   public :: collect_values, check_rules
+
+   character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
 
 contains
 
-   !> Check groups one by one. Rules between groups are those of rwmf_case_rules.
+   !> Check groups one by one and collect the values of all keys, given or by default.
    !>
    !> Errors: unknown or repeated group, unknown or repeated key, wrong type, value out of range,
    !> required key that is missing. The message names group, key, value, line and what is allowed.
-   subroutine check_groups(groups, error)
+   subroutine collect_values(groups, values, error)
       type(group_t), intent(in) :: groups(:)
+      type(group_values_t), intent(out) :: values
       type(error_t), allocatable, intent(out) :: error
+      type(key_t), allocatable :: keys(:)
+      integer :: n
+      !! values so far
+      integer :: i
+
+      keys = all_keys()
+      call make_room(groups, keys, values)
+      n = 0
+      do i = 1, size(groups)
+         call enter_group(groups(i), values, error)
+         if (.not. allocated(error)) call enter_entries(groups(i), keys, values, n, error)
+         if (allocated(error)) return
+      end do
+      call enter_defaults(keys, values, n)
+   end subroutine collect_values
+
+   !> Check the groups of a case against each other.
+   !>
+   !> Errors: a group without the one it acts on, keys that exclude each other, keys that the
+   !> presence of another key or group requires.
+   subroutine check_rules(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      type(case_group_t), allocatable :: groups(:)
       integer :: i
       integer :: j
 
+      if (.not. has_group(values, 'wall') .and. .not. has_group(values, 'frame')) then
+         call fail(error, err_input, '&wall, &frame: at least one of these groups must be given')
+         return
+      end if
+      groups = all_groups()
       do i = 1, size(groups)
-         call check_name(groups(i), error)
-         if (allocated(error)) return
-         do j = 1, i - 1
-            if (groups(j)%name /= groups(i)%name) cycle
-            call fail_at_group(groups(i), 'the group is given twice, before in line ' &
-               //integer_to_text(groups(j)%line), error)
-            return
+         do j = 1, count(groups(i)%needs /= '')
+            call check_needs(values, trim(groups(i)%name), trim(groups(i)%needs(j)), &
+               trim(groups(i)%reasons(j)), error)
+            if (allocated(error)) return
          end do
-         call check_entries(groups(i), error)
+      end do
+      do i = 1, size(groups)
+         if (.not. associated(groups(i)%check)) cycle
+         ! of those that say how to compute, something is always given
+         if (groups(i)%is_of_scene .and. .not. has_group(values, trim(groups(i)%name))) cycle
+         call groups(i)%check(values, error)
          if (allocated(error)) return
       end do
-   end subroutine check_groups
+   end subroutine check_rules
 
-   !> Is the group known?
-   subroutine check_name(group, error)
-      type(group_t), intent(in) :: group
-      type(error_t), allocatable, intent(out) :: error
+   !> Room for all values: those that are given, and each default once, which may be another value.
+   subroutine make_room(groups, keys, values)
+      type(group_t), intent(in) :: groups(:)
+      type(key_t), intent(in) :: keys(:)
+      type(group_values_t), intent(inout) :: values
       character(12), allocatable :: names(:)
+      integer :: n
+      integer :: length
+      integer :: i, j, k
+
+      n = 0
+      length = 0
+      do i = 1, size(groups)
+         do j = 1, size(groups(i)%entries)
+            n = n + size(groups(i)%entries(j)%values)
+            do k = 1, size(groups(i)%entries(j)%values)
+               length = length + len(groups(i)%entries(j)%values(k)%text)
+            end do
+         end do
+      end do
+      allocate (values%numbers(n + size(keys)), values%ends(n + size(keys)))
+      allocate (character(2*length + len(keys%default)*size(keys)) :: values%texts)
+      names = group_names()
+      allocate (values%groups(size(names)), values%keys(size(keys)))
+      values%groups(:) = [(group_place_t(names(i), .false., 0), i=1, size(names))]
+      do i = 1, size(keys)
+         values%keys(i) = key_values_t(keys(i)%group, keys(i)%key, to_lower(keys(i)%key), &
+            .false., .false., 0, 0, 0)
+      end do
+   end subroutine make_room
+
+   !> Is the group known, and new?
+   subroutine enter_group(group, values, error)
+      type(group_t), intent(in) :: group
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: known
-      character(:), allocatable :: near
+      character(len(values%groups%name)) :: near
       integer :: i
 
-      names = group_names()
-      if (any(names == group%name)) return
-      near = nearest_name(group%name, names)
-      if (near /= '') near = ', did you mean &'//near//'?'
-      known = '; allowed:'
-      do i = 1, size(names)
-         known = known//' &'//trim(names(i))
+      do i = 1, size(values%groups)
+         if (values%groups(i)%name /= group%name) cycle
+         if (values%groups(i)%is_given) then
+            call fail_at_group(group%name, group%line, 'the group is given twice, before in line ' &
+               //trim(integer_to_text(values%groups(i)%line)), error)
+         end if
+         values%groups(i)%is_given = .true.
+         values%groups(i)%line = group%line
+         return
       end do
-      call fail_at_group(group, 'unknown group'//near//known, error)
-   end subroutine check_name
+      near = trim(nearest_name(group%name, values%groups%name))
+      known = ''
+      if (near /= '') known = ', did you mean &'//trim(near)//'?'
+      known = known//'; allowed:'
+      do i = 1, size(values%groups)
+         known = known//' &'//trim(values%groups(i)%name)
+      end do
+      call fail_at_group(group%name, group%line, 'unknown group'//known, error)
+   end subroutine enter_group
 
-   !> Check the keys of a group.
-   subroutine check_entries(group, error)
+   !> Check the keys of a group and keep their values.
+   subroutine enter_entries(group, keys, values, n, error)
       type(group_t), intent(in) :: group
+      type(key_t), intent(in) :: keys(:)
+      type(group_values_t), intent(inout) :: values
+      integer, intent(inout) :: n
       type(error_t), allocatable, intent(out) :: error
-      type(key_t), allocatable :: keys(:)
-      logical, allocatable :: is_given(:)
       integer :: at
       integer :: i
 
-      keys = keys_of(group%name)
-      allocate (is_given(size(keys)))
-      is_given(:) = .false.
       do i = 1, size(group%entries)
-         at = find_key(keys, group%entries(i)%key)
+         at = find_key(keys, group%name, group%entries(i)%key)
          if (at == 0) then
             call fail_unknown_key(group, group%entries(i), keys, error)
-         else if (is_given(at)) then
-            call fail_at_entry(group, group%entries(i), 'the key is given twice', error)
+         else if (values%keys(at)%is_given) then
+            call fail_at_entry(group, group%entries(i), trim(keys(at)%key), &
+               'the key is given twice', error)
          else
-            is_given(at) = .true.
-            call check_values(group, group%entries(i), keys(at), error)
+            call enter_values(group, group%entries(i), keys(at), values, at, n, error)
          end if
          if (allocated(error)) return
       end do
       do i = 1, size(keys)
-         if (is_given(i) .or. .not. keys(i)%is_required) cycle
-         call fail_at_group(group, 'the key '//trim(keys(i)%key)//' is missing (' &
-            //trim(keys(i)%help)//'): must be '//requirement(keys(i)), error)
+         if (keys(i)%group /= group%name) cycle
+         if (values%keys(i)%is_given .or. .not. keys(i)%is_required) cycle
+         call fail_at_group(group%name, group%line, 'the key '//trim(keys(i)%key) &
+            //' is missing ('//trim(keys(i)%help)//'): must be '//trim(requirement(keys(i))), error)
          return
       end do
-   end subroutine check_entries
+   end subroutine enter_entries
 
    !> Report a key that the group does not have.
    subroutine fail_unknown_key(group, entry, keys, error)
@@ -95,88 +174,114 @@ contains
       type(key_t), intent(in) :: keys(:)
       type(error_t), allocatable, intent(out) :: error
       character(len(keys%key)), allocatable :: names(:)
+      character(len(keys%key)) :: near
       character(:), allocatable :: known
-      character(:), allocatable :: near
       integer :: i
 
-      known = '; allowed:'
-      allocate (names(size(keys)))
-      do i = 1, size(keys)
-         names(i) = keys(i)%key
+      names = pack(keys%key, keys%group == group%name)
+      near = trim(nearest_name(entry%key, names))
+      known = ''
+      if (near /= '') known = ', did you mean '//trim(near)//'?'
+      known = known//'; allowed:'
+      do i = 1, size(names)
          known = known//' '//trim(names(i))
       end do
-      near = nearest_name(entry%key, names)
-      if (near /= '') near = ', did you mean '//near//'?'
-      call fail_at_entry(group, entry, 'unknown key'//near//known, error)
+      call fail_at_entry(group, entry, shown(entry%key), 'unknown key'//known, error)
    end subroutine fail_unknown_key
 
-   !> Check number, type and range of the values of a key.
-   subroutine check_values(group, entry, key, error)
+   !> Check number, type and range of the values of a key, and keep them.
+   subroutine enter_values(group, entry, key, values, at, n, error)
       type(group_t), intent(in) :: group
       type(entry_t), intent(in) :: entry
       type(key_t), intent(in) :: key
+      type(group_values_t), intent(inout) :: values
+      integer, intent(in) :: at
+      !! place of the key
+      integer, intent(inout) :: n
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
+      real(dp) :: number
       integer :: i
 
       if (key%type /= 'real list' .and. size(entry%values) > 1) then
-         call fail_at_entry(group, entry, 'must be one value: '//requirement(key), error)
+         call fail_at_entry(group, entry, trim(key%key), 'must be one value: ' &
+            //trim(requirement(key)), error)
          return
       end if
+      values%keys(at)%is_given = .true.
+      values%keys(at)%is_quoted = entry%is_quoted
+      values%keys(at)%line = entry%line
       do i = 1, size(entry%values)
-         problem = value_problem(key, entry%values(i)%text, entry%is_quoted)
-         if (problem /= '') then
-            call fail_at_entry(group, entry, problem, error)
+         call check_value(key, entry%values(i)%text, entry%is_quoted, number, problem)
+         if (allocated(problem)) then
+            call fail_at_entry(group, entry, trim(key%key), problem, error)
             return
          end if
-      end do
-   end subroutine check_values
-
-   !> Report a key with its value: `&frame: gamma = -1.0 (line 7): must be ...`.
-   subroutine fail_at_entry(group, entry, problem, error)
-      type(group_t), intent(in) :: group
-      type(entry_t), intent(in) :: entry
-      character(*), intent(in) :: problem
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: key
-      integer :: at
-
-      key = shown(entry%key)
-      associate (keys => keys_of(group%name))
-         at = find_key(keys, entry%key)
-         if (at > 0) key = trim(keys(at)%key)
-      end associate
-      call fail(error, err_input, '&'//group%name//': '//key//' = '//shown_values(entry) &
-         //' (line '//integer_to_text(entry%line)//'): '//problem)
-   end subroutine fail_at_entry
-
-   !> The values of an entry as they may stand in a message.
-   pure function shown_values(entry) result(text)
-      type(entry_t), intent(in) :: entry
-      character(:), allocatable :: text
-      integer, parameter :: most = 8
-      integer :: i
-
-      text = ''
-      do i = 1, min(size(entry%values), most)
-         if (i > 1) text = text//', '
-         if (entry%is_quoted) then
-            text = text//"'"//shown(entry%values(i)%text)//"'"
+         if (key%type == 'choice') then
+            call append(values, at, n, number, to_lower(trim(entry%values(i)%text)))
          else
-            text = text//shown(entry%values(i)%text)
+            call append(values, at, n, number, entry%values(i)%text)
          end if
       end do
-      if (size(entry%values) > most) text = text//', ...'
-   end function shown_values
+   end subroutine enter_values
 
-   !> Report a group: `&frame (line 5): ...`.
-   subroutine fail_at_group(group, problem, error)
+   !> Report an entry with all its values.
+   subroutine fail_at_entry(group, entry, key, problem, error)
       type(group_t), intent(in) :: group
+      type(entry_t), intent(in) :: entry
+      character(*), intent(in) :: key
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: shown_values
+      integer :: i
 
-      call fail(error, err_input, '&'//shown(group%name)//' (line ' &
-         //integer_to_text(group%line)//'): '//problem)
-   end subroutine fail_at_group
+      shown_values = ''
+      do i = 1, size(entry%values)
+         call append_value(i, entry%is_quoted, entry%values(i)%text, shown_values)
+      end do
+      call fail_at_key(group%name, key, shown_values, entry%line, problem, error)
+   end subroutine fail_at_entry
+
+   !> The keys that are not given take their defaults, or the value of the key that a default names.
+   subroutine enter_defaults(keys, values, n)
+      type(key_t), intent(in) :: keys(:)
+      type(group_values_t), intent(inout) :: values
+      integer, intent(inout) :: n
+      integer :: source
+      integer :: i
+
+      do i = 1, size(keys)
+         if (values%keys(i)%is_given .or. keys(i)%default == '') cycle
+         source = 0
+         if (scan(keys(i)%default(1:1), letters) > 0) source = find_key(keys, &
+            trim(keys(i)%group), trim(keys(i)%default))
+         if (source == 0) then
+            call append(values, i, n, default_number(keys(i)), trim(keys(i)%default))
+         else
+            values%keys(i)%n = values%keys(source)%n
+            values%keys(i)%first = values%keys(source)%first
+         end if
+      end do
+   end subroutine enter_defaults
+
+   !> Append a value to those of a key.
+   pure subroutine append(values, at, n, number, text)
+      type(group_values_t), intent(inout) :: values
+      integer, intent(in) :: at
+      !! place of the key
+      integer, intent(inout) :: n
+      real(dp), intent(in) :: number
+      character(*), intent(in) :: text
+      integer :: start
+
+      start = 0
+      if (n > 0) start = values%ends(n)
+      n = n + 1
+      values%numbers(n) = number
+      values%ends(n) = start + len(text)
+      values%texts(start + 1:start + len(text)) = text
+      if (values%keys(at)%n == 0) values%keys(at)%first = n
+      values%keys(at)%n = values%keys(at)%n + 1
+   end subroutine append
 
 end module rwmf_input_schema_check

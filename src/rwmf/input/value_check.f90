@@ -1,27 +1,31 @@
-!> Is a value of a case file what the schema allows?
+!> Is a value of a case file what its key allows, and which number is it?
 module rwmf_input_value_check
    use rwmf_core_kinds, only: dp
-   use rwmf_input_schema, only: key_t
+   use rwmf_problem_key, only: any_real, key_t
    use rwmf_text_strings, only: next_word, parse_integer, parse_real, to_lower
    implicit none
    private
 
-   public :: value_problem, requirement, parse_logical, parse_bound
+   public :: check_value, default_number, requirement
+
+   integer, parameter :: requirement_length = 256
 
 contains
 
-   !> What is wrong with a value: 'must be ...'; '' when it is fine.
-   pure function value_problem(key, value, is_quoted) result(problem)
+   !> Check a value and convert it, once. `problem` is 'must be ...', not allocated when it is fine.
+   pure subroutine check_value(key, value, is_quoted, number, problem)
       type(key_t), intent(in) :: key
       character(*), intent(in) :: value
       !! as it stands in the case, without quotes
       logical, intent(in) :: is_quoted
-      character(:), allocatable :: problem
+      real(dp), intent(out) :: number
+      !! of a logical 1 or 0, of texts 0 [unit of the key]
+      character(:), allocatable, intent(out) :: problem
       logical :: ok
       logical :: truth
-      real(dp) :: number
 
       ok = .false.
+      number = 0
       select case (key%type)
       case ('choice')
          if (is_quoted) ok = is_choice(trim(key%allowed), value)
@@ -29,22 +33,40 @@ contains
          ok = is_quoted .and. len_trim(value) > 0
       case ('logical')
          call parse_logical(value, truth, ok)
+         number = merge(1, 0, truth)
          ok = ok .and. .not. is_quoted
       case default
          call parse_number(trim(key%type), value, number, ok)
          ok = ok .and. .not. is_quoted
          if (ok) ok = is_within(trim(key%allowed), number)
       end select
-      problem = ''
       if (ok) return
-      problem = 'must be '//requirement(key)
+      problem = 'must be '//trim(requirement(key))
       if (key%type == 'choice' .and. .not. is_quoted) problem = problem//' in quotes'
-   end function value_problem
+   end subroutine check_value
+
+   !> The value of a default; of a text 0 [unit of the key].
+   pure real(dp) function default_number(key) result(number)
+      type(key_t), intent(in) :: key
+      logical :: truth
+      logical :: ok
+
+      number = 0
+      select case (key%type)
+      case ('choice', 'text')
+         return
+      case ('logical')
+         call parse_logical(trim(key%default), truth, ok)
+         number = merge(1, 0, truth)
+      case default
+         number = parse_bound(trim(key%default))
+      end select
+   end function default_number
 
    !> What the values of a key must be, for messages: `a number >= 0 [-]`.
    pure function requirement(key) result(text)
       type(key_t), intent(in) :: key
-      character(:), allocatable :: text
+      character(requirement_length) :: text
 
       select case (key%type)
       case ('choice')
@@ -60,18 +82,42 @@ contains
       case default
          text = 'a number '//range_text(key)
       end select
-      if (key%allowed == 'any finite number') text = 'any finite number'
-      if (key%unit /= '') text = text//' ['//trim(key%unit)//']'
+      if (key%allowed == any_real) text = any_real
+      if (key%unit /= '') text = trim(text)//' ['//trim(key%unit)//']'
    end function requirement
 
    !> `>= 0` or `in (0, 1]`.
    pure function range_text(key) result(text)
       type(key_t), intent(in) :: key
-      character(:), allocatable :: text
+      character(len(key%allowed) + 3) :: text
 
-      text = trim(key%allowed)
-      if (scan(text, '([') == 1) text = 'in '//text
+      text = key%allowed
+      if (scan(text, '([') == 1) text = 'in '//key%allowed
    end function range_text
+
+   !> `'a', 'b' or 'c'`.
+   pure function quoted_choices(names) result(text)
+      character(*), intent(in) :: names
+      !! separated by blanks
+      character(requirement_length) :: text
+      integer :: first
+      integer :: last
+      integer :: position
+
+      text = ''
+      position = 1
+      do
+         call next_word(names, position, first, last)
+         if (last < first) return
+         if (first == 1) then
+            text = "'"//names(first:last)//"'"
+         else if (last == len(names)) then
+            text = trim(text)//" or '"//names(first:last)//"'"
+         else
+            text = trim(text)//", '"//names(first:last)//"'"
+         end if
+      end do
+   end function quoted_choices
 
    !> Is the value one of the names? Letters may be small or capital.
    pure logical function is_choice(names, value)
@@ -82,29 +128,6 @@ contains
       is_choice = len_trim(value) > 0 .and. scan(trim(value), ' ') == 0 &
          .and. index(' '//names//' ', ' '//to_lower(trim(value))//' ') > 0
    end function is_choice
-
-   !> `'a', 'b' or 'c'`.
-   pure function quoted_choices(names) result(text)
-      character(*), intent(in) :: names
-      !! separated by blanks
-      character(:), allocatable :: text
-      integer :: first
-      integer :: last
-      integer :: position
-
-      text = ''
-      position = 1
-      do
-         call next_word(names, position, first, last)
-         if (last < first) return
-         if (first > 1 .and. last == len(names)) then
-            text = text//' or '
-         else if (first > 1) then
-            text = text//', '
-         end if
-         text = text//"'"//names(first:last)//"'"
-      end do
-   end function quoted_choices
 
    !> Read an integer or a real.
    pure subroutine parse_number(type, text, value, ok)

@@ -109,12 +109,9 @@ contains
       !! why, and what helps
       type(error_t), allocatable, intent(out) :: error
 
-      ! gfortran keeps the length of such texts in static memory: one thread at a time
-      !$omp critical (rwmf_text)
-      call fail(error, err_numerical, what//' failed at t = '//real_to_text(integrator%t1) &
-         //' s, theta = '//real_to_text(integrator%y1(1))//', theta_dot = ' &
-         //real_to_text(integrator%y1(2))//', rtol = '//real_to_text(rtol)//': '//cause)
-      !$omp end critical (rwmf_text)
+      call fail(error, err_numerical, what//' failed at t = '//trim(real_to_text(integrator%t1)) &
+         //' s, theta = '//trim(real_to_text(integrator%y1(1)))//', theta_dot = ' &
+         //trim(real_to_text(integrator%y1(2)))//', rtol = '//trim(real_to_text(rtol))//': '//cause)
    end subroutine fail_step
 
    !> Step of a few round-offs. The flights of a dying chatter are that short, and without the

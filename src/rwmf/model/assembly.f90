@@ -11,7 +11,7 @@ module rwmf_model_assembly
    use rwmf_model_cable, only: cable_law_t, cable_state_t, linear_cable, no_cable, &
       signed_linear_cable, signed_linear_moment, truss_cable, truss_moment, yielding_cable, &
       yielding_moment
-   use rwmf_model_effects_list, only: are_lines, choose_effects, is_smooth_hysteresis
+   use rwmf_model_contributions, only: are_lines, choose_contributions, is_smooth_hysteresis
    use rwmf_model_equation, only: cable_at, enter_interval, equation_t, frame_displacement, &
       ground, interval_of, kinematics_at, lift_off_drive, right_hand_side_i
    use rwmf_model_hysteresis_bilinear, only: new_spring
@@ -58,7 +58,7 @@ contains
          call choose_cable(case, equation)
          call choose_acceleration(case%model%formulation, equation)
          if (.not. equation%has_impacts) call hinge_base(equation)
-         call choose_effects(case, equation)
+         call choose_contributions(case, equation)
          equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
          equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
             /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
@@ -71,7 +71,7 @@ contains
             if (equation%has_frame .and. equation%has_impacts) call write_out(equation)
          end if
       else
-         call choose_effects(case, equation)
+         call choose_contributions(case, equation)
          equation%rates_positive => bare_frame
          if (allocated(equation%effects)) then
             equation%rates_positive => frame_with_effects

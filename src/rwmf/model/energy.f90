@@ -6,7 +6,7 @@ module rwmf_model_energy
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at, equation_t, interval_of, kinematics_at
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_effects_list, only: effects_energy, effects_input, effects_power
+   use rwmf_model_contributions, only: effects_energy, effects_input, effects_power
    use rwmf_model_effects_vertical_motion, only: vertical_power
    use rwmf_model_hysteresis_spring_set, only: tendon_power
    use rwmf_model_kinematics, only: kinematics_t

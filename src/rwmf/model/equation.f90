@@ -11,7 +11,7 @@ module rwmf_model_equation
    implicit none
    private
 
-   public :: equation_t, right_hand_side_i, effect_t, floors_t, hysteresis_t, sprung_t
+   public :: equation_t, right_hand_side_i, contribution_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: form_power, form_line, form_square, form_product
    public :: enter_interval, interval_of
@@ -21,8 +21,8 @@ module rwmf_model_equation
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
    !> states, energy, power and force on the wall that belong to it. One file brings its
-   !> procedures; `choose_effects` names them (docs/effects.md).
-   type :: effect_t
+   !> procedures; `choose_contributions` names them (docs/effects.md).
+   type :: contribution_t
       procedure(add_i), pointer, nopass :: add => null()
       procedure(power_i), pointer, nopass :: power => null()
       !! that viscous parts dissipate; not associated: nothing
@@ -42,7 +42,7 @@ module rwmf_model_equation
       !! place of its first state among all
       logical :: is_motion = .false.
       !! a motion of the ground: part of what drives the resting wall, not of what it bears
-   end type effect_t
+   end type contribution_t
 
    integer, parameter :: form_power = 0
    !! any exponent
@@ -180,7 +180,7 @@ module rwmf_model_equation
       type(cable_law_t) :: cable
       logical :: has_plain_cable = .false.
       !! its law, or that of no cable, is the linear one of both sides
-      type(effect_t), allocatable :: effects(:)
+      type(contribution_t), allocatable :: effects(:)
       !! the further effects that the case calls for; not allocated without any
       logical :: has_bilinear_springs = .false.
       !! there are springs that yield or break

@@ -32,19 +32,6 @@ contains
       character(*), intent(in) :: name
       !! of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
-
-      ! texts: one thread at a time, see `read_case_text`
-      !$omp critical (rwmf_text)
-      call put_result(case, result, folder, name, error)
-      !$omp end critical (rwmf_text)
-   end subroutine write_result
-
-   subroutine put_result(case, result, folder, name, error)
-      type(case_t), intent(in) :: case
-      type(result_t), intent(in) :: result
-      character(*), intent(in) :: folder
-      character(*), intent(in) :: name
-      type(error_t), allocatable, intent(out) :: error
       type(atomic_file_t) :: summary
       type(atomic_file_t) :: history
 
@@ -57,7 +44,7 @@ contains
       end if
       if (.not. allocated(error)) call publish(summary, error)
       call discard(summary)
-   end subroutine put_result
+   end subroutine write_result
 
    !> Write a spectrum: one line an ordinate, T_s fastest, then gamma, then b.
    subroutine write_spectrum(case, spectrum, path, error, part)
@@ -67,18 +54,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
-
-      !$omp critical (rwmf_text)
-      call put_spectrum(case, spectrum, path, error, part)
-      !$omp end critical (rwmf_text)
-   end subroutine write_spectrum
-
-   subroutine put_spectrum(case, spectrum, path, error, part)
-      type(case_t), intent(in) :: case
-      type(spectrum_t), intent(in) :: spectrum
-      character(*), intent(in) :: path
-      type(error_t), allocatable, intent(out) :: error
-      character(*), intent(in), optional :: part
       type(atomic_file_t) :: file
 
       call open_atomic(file, path, error)
@@ -92,21 +67,26 @@ contains
       call write_ordinates(file, spectrum)
       call finish(file, error)
       if (.not. allocated(error)) call publish(file, error)
-   end subroutine put_spectrum
+   end subroutine write_spectrum
+
+   !> Its length: without ending, that of 'case' when nothing is left.
+   pure integer function name_length(source) result(length)
+      character(*), intent(in) :: source
+
+      length = len(source) - index(source, '/', back=.true.)
+      if (length > 4) then
+         if (any(source(len(source) - 3:) == ['.nml', '.NML'])) length = length - 4
+      end if
+      if (length == 0) length = len('case')
+   end function name_length
 
    !> Name of a case: its file's name without folder and without '.nml'; 'case' when it has none.
    pure function case_name(source) result(name)
       character(*), intent(in) :: source
       !! path of the namelist, '' when it was made in memory
-      character(:), allocatable :: name
-      integer :: n
+      character(name_length(source)) :: name
 
-      name = source(index(source, '/', back=.true.) + 1:)
-      n = len(name)
-      if (n > 4) then
-         if (name(n - 3:) == '.nml' .or. name(n - 3:) == '.NML') name = name(:n - 4)
-      end if
-      if (len(name) == 0) name = 'case'
+      name = source(index(source, '/', back=.true.) + 1:)//'case'
    end function case_name
 
    !> The scalars of a run as one line, so that the summaries of many cases can be put together.
@@ -126,14 +106,14 @@ contains
       if (allocated(error)) return
       call write_header(file, case)
       call summarise(case, result, items)
-      names = items(1)%key
-      values = csv_value(items(1))
-      do i = 2, size(items)
+      names = ''
+      values = ''
+      do i = 1, size(items)
          names = names//','//items(i)%key
-         values = values//','//csv_value(items(i))
+         call append_value(items(i), values)
       end do
-      call write_line(file, names)
-      call write_line(file, values)
+      call write_line(file, names(2:))
+      call write_line(file, values(2:))
       call finish(file, error)
    end subroutine write_summary
 
@@ -157,7 +137,7 @@ contains
       end do
       call write_line(file, names)
       do i = 1, size(history%values, 1)
-         call write_line(file, csv_numbers(history%values(i, :)))
+         call write_line(file, trim(csv_numbers(history%values(i, :))))
       end do
       call finish(file, error)
    end subroutine write_history
@@ -175,11 +155,11 @@ contains
          do j = 1, size(spectrum%u_s_max, 2)
             lead = ''
             if (allocated(spectrum%gamma)) then
-               lead = csv_numbers([spectrum%b(k), spectrum%gamma(j)])//','
+               lead = trim(csv_numbers([spectrum%b(k), spectrum%gamma(j)]))//','
             end if
             do i = 1, size(spectrum%T_s)
-               call write_line(file, lead//csv_numbers([spectrum%T_s(i), &
-                  spectrum%u_s_max(i, j, k)])//','//trim(spectrum%status(i, j, k)))
+               call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
+                  spectrum%u_s_max(i, j, k)]))//','//trim(spectrum%status(i, j, k)))
             end do
          end do
       end do
@@ -212,10 +192,10 @@ contains
       character(:), allocatable :: line
 
       line = name//', '//trim(record%format)//', CRC-32 '//trim(record%crc32)//', ' &
-         //integer_to_text(record%n)//' points'
-      if (allocated(record%dt)) line = line//', dt = '//real_to_text(record%dt)//' s'
-      line = line//', peak '//real_to_text(record%peak)//' m/s2 at '//real_to_text(record%t_peak) &
-         //' s'
+         //trim(integer_to_text(record%n))//' points'
+      if (allocated(record%dt)) line = line//', dt = '//trim(real_to_text(record%dt))//' s'
+      line = line//', peak '//trim(real_to_text(record%peak))//' m/s2 at ' &
+         //trim(real_to_text(record%t_peak))//' s'
       call write_line(file, line)
    end subroutine write_record
 
@@ -234,39 +214,54 @@ contains
       end do
    end subroutine write_comment
 
-   !> Numbers with commas between them.
+   !> Numbers with commas between them, and blanks behind.
    pure function csv_numbers(values) result(line)
       real(wp), intent(in) :: values(:)
       !! (columns)
-      character(:), allocatable :: line
+      character(26*size(values)) :: line
+      character(25) :: number
       integer :: i
+      integer :: length
 
       line = real_to_text(values(1))
+      length = len_trim(line)
       do i = 2, size(values)
-         line = line//','//real_to_text(values(i))
+         number = real_to_text(values(i))
+         line(length + 1:length + 1 + len(number)) = ','//number
+         length = length + 1 + len_trim(number)
       end do
    end function csv_numbers
 
-   !> The value of a summary item as it stands in a CSV file.
-   pure function csv_value(item) result(text)
+   !> Append a comma and the value of a summary item.
+   pure subroutine append_value(item, line)
       type(summary_item_t), intent(in) :: item
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: line
       integer :: i
 
-      text = item%value
+      line = line//','
+      select case (item%kind)
+      case ('real')
+         line = line//trim(real_to_text(item%number))
+      case ('int')
+         line = line//trim(integer_to_text(item%count))
+      case ('logical')
+         line = line//trim(merge('true ', 'false', item%count == 1))
+      case ('text')
+         line = line//item%text
+      end select
       if (item%kind /= 'list') return
-      text = '"'
-      do i = 1, len(item%value)
-         select case (item%value(i:i))
+      line = line//'"'
+      do i = 1, len(item%text)
+         select case (item%text(i:i))
          case (achar(9))
-            text = text//'; '
+            line = line//'; '
          case ('"')
-            text = text//'""'
+            line = line//'""'
          case default
-            text = text//item%value(i:i)
+            line = line//item%text(i:i)
          end select
       end do
-      text = text//'"'
-   end function csv_value
+      line = line//'"'
+   end subroutine append_value
 
 end module rwmf_output_csv

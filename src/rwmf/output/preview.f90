@@ -1,13 +1,12 @@
 !> What a case will simulate and report, before it is simulated.
 module rwmf_output_preview
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic
+   use rwmf_model_effects_list, only: all_effects
    use rwmf_output_summary, only: joined, list_absent_effects, list_effects, summarise, &
       summary_item_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_name, &
-      event_overturned, event_peak, event_rest, event_rupture, result_t
+   use rwmf_problem_case_group, only: case_group_t, event_name_length, state_name_length
+   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    implicit none
    private
@@ -40,10 +39,7 @@ contains
       end if
       call simulate(instant, result, error)
       if (allocated(error)) return
-      ! texts: one thread at a time, see `read_case_text`
-      !$omp critical (rwmf_text)
       call compose(case, instant, result, text)
-      !$omp end critical (rwmf_text)
    end subroutine preview_text
 
    subroutine compose(case, instant, result, text)
@@ -54,93 +50,77 @@ contains
       !! of it
       character(:), allocatable, intent(out) :: text
       type(summary_item_t), allocatable :: items(:)
-      character(:), allocatable :: scalars
+      character(state_name_length), allocatable :: states(:)
+      character(event_name_length), allocatable :: events(:)
       integer :: i
 
+      call list_states(case, states)
+      call list_events(case, events)
+      text = ''
+      call append_line('effects', list_effects(case), text)
+      call append_line('absent', list_absent_effects(case), text)
+      call append_line('states', states, text)
+      call append_line('events', events, text)
       call summarise(instant, result, items)
-      scalars = ''
+      text = text//'scalars'
       do i = 1, size(items)
-         scalars = scalars//tab//items(i)%key
+         text = text//tab//items(i)%key
       end do
-      text = line('effects', joined(list_effects(case))) &
-         //line('absent', joined(list_absent_effects(case))) &
-         //line('states', joined(list_states(case)))//line('events', joined(list_events(case))) &
-         //'scalars'//scalars//new_line('a')
-      if (allocated(result%history)) text = text//line('columns', joined(result%history%names))
+      text = text//new_line('a')
+      if (allocated(result%history)) call append_line('columns', result%history%names, text)
    end subroutine compose
 
-   pure function line(word, names) result(text)
+   !> Append a word and the names that belong to it.
+   pure subroutine append_line(word, names, text)
       character(*), intent(in) :: word
-      character(*), intent(in) :: names
-      character(:), allocatable :: text
+      character(*), intent(in) :: names(:)
+      character(:), allocatable, intent(inout) :: text
 
-      text = word//tab//names//new_line('a')
-   end function line
+      text = text//word//tab//joined(names)//new_line('a')
+   end subroutine append_line
 
    !> Unknowns of the equation of motion.
-   pure function list_states(case) result(names)
+   subroutine list_states(case, names)
       type(case_t), intent(in) :: case
-      character(24), allocatable :: names(:)
+      character(state_name_length), allocatable, intent(out) :: names(:)
       !! (states)
-      character(24), allocatable :: places(:)
-      character(24), allocatable :: velocities(:)
-      logical :: is_smooth
-      logical :: is_full
-      integer :: n
+      type(case_group_t), allocatable :: effects(:)
       integer :: i
 
-      names = [character(24) :: 'u_s_m', 'u_s_dot_m_s']
-      if (allocated(case%wall)) names = [character(24) :: 'theta_rad', 'theta_dot_rad_s']
-      is_smooth = .false.
-      if (allocated(case%yielding)) then
-         is_smooth = .not. is_elastic_plastic(case%yielding)
-      end if
-      is_full = .false.
-      if (allocated(case%storeys)) is_full = case%storeys%coupling == 'full'
-      if (is_smooth .and. .not. is_full) names = [character(24) :: names, 'z']
-      if (.not. is_full) return
-      n = size(case%storeys%frame%m) - 1
-      allocate (places(n), velocities(n))
-      do i = 1, n
-         write (places(i), '(a, i0, a)') 'floor_', i, '_m'
-         write (velocities(i), '(a, i0, a)') 'floor_', i, '_dot_m_s'
+      names = [character(state_name_length) :: 'u_s_m', 'u_s_dot_m_s']
+      if (allocated(case%wall)) names = [character(state_name_length) :: 'theta_rad', &
+         'theta_dot_rad_s']
+      effects = all_effects()
+      do i = 1, size(effects)
+         if (.not. associated(effects(i)%add_states)) cycle
+         if (effects(i)%is_present(case)) call effects(i)%add_states(case, names)
       end do
-      names = [character(24) :: names, places, velocities]
-      if (.not. is_smooth) return
-      deallocate (places)
-      allocate (places(n + 1))
-      do i = 1, n + 1
-         write (places(i), '(a, i0)') 'z_', i
-      end do
-      names = [character(24) :: names, places]
-   end function list_states
+   end subroutine list_states
 
-   !> Events that are located.
-   pure function list_events(case) result(names)
+   !> Events that are located, each once.
+   subroutine list_events(case, names)
       type(case_t), intent(in) :: case
-      character(10), allocatable :: names(:)
+      character(event_name_length), allocatable, intent(out) :: names(:)
       !! (kinds)
-      integer, allocatable :: kinds(:)
+      character(event_name_length), allocatable :: found(:)
+      type(case_group_t), allocatable :: effects(:)
       integer :: i
 
-      kinds = [event_peak]
+      found = [character(event_name_length) :: 'peak']
       if (allocated(case%wall)) then
-         kinds = [event_peak, event_overturned]
-         if (case%wall%base == 'rocking') then
-            kinds = [event_impact, event_peak, event_lift_off, event_rest, event_overturned]
-         end if
+         found = [character(event_name_length) :: 'peak', 'overturned']
+         if (case%wall%base == 'rocking') found = [character(event_name_length) :: 'impact', &
+            'peak', 'lift_off', 'rest', 'overturned']
       end if
-      if (allocated(case%yielding) .or. allocated(case%fuse)) kinds = [kinds, event_branch]
-      if (allocated(case%cable)) then
-         if (allocated(case%cable%eta_y)) kinds = [kinds, event_branch]
-         if (allocated(case%cable%rupture_strain)) kinds = [kinds, event_rupture]
-      end if
-      if (count(kinds == event_branch) > 1) kinds = [event_branch, pack(kinds, &
-         kinds /= event_branch)]
-      allocate (names(size(kinds)))
-      do i = 1, size(kinds)
-         names(i) = event_name(kinds(i))
+      effects = all_effects()
+      do i = 1, size(effects)
+         if (.not. associated(effects(i)%add_events)) cycle
+         if (effects(i)%is_present(case)) call effects(i)%add_events(case, found)
       end do
-   end function list_events
+      allocate (names(0))
+      do i = 1, size(found)
+         if (.not. any(names == found(i))) names = [names, found(i)]
+      end do
+   end subroutine list_events
 
 end module rwmf_output_preview

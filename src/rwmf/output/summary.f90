@@ -4,38 +4,41 @@
 !> A key that does not apply to the effects in the scene is absent.
 module rwmf_output_summary
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_input_schema, only: all_groups
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
-   use rwmf_text_strings, only: integer_to_text, real_to_text
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
    public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
 
-   !> One key with its value as text.
+   !> One key with its value.
    type :: summary_item_t
       character(:), allocatable :: key
       !! name with unit suffix
       character(:), allocatable :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
-      character(:), allocatable :: value
-      !! reals round-trip to the same bits; 'true' or 'false'; a list has a tab between its items
+      real(wp) :: number = 0
+      !! of a 'real' [unit of the key]
+      integer(i8) :: count = 0
+      !! of an 'int'; of a 'logical' 1 for yes
+      character(:), allocatable :: text
+      !! of a 'text'; of a 'list' its items with a tab between them; '' of the others
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
-   character(8), parameter :: all_effects(*) = [character(8) :: 'wall', 'frame', 'storeys', &
-      'link', 'damper', 'inerter', 'fuse', 'yielding', 'cable', 'impact', 'motion', 'vertical', &
-      'initial']
-
 contains
 
    !> All scalars that apply, in the order of the outputs.
-   pure subroutine summarise(case, result, items)
+   subroutine summarise(case, result, items)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       type(summary_item_t), allocatable, intent(out) :: items(:)
       !! (keys)
+      character(12), allocatable :: effects(:)
 
       allocate (items(0))
       call add_maxima(items, result)
@@ -43,59 +46,62 @@ contains
       if (allocated(case%storeys)) call add_storeys(items, case)
       if (allocated(result%reactions)) call add_reactions(items, result%reactions)
       call add_work(items, result)
-      call add_item(items, 'effects', 'list', joined(list_effects(case)))
+      ! not within the call below, where gfortran 12 takes the length from memory given back
+      effects = list_effects(case)
+      call add_item(items, 'effects', 'list', text=joined(effects))
       if (allocated(result%warnings)) then
-         call add_item(items, 'warnings', 'list', joined(result%warnings))
+         call add_item(items, 'warnings', 'list', text=joined(result%warnings))
       else
-         call add_item(items, 'warnings', 'list', '')
+         call add_item(items, 'warnings', 'list')
       end if
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
 
-   !> The summary as lines `key<TAB>kind<TAB>value`.
-   pure function summary_text(items) result(text)
+   !> The summary without its numbers, as lines `key<TAB>kind<TAB>text`.
+   pure subroutine summary_text(items, text)
       type(summary_item_t), intent(in) :: items(:)
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
       text = ''
       do i = 1, size(items)
-         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%value//new_line('a')
+         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%text//new_line('a')
       end do
-   end function summary_text
+   end subroutine summary_text
 
    !> Names of the effects that are simulated, in the order of the case file's groups.
-   pure function list_effects(case) result(names)
+   function list_effects(case) result(names)
       type(case_t), intent(in) :: case
-      character(8), allocatable :: names(:)
+      character(12), allocatable :: names(:)
       !! (effects)
 
-      names = pack(all_effects, are_present(case))
+      call list_groups(case, .true., names)
    end function list_effects
 
    !> Names of the effects that the scene does not call for.
-   pure function list_absent_effects(case) result(names)
+   function list_absent_effects(case) result(names)
       type(case_t), intent(in) :: case
-      character(8), allocatable :: names(:)
+      character(12), allocatable :: names(:)
       !! (effects)
 
-      names = pack(all_effects, .not. are_present(case))
+      call list_groups(case, .false., names)
    end function list_absent_effects
 
-   pure function are_present(case) result(present_effects)
+   !> The groups of the scene, those with further keys once, that are present or absent.
+   subroutine list_groups(case, is_present, names)
       type(case_t), intent(in) :: case
-      logical :: present_effects(size(all_effects))
+      logical, intent(in) :: is_present
+      character(12), allocatable, intent(out) :: names(:)
+      type(case_group_t), allocatable :: groups(:)
+      integer :: i
 
-      present_effects = [allocated(case%wall), allocated(case%frame), &
-         allocated(case%storeys), allocated(case%link), allocated(case%damper), &
-         allocated(case%inerter), allocated(case%fuse), allocated(case%yielding), &
-         allocated(case%cable), allocated(case%impact), allocated(case%motion), &
-         allocated(case%vertical), allocated(case%initial)]
-      ! free vibration is stated as kind 'none': nothing shakes the scene
-      if (allocated(case%motion)) then
-         where (all_effects == 'motion') present_effects = case%motion%kind /= 'none'
-      end if
-   end function are_present
+      groups = all_groups()
+      allocate (names(0))
+      do i = 1, size(groups)
+         if (.not. groups(i)%is_of_scene .or. any(groups(:i - 1)%name == groups(i)%name)) cycle
+         if (groups(i)%is_present(case) .eqv. is_present) names = [names, groups(i)%name]
+      end do
+   end subroutine list_groups
 
    !> Suprema of the response.
    pure subroutine add_maxima(items, result)
@@ -131,7 +137,7 @@ contains
       integer :: i
 
       do i = 1, size(values)
-         call add_real(items, before//integer_to_text(i)//after, values(i))
+         call add_real(items, before//trim(integer_to_text(i))//after, values(i))
       end do
    end subroutine add_numbered
 
@@ -201,7 +207,7 @@ contains
       call add_count(items, 'steps', result%steps)
       call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
       call add_real(items, 'seconds', result%seconds)
-      call add_item(items, 'method', 'text', result%method)
+      call add_item(items, 'method', 'text', text=result%method)
       call add_real(items, 'rtol', result%rtol)
       call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
       call add_real(items, 'estimate_seconds', result%estimate_seconds)
@@ -227,7 +233,7 @@ contains
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'real', real_to_text(value))
+      if (present(value)) call add_item(items, key, 'real', number=value)
    end subroutine add_real
 
    !> Add a counter.
@@ -236,7 +242,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', integer_to_text(value))
+      call add_item(items, key, 'int', count=value)
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.
@@ -245,16 +251,18 @@ contains
       character(*), intent(in) :: key
       logical, intent(in), optional :: value
 
-      if (.not. present(value)) return
-      call add_item(items, key, 'logical', trim(merge('true ', 'false', value)))
+      if (present(value)) call add_item(items, key, 'logical', count=merge(1_i8, 0_i8, value))
    end subroutine add_logical
 
    !> Add one item at the end.
-   pure subroutine add_item(items, key, kind, value)
+   pure subroutine add_item(items, key, kind, number, count, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
       character(*), intent(in) :: kind
-      character(*), intent(in) :: value
+      real(wp), intent(in), optional :: number
+      !! [unit of the key]
+      integer(i8), intent(in), optional :: count
+      character(*), intent(in), optional :: text
       type(summary_item_t), allocatable :: grown(:)
       integer :: n
 
@@ -263,20 +271,37 @@ contains
       grown(:n) = items
       grown(n + 1)%key = key
       grown(n + 1)%kind = kind
-      grown(n + 1)%value = value
+      grown(n + 1)%text = ''
+      if (present(number)) grown(n + 1)%number = number
+      if (present(count)) grown(n + 1)%count = count
+      if (present(text)) grown(n + 1)%text = text
       call move_alloc(grown, items)
    end subroutine add_item
+
+   !> Length of the items of a list with a tab between them.
+   pure integer function joined_length(list) result(length)
+      character(*), intent(in) :: list(:)
+      integer :: i
+
+      length = max(0, size(list) - 1)
+      do i = 1, size(list)
+         length = length + len_trim(list(i))
+      end do
+   end function joined_length
 
    !> The items of a list with a tab between them.
    pure function joined(list) result(text)
       character(*), intent(in) :: list(:)
-      character(:), allocatable :: text
+      character(joined_length(list)) :: text
+      integer :: last
       integer :: i
 
-      text = ''
+      last = 0
       do i = 1, size(list)
-         if (i > 1) text = text//tab
-         text = text//trim(list(i))
+         if (i > 1) text(last + 1:last + 1) = tab
+         if (i > 1) last = last + 1
+         text(last + 1:last + len_trim(list(i))) = list(i)
+         last = last + len_trim(list(i))
       end do
    end function joined
 

@@ -4,14 +4,15 @@
 !> that is not simulated.
 module rwmf_problem_case
    use rwmf_core_kinds, only: wp
-   use rwmf_problem_record, only: record_t
+   use rwmf_problem_group_values, only: group_values_t
+   use rwmf_problem_record, only: record_source_t, record_t
    use rwmf_problem_shear_frame, only: shear_frame_t
    implicit none
    private
 
    public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
-   public :: impact_t, motion_spec_t, inerter_t, record_source_t, vertical_t
-   public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t
+   public :: impact_t, motion_spec_t, inerter_t, vertical_t
+   public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t, structure_t
 
    !> Rocking wall, `&wall`.
    type :: wall_t
@@ -121,20 +122,6 @@ module rwmf_problem_case
       !! (n) velocity factors there [-]
    end type impact_t
 
-   !> Where a record comes from.
-   type :: record_source_t
-      character(:), allocatable :: file
-      !! path of the record as the case gives it
-      character(:), allocatable :: path
-      !! path of the record resolved against the folder of the namelist
-      real(wp), allocatable :: dt
-      !! sampling interval of a one-column record [s]
-      character(:), allocatable :: unit
-      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
-      real(wp) :: scale
-      !! factor on the record [-]
-   end type record_source_t
-
    !> Ground motion, `&motion`.
    type, extends(record_source_t) :: motion_spec_t
       character(:), allocatable :: kind
@@ -232,10 +219,10 @@ module rwmf_problem_case
       !! half widths of the wall [m]; absent: the case's
    end type spectrum_spec_t
 
-   !> One case. Groups that are not allocated are effects that the scene does not call for.
-   type :: case_t
-      character(:), allocatable :: text
-      !! the namelist text that the case was read from
+   !> What is simulated but for its motion: the components that a further run of the same scene
+   !> takes over by one assignment. Those that are not allocated are effects that the scene does not
+   !> call for.
+   type :: structure_t
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
       type(storeys_t), allocatable :: storeys
@@ -246,10 +233,19 @@ module rwmf_problem_case
       type(inerter_t), allocatable :: inerter
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
-      type(motion_spec_t), allocatable :: motion
       type(vertical_t), allocatable :: vertical
       type(initial_t), allocatable :: initial
       type(model_t) :: model
+   end type structure_t
+
+   !> One case: a structure, its motion, how it is integrated and what is kept. Its part
+   !> `structure_t` is one component, whose parts are those of the case (`case%wall`).
+   type, extends(structure_t) :: case_t
+      character(:), allocatable :: text
+      !! the namelist text that the case was read from
+      type(group_values_t) :: values
+      !! what that text says, and the defaults; empty for a case that was not read
+      type(motion_spec_t), allocatable :: motion
       type(solver_t) :: solver
       type(output_t), allocatable :: output
       type(spectrum_spec_t), allocatable :: spectrum

@@ -1,10 +1,25 @@
-!> A recorded ground acceleration that has been read and checked.
+!> A recorded ground acceleration: where it comes from, and its samples when it has been read.
 module rwmf_problem_record
    use rwmf_core_kinds, only: wp
+   use rwmf_problem_group_values, only: get_real, get_text, group_values_t, real_of
    implicit none
    private
 
-   public :: record_t
+   public :: record_t, record_source_t, fill_source
+
+   !> Where a record comes from.
+   type :: record_source_t
+      character(:), allocatable :: file
+      !! path of the record as the case gives it
+      character(:), allocatable :: path
+      !! path of the record resolved against the folder of the namelist
+      real(wp), allocatable :: dt
+      !! sampling interval of a one-column record [s]
+      character(:), allocatable :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
+      real(wp) :: scale
+      !! factor on the record [-]
+   end type record_source_t
 
    !> A record that has been read and checked.
    type :: record_t
@@ -25,5 +40,19 @@ module rwmf_problem_record
       character(8) :: crc32
       !! of the bytes of the file, hexadecimal
    end type record_t
+
+contains
+
+   !> What a group of the case says about its record.
+   subroutine fill_source(values, group, source)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      class(record_source_t), intent(inout) :: source
+
+      source%scale = real_of(values, group, 'scale')
+      call get_real(values, group, 'dt', source%dt)
+      call get_text(values, group, 'file', source%file)
+      call get_text(values, group, 'unit', source%unit)
+   end subroutine fill_source
 
 end module rwmf_problem_record

@@ -9,7 +9,7 @@ module rwmf_simulation_error_control
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_simulation_result, only: add_warning, history_t, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -37,6 +37,7 @@ contains
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: tight
+      type(history_t), allocatable :: history
       type(case_t) :: trial
       real(wp) :: spent
       integer :: i
@@ -54,16 +55,16 @@ contains
          result%estimated_relative_error = relative_difference(result, tight)
          if (result%estimated_relative_error <= 0.7_wp*case%solver%accuracy) exit
          if (trial%solver%rtol <= tightest) exit
+         ! the history is moved: it can be the largest array
+         call move_alloc(tight%history, history)
          result = tight
+         call move_alloc(history, result%history)
       end do
       result%estimate_seconds = spent - result%seconds
       if (result%estimated_relative_error > case%solver%accuracy) then
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
          call add_warning(result, 'the accuracy asked for, ' &
-            //real_to_text(case%solver%accuracy)//', cannot be delivered: estimated error ' &
-            //real_to_text(result%estimated_relative_error)//' at the tightest tolerance')
-         !$omp end critical (rwmf_text)
+            //trim(real_to_text(case%solver%accuracy))//', cannot be delivered: estimated error ' &
+            //trim(real_to_text(result%estimated_relative_error))//' at the tightest tolerance')
       end if
    end subroutine run_to_accuracy
 

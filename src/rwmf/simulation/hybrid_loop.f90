@@ -134,16 +134,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
-      ! gfortran keeps the length of such texts in static memory: one thread at a time
-      !$omp critical (rwmf_text)
       if (is_cancelled(control)) then
-         call fail(error, err_interrupt, 'interrupted at t = '//real_to_text(hybrid%t)//' s')
+         call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(hybrid%t))//' s')
       else
          call fail(error, err_numerical, 'more than &solver max_steps steps by t = ' &
-            //real_to_text(hybrid%t)//' s, theta = '//real_to_text(hybrid%y(1)) &
+            //trim(real_to_text(hybrid%t))//' s, theta = '//trim(real_to_text(hybrid%y(1))) &
             //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
       end if
-      !$omp end critical (rwmf_text)
    end subroutine check_work
 
    !> Rest until the ground motion lifts the wall.
@@ -192,11 +189,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. jumps(equation, interval_of(equation), hybrid%t)) return
-      !$omp critical (rwmf_text)
-      call fail(error, err_numerical, 'the wall jumps at t = '//real_to_text(hybrid%t) &
+      call fail(error, err_numerical, 'the wall jumps at t = '//trim(real_to_text(hybrid%t)) &
          //' s: vertical motion or fuses take all of weight and cable force from the base, and a ' &
          //'wall in the air is not in the model', 'wall_jumps')
-      !$omp end critical (rwmf_text)
    end subroutine check_ground
 
    !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
@@ -208,7 +203,6 @@ contains
       !! up to the end of the step, or to the event that cuts it
       type(error_t), allocatable, intent(out) :: error
       type(bracket_t) :: bracket
-      real(wp) :: high
       real(wp) :: y(equation%n)
 
       ! forces grow with the stroke: what they are on the base mostly says that all is well
@@ -220,13 +214,11 @@ contains
          if (allocated(error)) return
          call narrow(bracket, stands_on_fuses(equation, y(1)))
       end do
-      high = bracket%high
-      !$omp critical (rwmf_text)
-      call fail(error, err_numerical, 'the wall stands on its fuses at t = '//real_to_text(high) &
+      call fail(error, err_numerical, 'the wall stands on its fuses at t = ' &
+         //trim(real_to_text(bracket%high)) &
          //' s: drawn out before, both together push it up with more than weight and cable, and ' &
          //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
          //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
-      !$omp end critical (rwmf_text)
    end subroutine check_fuses
 
    !> Do the fuses push the wall up with more than weight and cable, beyond round-off?
@@ -293,7 +285,6 @@ contains
          call turn_back(equation, hybrid%y(1))
          if (equation%has_loading_direction) then
             equation%loading_direction = -equation%loading_direction
-            hybrid%y(2) = 0
          end if
          hybrid%must_restart = .true.
       case (event_passage)

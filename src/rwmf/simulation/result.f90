@@ -165,24 +165,11 @@ contains
    pure function event_name(kind) result(name)
       integer, intent(in) :: kind
       !! one of the `event_` numbers
-      character(:), allocatable :: name
+      character(*), parameter :: names(0:7) = [character(10) :: 'overturned', 'impact', 'peak', &
+         'lift_off', 'rest', 'overturned', 'branch', 'rupture']
+      character(len_trim(names(merge(kind, 0, kind > 0 .and. kind <= ubound(names, 1))))) :: name
 
-      select case (kind)
-      case (event_impact)
-         name = 'impact'
-      case (event_peak)
-         name = 'peak'
-      case (event_lift_off)
-         name = 'lift_off'
-      case (event_rest)
-         name = 'rest'
-      case (event_branch)
-         name = 'branch'
-      case (event_rupture)
-         name = 'rupture'
-      case default
-         name = 'overturned'
-      end select
+      name = names(merge(kind, 0, kind > 0 .and. kind <= ubound(names, 1)))
    end function event_name
 
    !> Append to a list that doubles its room when full.

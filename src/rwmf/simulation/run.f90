@@ -7,7 +7,7 @@ module rwmf_simulation_run
    use rwmf_integrator_integrator, only: integrator_t, tolerance_t
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_effects_list, only: state_sizes
+   use rwmf_model_contributions, only: state_sizes
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
    use rwmf_model_equation, only: frame_travel
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
@@ -272,7 +272,7 @@ contains
       end if
       if (recorder%keeps_history) then
          call move_alloc(recorder%events, result%events)
-         result%history = recorder%history
+         call move_alloc(recorder%history, result%history)
       end if
    end subroutine fill_result
 
@@ -351,11 +351,9 @@ contains
          end if
       end if
       if (e > e_max) then
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
-         call add_warning(result, 'e = '//real_to_text(e)//' exceeds e_max = ' &
-            //real_to_text(e_max)//', the most that the momentum balance of wall and frame allows')
-         !$omp end critical (rwmf_text)
+         call add_warning(result, 'e = '//trim(real_to_text(e))//' exceeds e_max = ' &
+            //trim(real_to_text(e_max)) &
+            //', the most that the momentum balance of wall and frame allows')
       end if
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &

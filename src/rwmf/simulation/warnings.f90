@@ -21,11 +21,9 @@ contains
       type(result_t), intent(inout) :: result
 
       if (2*eta_y <= 1 + eta_0) return
-      !$omp critical (rwmf_text)
-      call add_warning(result, '2 eta_y = '//real_to_text(2*eta_y)//' of &fuse exceeds ' &
-         //'1 + eta_0 = '//real_to_text(1 + eta_0)//', weight and prestress: the wall need not ' &
-         //'come down again')
-      !$omp end critical (rwmf_text)
+      call add_warning(result, '2 eta_y = '//trim(real_to_text(2*eta_y))//' of &fuse exceeds ' &
+         //'1 + eta_0 = '//trim(real_to_text(1 + eta_0)) &
+         //', weight and prestress: the wall need not come down again')
    end subroutine warn_of_fuses
 
    !> A pivot that lifts or slides is not in the equation of motion.
@@ -34,20 +32,17 @@ contains
 
       associate (reactions => result%reactions)
          if (.not. allocated(reactions%pivot_lifts)) return
-         ! gfortran keeps the length of such texts in static memory: one thread at a time
-         !$omp critical (rwmf_text)
          if (reactions%pivot_lifts) then
             call add_warning(result, 'the pivot reaction falls to N/(m_w g) = ' &
-               //real_to_text(reactions%normal_min)//' at t = ' &
-               //real_to_text(reactions%t_normal_min)//' s: the wall would leave the ground, ' &
-               //'which the model does not follow')
+               //trim(real_to_text(reactions%normal_min))//' at t = ' &
+               //trim(real_to_text(reactions%t_normal_min)) &
+               //' s: the wall would leave the ground, which the model does not follow')
          end if
          if (allocated(reactions%t_exceeded)) then
             call add_warning(result, 'the friction demand |H|/N exceeds the friction_limit from ' &
-               //'t = '//real_to_text(reactions%t_exceeded)//' s: the wall would slide, which ' &
-               //'the model does not follow')
+               //'t = '//trim(real_to_text(reactions%t_exceeded)) &
+               //' s: the wall would slide, which the model does not follow')
          end if
-         !$omp end critical (rwmf_text)
       end associate
    end subroutine warn_of_reactions
 
@@ -60,10 +55,8 @@ contains
 
       lowest = lowest_vertical(equation%motion)
       if (equation%p%g*(1 + equation%p%eta_0) + lowest > 0) return
-      !$omp critical (rwmf_text)
-      call add_warning(result, 'v_g'''' falls to '//real_to_text(lowest) &
+      call add_warning(result, 'v_g'''' falls to '//trim(real_to_text(lowest)) &
          //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')
-      !$omp end critical (rwmf_text)
    end subroutine warn_of_weight
 
 end module rwmf_simulation_warnings

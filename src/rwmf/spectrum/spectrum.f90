@@ -34,12 +34,12 @@ module rwmf_spectrum_spectrum
       real(wp) :: seconds
       !! wall-clock time [s]
       integer :: threads
-      !! in use
+      !! number of threads used
    end type spectrum_t
 
 contains
 
-   !> Compute the spectrum that a case's `&spectrum` asks for.
+   !> Compute the spectrum of a case's `&spectrum` group.
    !>
    !> Each ordinate is a simulation of its own, so that the result has the same bits for every
    !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
@@ -47,7 +47,7 @@ contains
    subroutine compute_spectrum(case, threads, spectrum, error, control)
       type(case_t), intent(in) :: case
       integer, intent(in) :: threads
-      !! 0: all that OpenMP offers
+      !! requested; 0: all that OpenMP offers
       type(spectrum_t), intent(out) :: spectrum
       type(error_t), allocatable, intent(out) :: error
       !! no `&spectrum`, no memory, or interrupted
@@ -72,6 +72,7 @@ contains
       if (is_cancelled(signals)) call fail(error, err_interrupt, 'spectrum interrupted')
    end subroutine compute_spectrum
 
+   !> Allocate the results on the grid of a case's `&spectrum` group.
    pure subroutine prepare_grid(case, spectrum, error)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(inout) :: spectrum
@@ -131,15 +132,16 @@ contains
       if (spec%n > 1) T_s(spec%n) = spec%T_s_max
    end function spectrum_periods
 
+   !> Number of threads to be used.
    integer function usable_threads(threads)
       integer, intent(in) :: threads
-      !! as asked for
+      !! requested; 0: all that OpenMP offers
 
       usable_threads = max(1, threads)
       !$ if (threads <= 0) usable_threads = omp_get_max_threads()
    end function usable_threads
 
-   !> All ordinates. Each thread takes the next one when it is free: short periods cost more.
+   !> Compute all ordinates, with dynamic scheduling because short periods cost more.
    subroutine run_all(case, motion, control, spectrum)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -161,7 +163,8 @@ contains
       spectrum%rhs_evaluations = evaluations
    end subroutine run_all
 
-   !> The ordinates that advance in lanes; the others keep their status and are run one by one.
+   !> Compute the ordinates that method 'fast' covers; the others keep their status and are run one
+   !> by one.
    subroutine run_lanes(case, motion, control, spectrum)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -181,16 +184,17 @@ contains
       where (is_done) spectrum%status = 'ok'
    end subroutine run_lanes
 
-   !> One ordinate. Everything that a thread needs for itself is local here.
+   !> Compute one ordinate by the general kernel, with local work space only: threads run it at
+   !> once.
    subroutine run_one(case, motion, control, spectrum, number, evaluations)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(spectrum_t), intent(inout) :: spectrum
       integer, intent(in) :: number
-      !! of the ordinate, T_s running fastest
+      !! number of the ordinate, T_s running fastest
       integer(i8), intent(inout) :: evaluations
-      type(case_t) :: one
+      type(case_t) :: ordinate
       type(result_t) :: result
       type(error_t), allocatable :: error
       integer :: i, j, k
@@ -200,13 +204,13 @@ contains
       j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
       k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
       if (spectrum%status(i, j, k) == 'ok') return
-      call copy_scene(case, one)
-      one%frame%T_s = spectrum%T_s(i)
-      if (allocated(one%wall)) then
-         one%frame%gamma = spectrum%gamma(j)
-         one%wall%b = spectrum%b(k)
+      call copy_model(case, ordinate)
+      ordinate%frame%T_s = spectrum%T_s(i)
+      if (allocated(ordinate%wall)) then
+         ordinate%frame%gamma = spectrum%gamma(j)
+         ordinate%wall%b = spectrum%b(k)
       end if
-      call simulate_with_motion(one, motion, control, result, error)
+      call simulate_with_motion(ordinate, motion, control, result, error)
       call count_done(control)
       if (allocated(error)) then
          spectrum%status(i, j, k) = error%name
@@ -218,26 +222,14 @@ contains
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
 
-   !> The case without what an ordinate does not need: text, record, outputs.
-   pure subroutine copy_scene(case, scene)
+   !> Copy the groups of a case that an ordinate needs: all but text, record and outputs.
+   pure subroutine copy_model(case, copy)
       type(case_t), intent(in) :: case
-      type(case_t), intent(out) :: scene
+      type(case_t), intent(out) :: copy
 
-      if (allocated(case%wall)) scene%wall = case%wall
-      if (allocated(case%frame)) scene%frame = case%frame
-      if (allocated(case%storeys)) scene%storeys = case%storeys
-      if (allocated(case%link)) scene%link = case%link
-      if (allocated(case%damper)) scene%damper = case%damper
-      if (allocated(case%fuse)) scene%fuse = case%fuse
-      if (allocated(case%yielding)) scene%yielding = case%yielding
-      if (allocated(case%inerter)) scene%inerter = case%inerter
-      if (allocated(case%vertical)) scene%vertical = case%vertical
-      if (allocated(case%cable)) scene%cable = case%cable
-      if (allocated(case%impact)) scene%impact = case%impact
-      if (allocated(case%initial)) scene%initial = case%initial
-      scene%model = case%model
-      scene%solver = case%solver
-      scene%solver%method = trim(spectrum_method(case%solver%method))
-   end subroutine copy_scene
+      copy%structure_t = case%structure_t
+      copy%solver = case%solver
+      copy%solver%method = trim(spectrum_method(case%solver%method))
+   end subroutine copy_model
 
 end module rwmf_spectrum_spectrum

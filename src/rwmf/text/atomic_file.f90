@@ -115,7 +115,7 @@ contains
          return
       end if
       do i = 1, tries
-         temporary = temporary_name(path, i)
+         call name_temporary(path, i, temporary)
          ! 'x' refuses an existing file: another thread or process may write the same target
          file%stream = c_fopen(temporary//c_null_char, 'wbx'//c_null_char)
          if (c_associated(file%stream)) exit
@@ -202,37 +202,34 @@ contains
    pure function join_path(folder, name) result(path)
       character(*), intent(in) :: folder
       character(*), intent(in) :: name
-      character(:), allocatable :: path
+      character(len(folder) + len(name) + merge(1, 0, &
+         index(folder, '/', back=.true.) < len(folder))) :: path
 
-      if (len(folder) == 0) then
-         path = name
-      else if (folder(len(folder):) == '/') then
-         path = folder//name
-      else
-         path = folder//'/'//name
-      end if
+      path = folder//repeat('/', len(path) - len(folder) - len(name))//name
    end function join_path
 
    !> What stands before the last slash, with it; '' when there is none.
    pure function folder_of(path) result(folder)
       character(*), intent(in) :: path
-      character(:), allocatable :: folder
+      character(index(path, '/', back=.true.)) :: folder
 
-      folder = path(:index(path, '/', back=.true.))
+      folder = path
    end function folder_of
 
    !> A hidden name beside the target that no other process or thread is likely to use.
-   function temporary_name(path, attempt) result(name)
+   subroutine name_temporary(path, attempt, name)
       character(*), intent(in) :: path
       integer, intent(in) :: attempt
       !! 1, 2, ...: a new name for every attempt
-      character(:), allocatable :: name
+      character(:), allocatable, intent(out) :: name
       character(48) :: unique
       integer(i8) :: ticks
+      integer :: slash
 
       call system_clock(ticks)
       write (unique, '(i0, "-", i0, "-", i0)') c_getpid(), ticks, attempt
-      name = folder_of(path)//'.'//path(len(folder_of(path)) + 1:)//'.'//trim(unique)//'.tmp'
-   end function temporary_name
+      slash = index(path, '/', back=.true.)
+      name = path(:slash)//'.'//path(slash + 1:)//'.'//trim(unique)//'.tmp'
+   end subroutine name_temporary
 
 end module rwmf_text_atomic_file

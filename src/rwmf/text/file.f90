@@ -60,7 +60,7 @@ contains
          ! also the size of everything that is not a regular file
          call fail(error, err_input, 'the file is empty or not a regular file')
       else if (size >= huge(length)) then
-         call fail(error, err_input, 'the file has '//integer_to_text(size) &
+         call fail(error, err_input, 'the file has '//trim(integer_to_text(size)) &
             //' bytes: must be less than 2 GB')
       else
          length = int(size)

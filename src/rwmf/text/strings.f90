@@ -14,7 +14,7 @@ module rwmf_text_strings
       character(:), allocatable :: text
    end type string_t
 
-   !> Integer as text without blanks.
+   !> Integer as text, with blanks behind.
    interface integer_to_text
       module procedure :: default_integer_to_text
       module procedure :: long_integer_to_text
@@ -24,25 +24,24 @@ contains
 
    pure function default_integer_to_text(value) result(text)
       integer, intent(in) :: value
-      character(:), allocatable :: text
+      character(20) :: text
 
       text = long_integer_to_text(int(value, i8))
    end function default_integer_to_text
 
    pure function long_integer_to_text(value) result(text)
       integer(i8), intent(in) :: value
-      character(:), allocatable :: text
-      character(20) :: buffer
+      character(20) :: text
 
-      write (buffer, '(i0)') value
-      text = trim(buffer)
+      write (text, '(i0)') value
    end function long_integer_to_text
 
-   !> Real as the shortest text that gives the same double precision number when it is read.
+   !> Real as the shortest text that gives the same double precision number when it is read, with
+   !> blanks behind.
    pure function real_to_text(x) result(text)
       real(wp), intent(in) :: x
       !! [any]; in the quadruple build rounded to double precision
-      character(:), allocatable :: text
+      character(25) :: text
       integer, parameter :: most_digits = 17
       character(40) :: buffer
       character(12) :: form
@@ -56,7 +55,6 @@ contains
          text = 'nan'
       else if (.not. ieee_is_finite(value)) then
          text = merge('inf ', '-inf', value > 0)
-         text = trim(text)
       else
          ! with 15 digits the shortest text only has zeros behind, which plain_number drops
          do digits = 15, most_digits
@@ -73,42 +71,32 @@ contains
    pure function plain_number(scientific) result(text)
       character(*), intent(in) :: scientific
       !! sign, one digit, point, digits, `E`, sign, three digits
-      character(:), allocatable :: text
-      character(:), allocatable :: digits
-      character(:), allocatable :: sign
-      integer :: at
+      character(25) :: text
+      character(17) :: digits
+      !! with zeros behind
       integer :: exponent
       integer :: first
+      integer :: last
+      !! digit that is not zero
+      integer :: letter
       integer :: stat
 
-      sign = merge('-', ' ', scientific(1:1) == '-')
+      text = scientific
       first = verify(scientific, '-')
-      at = index(scientific, 'E')
-      read (scientific(at + 1:), *, iostat=stat) exponent
-      digits = scientific(first:first)//scientific(first + 2:at - 1)
-      digits = digits(:max(1, verify(digits, '0', back=.true.)))
-      if (stat /= 0) then
-         text = scientific
-         return
-      else if (exponent >= 15 .or. exponent < -4) then
-         text = digits(1:1)//'.'//padded(digits(2:), 1)//'e'//integer_to_text(exponent)
+      letter = index(scientific, 'E')
+      read (scientific(letter + 1:), *, iostat=stat) exponent
+      if (stat /= 0) return
+      digits = scientific(first:first)//scientific(first + 2:letter - 1)//repeat('0', len(digits))
+      last = max(1, verify(digits, '0', back=.true.))
+      if (exponent >= 15 .or. exponent < -4) then
+         text = digits(1:1)//'.'//digits(2:max(2, last))//'e'//integer_to_text(exponent)
       else if (exponent < 0) then
-         text = '0.'//repeat('0', -exponent - 1)//digits
+         text = '0.'//repeat('0', -exponent - 1)//digits(:last)
       else
-         digits = padded(digits, exponent + 2)
-         text = digits(:exponent + 1)//'.'//digits(exponent + 2:)
+         text = digits(:exponent + 1)//'.'//digits(exponent + 2:max(exponent + 2, last))
       end if
-      text = trim(adjustl(sign//text))
+      if (first > 1) text = '-'//text(:len(text) - 1)
    end function plain_number
-
-   !> Digits with zeros behind up to a length.
-   pure function padded(digits, length) result(text)
-      character(*), intent(in) :: digits
-      integer, intent(in) :: length
-      character(:), allocatable :: text
-
-      text = digits//repeat('0', max(0, length - len(digits)))
-   end function padded
 
    !> Read a decimal number, and nothing else: no list, no repeat, no NaN, no infinity.
    !>
@@ -244,15 +232,14 @@ contains
    !> A piece of a file as it may stand in a message: short, on one line, printable.
    pure function shown(text) result(short)
       character(*), intent(in) :: text
-      character(:), allocatable :: short
       integer, parameter :: longest = 60
+      character(min(len(text), longest) + merge(3, 0, len(text) > longest)) :: short
       integer :: i
 
-      short = text(:min(len(text), longest))
-      do i = 1, len(short)
+      short = text(:min(len(text), longest))//'...'
+      do i = 1, min(len(text), longest)
          if (iachar(short(i:i)) < 32 .or. iachar(short(i:i)) >= 127) short(i:i) = '?'
       end do
-      if (len(text) > longest) short = short//'...'
    end function shown
 
    !> The line that begins at `position`, which then moves behind it.
@@ -301,12 +288,13 @@ contains
          .or. letter == achar(13)
    end function is_separator
 
-   !> The name that a mistyped one may have been meant for; '' when none is close.
+   !> The name that a mistyped one may have been meant for, with blanks behind; blank when none is
+   !> close.
    pure function nearest_name(word, names) result(name)
       character(*), intent(in) :: word
       character(*), intent(in) :: names(:)
       !! (n), padded with blanks
-      character(:), allocatable :: name
+      character(len(names)) :: name
       integer :: best
       integer :: i
       integer :: found
@@ -317,9 +305,9 @@ contains
       do i = 1, size(names)
          found = distance(to_lower(word), to_lower(trim(names(i))))
          if (found <= best .and. found < len_trim(names(i))) then
-            if (found == best .and. len(name) > 0) cycle
+            if (found == best .and. name /= '') cycle
             best = found
-            name = trim(names(i))
+            name = names(i)
          end if
       end do
    end function nearest_name

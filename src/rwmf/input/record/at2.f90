@@ -105,9 +105,11 @@ contains
 
       position = index(to_lower(text), 'npts')
       if (is_assigned(text, position + len('npts'))) then
-         call parse_integer(value_behind(text, position), n, ok)
+         call find_value(text, position, first, last)
+         call parse_integer(text(first:last), n, ok)
          position = position + index(to_lower(text(position + 1:)), 'dt')
-         call parse_real(value_behind(text, position), dt, ok_dt)
+         call find_value(text, position, first, last)
+         call parse_real(text(first:last), dt, ok_dt)
       else
          position = 1
          call next_word(text, position, first, last)
@@ -116,7 +118,7 @@ contains
          call parse_real(text(first:last), dt, ok_dt)
       end if
       if (.not. (ok .and. ok_dt .and. n > 0 .and. dt > 0)) then
-         call fail(error, err_input, 'line '//integer_to_text(line)//": '"//shown(text) &
+         call fail(error, err_input, 'line '//trim(integer_to_text(line))//": '"//shown(text) &
             //"' does not give NPTS > 0 and DT > 0")
       end if
    end subroutine read_header
@@ -129,32 +131,22 @@ contains
       is_assigned = index(adjustl(text(position:)), '=') == 1
    end function is_assigned
 
-   !> The number behind the next equals sign; '' when there is none.
-   pure function value_behind(text, position) result(word)
+   !> The letters of the number behind the next equals sign.
+   pure subroutine find_value(text, position, first, last)
       character(*), intent(in) :: text
       integer, intent(in) :: position
-      character(:), allocatable :: word
+      integer, intent(out) :: first
+      integer, intent(out) :: last
+      !! the number is text(first:last), empty when there is no such sign
       integer :: equals
 
       equals = index(text(position:), '=')
-      word = ''
-      if (equals > 0) word = value_at(text, position + equals)
-   end function value_behind
-
-   !> The letters of a number that begin at the next word.
-   pure function value_at(text, position) result(word)
-      character(*), intent(in) :: text
-      integer, intent(in) :: position
-      character(:), allocatable :: word
-      integer :: first
-      integer :: last
-
-      do first = position, len(text)
+      do first = position + equals, len(text)
          if (.not. is_separator(text(first:first))) exit
       end do
-      last = first + verify(text(first:)//'?', '0123456789.+-EeDd') - 2
-      word = text(first:last)
-   end function value_at
+      last = first - 1
+      if (equals > 0) last = last + verify(text(first:)//'?', '0123456789.+-EeDd') - 1
+   end subroutine find_value
 
    !> Read as many numbers as the header promises.
    subroutine read_numbers(bytes, start, header_line, n, a, error)
@@ -186,8 +178,8 @@ contains
          if (allocated(error)) return
       end do
       if (found < n) then
-         call fail(error, err_input, 'the file has '//integer_to_text(found) &
-            //' numbers where its header says NPTS = '//integer_to_text(n))
+         call fail(error, err_input, 'the file has '//trim(integer_to_text(found)) &
+            //' numbers where its header says NPTS = '//trim(integer_to_text(n)))
       end if
       a = a(:found)
    end subroutine read_numbers
@@ -215,12 +207,12 @@ contains
          call parse_real(text(first:last), value, ok)
          if (.not. ok) then
             call fail_at_word(line, text(first:last), error)
-            error%message = error%message//' ('//integer_to_text(found)//' of NPTS = ' &
-               //integer_to_text(n)//' numbers read)'
+            error%message = error%message//' ('//trim(integer_to_text(found))//' of NPTS = ' &
+               //trim(integer_to_text(n))//' numbers read)'
             return
          else if (found == n) then
-            call fail(error, err_input, 'line '//integer_to_text(line)//': more numbers than ' &
-               //'NPTS = '//integer_to_text(n)//' of the header')
+            call fail(error, err_input, 'line '//trim(integer_to_text(line)) &
+               //': more numbers than NPTS = '//trim(integer_to_text(n))//' of the header')
             return
          end if
          call append_real(a, found, value)

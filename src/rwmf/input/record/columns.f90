@@ -101,7 +101,8 @@ contains
          if (last < first) exit
          found = found + 1
          if (found > size(row)) then
-            call fail(error, err_input, 'line '//integer_to_text(line)//': more than two columns')
+            call fail(error, err_input, 'line '//trim(integer_to_text(line)) &
+               //': more than two columns')
             return
          end if
          call parse_real(text(first:last), row(found), ok)
@@ -112,8 +113,9 @@ contains
       end do
       if (n_columns == 0) n_columns = found
       if (found /= n_columns) then
-         call fail(error, err_input, 'line '//integer_to_text(line)//': '//integer_to_text(found) &
-            //' columns where the lines before have '//integer_to_text(n_columns))
+         call fail(error, err_input, 'line '//trim(integer_to_text(line))//': ' &
+            //trim(integer_to_text(found))//' columns where the lines before have ' &
+            //trim(integer_to_text(n_columns)))
       end if
    end subroutine read_row
 
@@ -123,7 +125,7 @@ contains
       character(*), intent(in) :: word
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_input, 'line '//integer_to_text(line)//": '"//shown(word) &
+      call fail(error, err_input, 'line '//trim(integer_to_text(line))//": '"//shown(word) &
          //"' is not a finite number")
    end subroutine fail_at_word
 
@@ -137,18 +139,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (t > t_before) return
-      call fail(error, err_input, 'line '//integer_to_text(line)//': the time ' &
-         //in_file(t)//' s follows '//in_file(t_before)//' s: times must increase strictly')
+      call fail(error, err_input, 'line '//trim(integer_to_text(line))//': the time ' &
+         //trim(real_to_text(real(t, wp)))//' s follows '//trim(real_to_text(real(t_before, wp))) &
+         //' s: times must increase strictly')
    end subroutine check_order
-
-   !> A number of the file, for messages.
-   pure function in_file(x) result(text)
-      real(dp), intent(in) :: x
-      !! [any]
-      character(:), allocatable :: text
-
-      text = real_to_text(real(x, wp))
-   end function in_file
 
    !> Nothing but blanks, or a comment.
    pure logical function is_empty(text)

@@ -1,4 +1,4 @@
-!> What the integrators of SUNDIALS share. Only this file, `cvode.f90` and `erkstep.f90` name it.
+!> What the integrators of SUNDIALS share. Only the files of this folder name it.
 !>
 !> Each instance owns one SUNContext. Parameters reach the callbacks through the user data pointer.
 !> SUNDIALS itself stays silent: its flags become our errors.

@@ -4,15 +4,44 @@
 !> at rest. Virtual work turns its force c d(stroke)/dt into the moment c (2b cos(phi/2))**2 phi'
 !> against the motion.
 module rwmf_model_effects_corner_damper
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_problem_case, only: case_t, damper_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: real_of
+   use rwmf_problem_key, only: not_negative, required
    implicit none
    private
 
+   public :: damper_group
    public :: add_damper, damper_power, damper_force
 
 contains
+
+   type(case_group_t) function damper_group() result(group)
+      group%name = 'damper'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'dampers work under its corners'
+      group%keys = [required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
+         'viscous damper under each corner of the base: its constant over m_w')]
+      group%fill => fill_damper
+      group%is_present => has_damper
+   end function damper_group
+
+   subroutine fill_damper(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%damper = damper_t(real_of(case%values, 'damper', 'c_over_m_w'))
+   end subroutine fill_damper
+
+   pure logical function has_damper(case)
+      type(case_t), intent(in) :: case
+
+      has_damper = allocated(case%damper)
+   end function has_damper
 
    !> Part of the damper in the equation of motion.
    subroutine add_damper(equation, t, y, kin, inertia, moment, y_dot)

@@ -5,15 +5,44 @@
 !> energy B (2b cos(phi/2) phi')**2/2 adds to the inertia and, because the arm falls with rocking, a
 !> term in phi'**2.
 module rwmf_model_effects_corner_inerter
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_problem_case, only: case_t, inerter_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: real_of
+   use rwmf_problem_key, only: not_negative, required
    implicit none
    private
 
+   public :: inerter_group
    public :: add_inerter, inerter_energy, inerter_force
 
 contains
+
+   type(case_group_t) function inerter_group() result(group)
+      group%name = 'inerter'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'inerters work under its corners'
+      group%keys = [required('inerter', 'inertance_over_m_w', 'real', '-', not_negative, &
+         'inerter under each corner of the base: its inertance over m_w')]
+      group%fill => fill_inerter
+      group%is_present => has_inerter
+   end function inerter_group
+
+   subroutine fill_inerter(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%inerter = inerter_t(real_of(case%values, 'inerter', 'inertance_over_m_w'))
+   end subroutine fill_inerter
+
+   pure logical function has_inerter(case)
+      type(case_t), intent(in) :: case
+
+      has_inerter = allocated(case%inerter)
+   end function has_inerter
 
    !> Part of the inerter in the equation of motion.
    subroutine add_inerter(equation, t, y, kin, inertia, moment, y_dot)

@@ -3,17 +3,95 @@
 !> The cable pulls with its own force P, which no motion of the ground changes; the frame's mass
 !> moves horizontally only. What is left is the arm of the wall's weight times m_w v_g''.
 module rwmf_model_effects_vertical_motion
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, kinematics_at, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, text_of
+   use rwmf_problem_key, only: any_real, optional_key, positive
+   use rwmf_problem_record, only: fill_source
+   use rwmf_problem_rules, only: check_one_of, fail_key
    implicit none
    private
 
+   public :: vertical_group
    public :: add_vertical, vertical_power, lowest_vertical
 
 contains
+
+   type(case_group_t) function vertical_group() result(group)
+      group%name = 'vertical'
+      group%after = 'motion'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'a frame moves horizontally only'
+      group%keys = [ &
+         optional_key('vertical', 'ratio', 'real', '-', '', any_real, &
+            'vertical over horizontal ground acceleration; exactly one of ratio and file'), &
+         optional_key('vertical', 'file', 'text', '', '', '', &
+            'record of the vertical acceleration (positive upward), relative to the case file'), &
+         optional_key('vertical', 'dt', 'real', 's', '', positive, &
+            'sampling interval; required for one column, refused for two columns and AT2'), &
+         optional_key('vertical', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
+            'of the accelerations; required but for AT2, where it is refused'), &
+         optional_key('vertical', 'scale', 'real', '-', '1.0', any_real, &
+            'factor on the record')]
+      group%check => check_vertical
+      group%fill => fill_vertical
+      group%is_present => has_vertical
+      group%refuse_element => refuse_element
+   end function vertical_group
+
+   !> A ratio to the horizontal motion, or a record.
+   subroutine check_vertical(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(5), parameter :: record_keys(3) = [character(5) :: 'dt', 'unit', 'scale']
+      logical :: is_still
+      integer :: i
+
+      call check_one_of(values, 'vertical', 'ratio', 'file', 'of the vertical motion', error)
+      if (allocated(error) .or. has_key(values, 'vertical', 'file')) return
+      is_still = .not. has_group(values, 'motion')
+      if (.not. is_still) is_still = text_of(values, 'motion', 'kind') == 'none'
+      if (is_still) then
+         call fail_key(values, 'vertical', 'ratio', 'must not be given without a horizontal ' &
+            //'&motion, which it multiplies', error)
+         return
+      end if
+      do i = 1, size(record_keys)
+         if (.not. has_key(values, 'vertical', trim(record_keys(i)))) cycle
+         call fail_key(values, 'vertical', trim(record_keys(i)), 'must not be given beside ' &
+            //'ratio: it belongs to a record', error)
+         return
+      end do
+   end subroutine check_vertical
+
+   subroutine fill_vertical(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (case%vertical)
+      call get_real(case%values, 'vertical', 'ratio', case%vertical%ratio)
+      call fill_source(case%values, 'vertical', case%vertical)
+   end subroutine fill_vertical
+
+   pure logical function has_vertical(case)
+      type(case_t), intent(in) :: case
+
+      has_vertical = allocated(case%vertical)
+   end function has_vertical
+
+   subroutine refuse_element(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      if (allocated(case%vertical_record)) call fail(error, err_input, 'an element has no ' &
+         //'&vertical file: the host hands over the motion, and &vertical ratio follows it')
+   end subroutine refuse_element
 
    !> Part of the vertical motion in the equation of motion.
    subroutine add_vertical(equation, t, y, kin, inertia, moment, y_dot)

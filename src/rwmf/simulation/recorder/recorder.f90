@@ -54,7 +54,7 @@ module rwmf_simulation_recorder_recorder
       logical :: keeps_history
       logical :: keeps_events
       !! with a history, or for a host that steps
-      type(history_t) :: history
+      type(history_t), allocatable :: history
       real(wp) :: dt
       !! interval of the history [s]
       real(wp) :: m_w_g
@@ -114,6 +114,7 @@ contains
       real(wp) :: rows
 
       recorder%keeps_history = .true.
+      allocate (recorder%history)
       recorder%keeps_events = .true.
       recorder%dt = dt
       recorder%next_row = 1

@@ -4,16 +4,16 @@
 !> that its sixteen terms are exact to round-off. A record is linear in a step; a pulse is the cubic
 !> through its values on Lobatto's nodes.
 module rwmf_spectrum_fast_bare_frame
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t, count_done, is_cancelled
-   use rwmf_spectrum_fast_time_grid, only: build_grids, fast_grid_t, pulse_step
-   use rwmf_spectrum_fast_types, only: lanes, step_t, width
-   use rwmf_spectrum_fast_simd_dispatch, only: advance_frames, best_level
-   use rwmf_spectrum_fast_schedule, only: group_t, list_groups
-   use rwmf_spectrum_fast_taylor_oscillator, only: find_root, newton_to_powers, series, state_at, &
-      step_weights, terms => series_terms
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_schedule, only: group_t, list_groups
+   use rwmf_spectrum_fast_simd_dispatch, only: advance_frames, best_level
+   use rwmf_spectrum_fast_taylor_oscillator, only: find_root, newton_to_powers, series, state_at, &
+      step_weights, terms => series_terms
+   use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step, time_grid_t
+   use rwmf_spectrum_fast_types, only: block_width, frame_block_width, ground_step_t
    implicit none
    private
 
@@ -23,27 +23,28 @@ module rwmf_spectrum_fast_bare_frame
    !! longest step [s]
    integer, parameter :: halvings = 12
    integer, parameter :: check_every = 1024
-   !! steps between two looks at the caller's stop flag
+   !! steps between two checks of the caller's stop flag
 
    !> Frames that advance together.
    type :: frames_t
-      real(wp) :: u(lanes, 2)
+      real(wp) :: u(frame_block_width, 2)
       !! at the end and at the beginning of the step [m]
-      real(wp) :: w(lanes, 2)
-      !! [m/s]
-      real(wp) :: u_max(lanes)
-      !! [m]
-      real(wp) :: event(lanes)
-      real(wp) :: damping(lanes)
+      real(wp) :: w(frame_block_width, 2)
+      !! rates of u [m/s]
+      real(wp) :: u_max(frame_block_width)
+      !! largest |u| so far [m]
+      real(wp) :: event(frame_block_width)
+      !! 1: a peak is possible within the step
+      real(wp) :: damping(frame_block_width)
       !! 2 xi_s omega_s [1/s]
-      real(wp) :: stiffness(lanes)
+      real(wp) :: stiffness(frame_block_width)
       !! omega_s**2 [1/s2]
-      real(wp) :: weight(lanes, 12)
+      real(wp) :: weight(frame_block_width, 12)
    end type frames_t
 
 contains
 
-   !> Largest |u| of frames that start at rest; `is_done` tells which were computed.
+   !> Largest |u| of frames that start at rest; `is_done` becomes true for those computed.
    subroutine run_frames(case, motion, threads, control, T_s, u_max, is_done)
       type(case_t), intent(in) :: case
       !! with frame, supported by `rwmf_spectrum_fast_eligibility`
@@ -57,8 +58,8 @@ contains
       logical, intent(inout) :: is_done(:)
       !! (n_T)
       type(group_t), allocatable :: group(:)
-      type(step_t), allocatable, target :: ground(:)
-      type(fast_grid_t) :: grid(0:halvings)
+      type(ground_step_t), allocatable, target :: ground(:)
+      type(time_grid_t) :: grid(0:halvings)
       real(wp) :: h_max(0:halvings)
       integer :: instructions
       integer :: i, k
@@ -84,7 +85,7 @@ contains
       !$omp end parallel do
    end subroutine run_frames
 
-   !> Halvings of the longest step that a period calls for; one more than there are: none suffices.
+   !> Halvings of the longest step for a period; `halvings` + 1 where no step is short enough.
    pure elemental integer function levels(T_s)
       real(wp), intent(in) :: T_s
       !! [s]
@@ -93,10 +94,10 @@ contains
       levels = min(levels, halvings + 1)
    end function levels
 
-   !> Up to `lanes` frames.
+   !> Compute up to `frame_block_width` frames together.
    subroutine run_block(control, grid, T_s, xi_s, instructions, u_max, member)
       type(control_t), intent(in) :: control
-      type(fast_grid_t), intent(in) :: grid
+      type(time_grid_t), intent(in) :: grid
       real(wp), intent(in) :: T_s(:)
       !! (n) [s]
       real(wp), intent(in) :: xi_s
@@ -104,14 +105,14 @@ contains
       real(wp), intent(inout) :: u_max(:)
       !! [m]
       integer, intent(in) :: member(:)
-      !! (n) where the results go
+      !! (n) indices of the periods, for the results
       type(frames_t) :: frames
       real(wp) :: h
       integer :: i, n, number
-      logical :: rests
-      !! nothing has moved yet
+      logical :: is_at_rest
+      !! the ground has not moved yet
 
-      n = width*((size(T_s) + width - 1)/width)
+      n = block_width*((size(T_s) + block_width - 1)/block_width)
       do i = 1, n
          associate (omega_s => 2*pi/T_s(min(i, size(T_s))))
             frames%damping(i) = 2*xi_s*omega_s
@@ -122,7 +123,7 @@ contains
       frames%w(:n, :) = 0
       frames%u_max(:n) = 0
       h = 0
-      rests = .true.
+      is_at_rest = .true.
       do number = 1, size(grid%step)
          if (mod(number, check_every) == 0) then
             if (is_cancelled(control)) return
@@ -130,22 +131,23 @@ contains
          associate (step => grid%step(number))
             if (abs(step%h - h) > 0) then
                h = step%h
-               call weigh(n, h, frames)
+               call set_weights(n, h, frames)
             end if
             call advance_frames(instructions, n, h, step%f, frames%weight, frames%u, frames%w, &
                frames%u_max, frames%event)
-            ! The sign of the velocity says nothing in the step that begins without one.
-            if (rests .and. any(abs(step%f) > 0)) then
+            ! In the step that begins without a velocity its sign does not indicate a peak.
+            if (is_at_rest .and. any(abs(step%f) > 0)) then
                frames%event(:n) = 1
-               rests = .false.
+               is_at_rest = .false.
             end if
-            if (any(frames%event(:n) > 0)) call note_peaks(size(T_s), h, step%f, frames)
+            if (any(frames%event(:n) > 0)) call update_peaks(size(T_s), h, step%f, frames)
          end associate
       end do
       u_max(member) = frames%u_max(:size(T_s))
    end subroutine run_block
 
-   pure subroutine weigh(n, h, frames)
+   !> Set the weights of the frames for a step h.
+   pure subroutine set_weights(n, h, frames)
       integer, intent(in) :: n
       real(wp), intent(in) :: h
       !! [s]
@@ -157,11 +159,11 @@ contains
          weight = step_weights(frames%damping(i), frames%stiffness(i), h, 0.5_wp)
          frames%weight(i, :) = weight(:, 3)
       end do
-   end subroutine weigh
+   end subroutine set_weights
 
-   !> Peaks within a step. A motion that begins with nothing is asked for the rate over x or x**2,
-   !> which does not vanish there.
-   pure subroutine note_peaks(n, h, f, frames)
+   !> Update the largest |u| by peaks within a step. For a motion that begins with u' = 0 the root
+   !> is that of u'/x or u'/x**2, which does not vanish there.
+   pure subroutine update_peaks(n, h, f, frames)
       integer, intent(in) :: n
       real(wp), intent(in) :: h
       real(wp), intent(in) :: f(0:3)
@@ -185,6 +187,6 @@ contains
          call state_at(p, x, u, w)
          frames%u_max(i) = max(frames%u_max(i), abs(u))
       end do
-   end subroutine note_peaks
+   end subroutine update_peaks
 
 end module rwmf_spectrum_fast_bare_frame

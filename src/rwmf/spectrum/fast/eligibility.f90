@@ -1,10 +1,9 @@
-!> What method 'fast' can compute: the one list. Whatever a case says beyond it is left to the
-!> general kernel, so that an effect that is new to the program is never passed over in silence.
+!> The only list of cases that method 'fast' covers. Any other key or value leaves a case to the
+!> general kernel, so that an effect that is new to the program is never ignored.
 module rwmf_spectrum_fast_eligibility
+   use rwmf_model_effects_list, only: has_effects
    use rwmf_problem_case, only: case_t
-   use rwmf_core_error, only: error_t
-   use rwmf_input_namelist, only: group_t, parse_namelist
-   use rwmf_input_schema, only: pulse_kinds
+   use rwmf_problem_group_values, only: group_values_t
    implicit none
    private
 
@@ -20,36 +19,29 @@ module rwmf_spectrum_fast_eligibility
       //' output.reactions output.friction_limit' &
       //' spectrum.t_s spectrum.t_s_min spectrum.t_s_max spectrum.n spectrum.spacing' &
       //' spectrum.gamma spectrum.b '
-   !! keys that the lanes heed, or that do not concern a spectrum
+   !! keys that the method takes into account, or that do not concern a spectrum
 
 contains
 
-   !> Can the lanes compute the scene? Not: an initial state, a second run for `verify`, an accuracy
-   !> or absolute tolerance asked for, other bases, laws, rules and groups than those listed here.
+   !> Does the method cover a case? It excludes effects, an initial state, a second run for `verify`,
+   !> a requested accuracy or absolute tolerance, and laws and rules not listed here.
    logical function is_supported(case)
       type(case_t), intent(in) :: case
 
       is_supported = allocated(case%frame) .and. .not. allocated(case%initial) &
          .and. .not. allocated(case%solver%accuracy) &
-         .and. .not. allocated(case%link) .and. .not. allocated(case%damper) &
-         .and. .not. allocated(case%fuse) .and. .not. allocated(case%inerter) &
-         .and. .not. allocated(case%yielding) .and. .not. allocated(case%storeys) &
-         .and. .not. allocated(case%vertical) &
          .and. .not. case%solver%verify .and. .not. allocated(case%solver%atol)
+      if (is_supported) is_supported = .not. has_effects(case)
       if (.not. is_supported) return
-      if (allocated(case%wall)) is_supported = case%wall%base == 'rocking'
-      is_supported = is_supported &
-         .and. is_one_of(case%model%formulation, 'published symmetric exact')
+      is_supported = is_one_of(case%model%formulation, 'published symmetric exact')
       if (allocated(case%cable)) is_supported = is_supported &
-         .and. is_one_of(case%cable%law, 'linear truss') &
-         .and. .not. (allocated(case%cable%eta_y) .or. allocated(case%cable%rupture_strain))
+         .and. is_one_of(case%cable%law, 'linear truss')
       if (allocated(case%impact)) is_supported = is_supported &
          .and. is_one_of(case%impact%rule, 'constant housner coupled')
-      if (allocated(case%motion)) is_supported = is_supported &
-         .and. is_one_of(case%motion%kind, 'none '//pulse_kinds//' record')
-      if (is_supported .and. allocated(case%text)) is_supported = is_text_known(case%text)
+      is_supported = is_supported .and. are_keys_known(case%values)
    end function is_supported
 
+   !> Is a name in a list?
    pure logical function is_one_of(name, names)
       character(*), intent(in) :: name
       character(*), intent(in) :: names
@@ -59,26 +51,17 @@ contains
    end function is_one_of
 
    !> Are all keys that a case gives known here?
-   logical function is_text_known(text) result(is_known)
-      character(*), intent(in) :: text
-      !! of the namelist file
-      type(group_t), allocatable :: groups(:)
-      type(error_t), allocatable :: error
-      integer :: i, j
+   logical function are_keys_known(values) result(are_known)
+      type(group_values_t), intent(in) :: values
+      integer :: i
 
-      !$omp critical (rwmf_text)
-      call parse_namelist(text, groups, error)
-      is_known = .not. allocated(error)
-      if (is_known) then
-         do i = 1, size(groups)
-            is_known = is_known .and. index(known_keys, ' '//trim(groups(i)%name)//'.') > 0
-            do j = 1, size(groups(i)%entries)
-               is_known = is_known .and. is_one_of( &
-                  trim(groups(i)%name)//'.'//trim(groups(i)%entries(j)%key), known_keys)
-            end do
-         end do
-      end if
-      !$omp end critical (rwmf_text)
-   end function is_text_known
+      are_known = .true.
+      if (.not. allocated(values%keys)) return
+      do i = 1, size(values%keys)
+         if (.not. values%keys(i)%is_given) cycle
+         are_known = are_known .and. is_one_of( &
+            trim(values%keys(i)%group)//'.'//trim(values%keys(i)%name), known_keys)
+      end do
+   end function are_keys_known
 
 end module rwmf_spectrum_fast_eligibility

@@ -1,418 +1,427 @@
-!> What happens to the ordinates inside a step: impacts, peaks, rest and lift-off.
+!> Events of the lanes inside a step: impacts, peaks, rest and lift-off.
 !>
-!> Flights are integrated and searched in rows (`fast_piece.F90`, `fast_locate.F90`), whoever they
-!> belong to; here each one's outcome is judged.
+!> Flights are integrated and searched in batches (`rwmf_spectrum_fast_substep_kernel`,
+!> `rwmf_spectrum_fast_event_kernel`); this module loads the batches and classifies the results.
 module rwmf_spectrum_fast_lane_events
-   use rwmf_spectrum_fast_energy_bound, only: is_over
-   use rwmf_spectrum_fast_types, only: fast_law_t, flights_t, team_t, tried_step_t, width
-   use rwmf_spectrum_fast_event_kernel, only: place_impacts
-   use rwmf_spectrum_fast_simd_dispatch, only: depart, follow, rebound
-   use rwmf_spectrum_fast_ordinate, only: ordinate_t
-   use rwmf_spectrum_fast_rest_rule, only: comes_to_rest, find_wake, negligible
-   use rwmf_spectrum_fast_shared_data, only: fast_scope_t
-   use rwmf_spectrum_fast_scalar_events, only: search_again
-   use rwmf_spectrum_fast_lane_pool, only: lane_of, pool_t, pull, push, team_of
    use rwmf_core_kinds, only: wp
+   use rwmf_spectrum_fast_energy_bound, only: is_peak_final
+   use rwmf_spectrum_fast_event_kernel, only: place_impacts
+   use rwmf_spectrum_fast_lane_pool, only: block_of, dequeue, lane_of, lane_pool_t, push
+   use rwmf_spectrum_fast_ordinate, only: ordinate_t
+   use rwmf_spectrum_fast_rest_rule, only: comes_to_rest, find_next_uplift, velocity_share
+   use rwmf_spectrum_fast_scalar_events, only: locate_flight_events
+   use rwmf_spectrum_fast_shared_data, only: shared_data_t
+   use rwmf_spectrum_fast_simd_dispatch, only: integrate_batch, rebound_batch, search_batch
+   use rwmf_spectrum_fast_types, only: batch_width, lane_block_t, reduced_equation_t, &
+      substep_batch_t, trial_step_t
    implicit none
    private
 
-   public :: most_impacts, enter_step, follow_row, depart_row, fall_asleep
+   public :: max_impacts, load_step, follow_steps, follow_new_flights, put_to_rest
 
-   integer, parameter :: most_impacts = 200000
-   !! of one ordinate: beyond, the general kernel has the better rules
-   real(wp), parameter :: negligible_n = 1.0e-4_wp
+   integer, parameter :: max_impacts = 200000
+   !! of one ordinate; beyond them it is left to the general kernel and its rules for chatter
+   real(wp), parameter :: remainder_share = 1.0e-4_wp
    !! part of the tolerance below which a change of v by N is left out
    real(wp), parameter :: last_x = 1 - 1.0e-13_wp
-   !! an impact on the very end of a step leaves a last part that is only formally one
+   !! largest position of a lift-off, so that the rest of the step has a length [-]
 
 contains
 
-   !> Rest from the position x of a step on: until a flight begins, or for good.
-   pure subroutine fall_asleep(scope, slot, number, x, pool)
-      type(fast_scope_t), intent(in) :: scope
+   !> Put the wall to rest at the position x of a step: until it lifts off, or to the end.
+   pure subroutine put_to_rest(shared, slot, number, x, pool)
+      type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: slot
       integer, intent(in) :: number
-      !! of the step in the grid
+      !! number of the step in the grid
       real(wp), intent(in) :: x
-      !! [-]
-      type(pool_t), intent(inout) :: pool
-      integer :: wake
-      real(wp) :: wake_x
+      !! position in the step [-]
+      type(lane_pool_t), intent(inout) :: pool
+      integer :: uplift_number
+      real(wp) :: uplift_x
 
-      associate (one => pool%ordinate(slot))
-         associate (law => scope%law(one%law), grid => scope%grid(one%grid))
-            wake = number
-            wake_x = x
-            call find_wake(law, grid, scope%loud(one%pair, one%grid)%next, wake, wake_x, one%side)
-            call stop_lane(slot, pool)
-            if (wake > size(grid%step)) then
-               call push(slot, pool%finished)
+      associate (ordinate => pool%ordinate(slot))
+         associate (equation => shared%equation(ordinate%equation), &
+            grid => shared%grid(ordinate%grid))
+            uplift_number = number
+            uplift_x = x
+            call find_next_uplift(equation, grid, &
+               shared%uplift(ordinate%pair, ordinate%grid)%next, uplift_number, uplift_x, &
+               ordinate%side)
+            call clear_motion(slot, pool)
+            if (uplift_number > size(grid%step)) then
+               call push(slot, pool%finished_queue)
             else
-               call plan_flight(wake, min(wake_x, last_x), 0.0_wp, one)
-               call push(slot, pool%starts)
+               call plan_flight(uplift_number, min(uplift_x, last_x), 0.0_wp, ordinate)
+               call push(slot, pool%start_queue)
             end if
          end associate
       end associate
-   end subroutine fall_asleep
+   end subroutine put_to_rest
 
-   !> No motion.
-   pure subroutine stop_lane(slot, pool)
+   !> Clear the motion of a lane.
+   pure subroutine clear_motion(slot, pool)
       integer, intent(in) :: slot
-      type(pool_t), intent(inout) :: pool
+      type(lane_pool_t), intent(inout) :: pool
 
-      associate (now => pool%team(team_of(slot))%now, i => lane_of(slot))
+      associate (now => pool%block(block_of(slot))%now, i => lane_of(slot))
          now%v(i) = 0
          now%w(i) = 0
          now%n(i) = 0
-         now%s(i) = 0
-         now%drive(i) = 0
+         now%n_rate(i) = 0
+         now%v_d2(i) = 0
       end associate
-   end subroutine stop_lane
+   end subroutine clear_motion
 
-   !> A flight that starts on the base.
+   !> Plan a flight that starts on the base.
    pure subroutine plan_flight(number, x, w, ordinate)
       integer, intent(in) :: number
-      !! of the step
+      !! number of the step in the grid
       real(wp), intent(in) :: x
-      !! [-]
+      !! position in the step [-]
       real(wp), intent(in) :: w
-      !! [1/s]
+      !! rate of v [1/s]
       type(ordinate_t), intent(inout) :: ordinate
 
-      ordinate%number = number
+      ordinate%step = number
       ordinate%x = x
       ordinate%span = 1 - x
       ordinate%w = w
    end subroutine plan_flight
 
-   !> Search the steps that wait for what was announced there. The flights that begin with the
-   !> impacts follow in the same row, with others that wait.
-   pure subroutine follow_row(scope, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(pool_t), intent(inout) :: pool
+   !> Locate the events of the waiting steps. The flights after the impacts are followed in the same
+   !> batch, with planned flights at its free places.
+   pure subroutine follow_steps(shared, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(lane_pool_t), intent(inout) :: pool
       integer :: k
 
-      associate (row => pool%events)
-         call blank(row%used + 1, row%filled, row)
-         row%filled = row%used
-         if (row%used > 0) then
-            row%v(row%used + 1:) = 1
-            row%finish%v(row%used + 1:) = 1
-            call follow(scope%instructions, row)
-            call search_odd(row, pool)
-            call rebound(scope%instructions, negligible_n*scope%rtol, row)
-            do k = 1, row%used
-               call judge(scope, k, row, pool)
-               if (row%slot(k) == 0) then
-                  call blank(k, k, row)
+      associate (batch => pool%step_batch)
+         call clear_substeps(batch%n_steps + 1, batch%n_filled, batch)
+         batch%n_filled = batch%n_steps
+         if (batch%n_steps > 0) then
+            batch%v(batch%n_steps + 1:) = 1
+            batch%end_state%v(batch%n_steps + 1:) = 1
+            call search_batch(shared%instructions, batch)
+            call search_remaining(batch, pool)
+            call rebound_batch(shared%instructions, remainder_share*shared%rtol, batch)
+            do k = 1, batch%n_steps
+               call classify(shared, k, batch, pool)
+               if (batch%slot(k) == 0) then
+                  call clear_substeps(k, k, batch)
                else
-                  call enter_side(scope, pool%ordinate(row%slot(k)), k, row)
+                  call load_polynomials(shared, pool%ordinate(batch%slot(k)), k, batch)
                end if
             end do
          end if
-         call take_in(scope, row, pool)
-         call fly(scope, row, pool)
-         row%used = 0
+         call load_planned_flights(shared, batch, pool)
+         call follow_flights(shared, batch, pool)
+         batch%n_steps = 0
       end associate
-   end subroutine follow_row
+   end subroutine follow_steps
 
-   !> A row of flights that start on the base.
-   pure subroutine depart_row(scope, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(pool_t), intent(inout) :: pool
+   !> Follow a batch of planned flights.
+   pure subroutine follow_new_flights(shared, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(lane_pool_t), intent(inout) :: pool
 
-      associate (row => pool%flights)
-         call blank(1, row%filled, row)
-         row%filled = 0
-         call take_in(scope, row, pool)
-         call fly(scope, row, pool)
+      associate (batch => pool%flight_batch)
+         call clear_substeps(1, batch%n_filled, batch)
+         batch%n_filled = 0
+         call load_planned_flights(shared, batch, pool)
+         call follow_flights(shared, batch, pool)
       end associate
-   end subroutine depart_row
+   end subroutine follow_new_flights
 
-   !> Planned flights take the free places of a row.
-   pure subroutine take_in(scope, row, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(flights_t), intent(inout) :: row
-      type(pool_t), intent(inout) :: pool
-      integer :: slot(width)
-      integer :: k, n, taken
+   !> Load planned flights at the free places of a batch.
+   pure subroutine load_planned_flights(shared, batch, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(substep_batch_t), intent(inout) :: batch
+      type(lane_pool_t), intent(inout) :: pool
+      integer :: slot(batch_width)
+      integer :: k, n, n_taken
 
-      n = min(pool%starts%n, count(row%slot == 0))
+      n = min(pool%start_queue%n, count(batch%slot == 0))
       if (n == 0) return
-      call pull(pool%starts, slot(:n))
-      taken = 0
-      do k = 1, width
-         if (row%slot(k) /= 0) cycle
-         if (taken == n) exit
-         taken = taken + 1
-         row%slot(k) = slot(taken)
-         row%filled = max(row%filled, k)
-         call enter_flight(scope, pool%ordinate(slot(taken)), k, row)
+      call dequeue(pool%start_queue, slot(:n))
+      n_taken = 0
+      do k = 1, batch_width
+         if (batch%slot(k) /= 0) cycle
+         if (n_taken == n) exit
+         n_taken = n_taken + 1
+         batch%slot(k) = slot(n_taken)
+         batch%n_filled = max(batch%n_filled, k)
+         call load_flight(shared, pool%ordinate(slot(n_taken)), k, batch)
       end do
-   end subroutine take_in
+   end subroutine load_planned_flights
 
-   !> Integrate flights that start on the base, and search them; who begins another one waits.
-   pure subroutine fly(scope, row, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(flights_t), intent(inout) :: row
-      type(pool_t), intent(inout) :: pool
+   !> Integrate the flights of a batch, which start on the base, and classify them; lanes that start
+   !> another flight are queued.
+   pure subroutine follow_flights(shared, batch, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(substep_batch_t), intent(inout) :: batch
+      type(lane_pool_t), intent(inout) :: pool
       integer :: k
 
-      call depart(scope%instructions, row)
-      call search_odd(row, pool)
-      call rebound(scope%instructions, negligible_n*scope%rtol, row)
-      do k = 1, width
-         if (row%slot(k) == 0) cycle
-         call judge(scope, k, row, pool)
-         if (row%slot(k) == 0) cycle
-         pool%ordinate(row%slot(k))%span = row%span(k)
-         call push(row%slot(k), pool%starts)
+      call integrate_batch(shared%instructions, batch)
+      call search_remaining(batch, pool)
+      call rebound_batch(shared%instructions, remainder_share*shared%rtol, batch)
+      do k = 1, batch_width
+         if (batch%slot(k) == 0) cycle
+         call classify(shared, k, batch, pool)
+         if (batch%slot(k) == 0) cycle
+         pool%ordinate(batch%slot(k))%span = batch%span(k)
+         call push(batch%slot(k), pool%start_queue)
       end do
-   end subroutine fly
+   end subroutine follow_flights
 
-   !> The constants of an ordinate.
-   pure subroutine seat(law, ordinate, k, row)
-      type(fast_law_t), intent(in) :: law
+   !> Load the constants of an ordinate.
+   pure subroutine load_constants(equation, ordinate, k, batch)
+      type(reduced_equation_t), intent(in) :: equation
       type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: k
-      !! its place in the row
-      type(flights_t), intent(inout) :: row
+      !! place in the batch
+      type(substep_batch_t), intent(inout) :: batch
 
-      row%damping(k) = ordinate%damping
-      row%stiffness(k) = ordinate%stiffness
-      row%stages(k) = ordinate%stages
-      row%w_begin(k) = ordinate%w
-      ! of the impacts so far; `comes_to_rest` knows the last one too
-      row%idle(k) = negligible*ordinate%rtol*ordinate%w_max
-      row%v_max(k) = ordinate%v_max
-      if (row%law(k) == ordinate%law) return
-      row%law(k) = ordinate%law
-      row%m1(k) = law%m1
-      row%m2(k) = law%m2
-      row%m3(k) = law%m3
-      row%m3_1(k) = law%m3_1
-      row%threshold(k) = law%threshold
-      row%e(k) = law%e
-   end subroutine seat
+      batch%damping(k) = ordinate%damping
+      batch%stiffness(k) = ordinate%stiffness
+      batch%stages(k) = ordinate%stages
+      batch%w_begin(k) = ordinate%w
+      ! From the impacts so far; `comes_to_rest` includes the latest one.
+      batch%negligible_velocity(k) = velocity_share*ordinate%rtol*ordinate%w_max
+      batch%v_max(k) = ordinate%v_max
+      if (batch%equation(k) == ordinate%equation) return
+      batch%equation(k) = ordinate%equation
+      batch%m1(k) = equation%m1
+      batch%m2(k) = equation%m2
+      batch%m3(k) = equation%m3
+      batch%m3_1(k) = equation%m3_1
+      batch%threshold(k) = equation%threshold
+      batch%e(k) = equation%e
+   end subroutine load_constants
 
-   !> A whole step joins those that wait, as its team has tried it.
-   pure subroutine enter_step(scope, team, trial, i, slot, one, row)
-      type(fast_scope_t), intent(in) :: scope
-      type(team_t), intent(in) :: team
-      type(tried_step_t), intent(in) :: trial
+   !> Load a tentative step of a lane at the next place of a batch.
+   pure subroutine load_step(shared, lanes, trial, i, slot, ordinate, batch)
+      type(shared_data_t), intent(in) :: shared
+      type(lane_block_t), intent(in) :: lanes
+      type(trial_step_t), intent(in) :: trial
       integer, intent(in) :: i
       !! lane
       integer, intent(in) :: slot
-      type(ordinate_t), intent(inout) :: one
-      type(flights_t), intent(inout) :: row
+      type(ordinate_t), intent(inout) :: ordinate
+      type(substep_batch_t), intent(inout) :: batch
       integer :: k
 
-      one%number = team%at(i) - one%offset
-      one%v_max = team%v_max(i)
-      k = row%used + 1
-      row%used = k
-      row%slot(k) = slot
-      call seat(scope%law(one%law), one, k, row)
-      row%step(k) = team%rate%h(i)
-      row%f(k, :) = trial%ground%f(i, :)
-      row%x(k) = 0
-      row%span(k) = 1
-      row%v(k) = team%now%v(i)
-      row%w(k) = team%now%w(i)
-      row%side(k) = team%rate%side(i)
-      row%n_0(k, :) = trial%difference(i, :)
-      row%finish%v(k) = trial%next%v(i)
-      row%finish%w(k) = trial%next%w(i)
-      row%finish%n(k) = trial%next%n(i)
-      row%finish%s(k) = trial%next%s(i)
-      row%finish%drive(k) = trial%next%drive(i)
-   end subroutine enter_step
+      ordinate%step = lanes%step(i) - ordinate%offset
+      ordinate%v_max = lanes%v_max(i)
+      k = batch%n_steps + 1
+      batch%n_steps = k
+      batch%slot(k) = slot
+      call load_constants(shared%equation(ordinate%equation), ordinate, k, batch)
+      batch%h_step(k) = lanes%constants%h(i)
+      batch%f(k, :) = trial%ground%f(i, :)
+      batch%x(k) = 0
+      batch%span(k) = 1
+      batch%v(k) = lanes%now%v(i)
+      batch%w(k) = lanes%now%w(i)
+      batch%side(k) = lanes%constants%side(i)
+      batch%difference(k, :) = trial%difference(i, :)
+      batch%end_state%v(k) = trial%next%v(i)
+      batch%end_state%w(k) = trial%next%w(i)
+      batch%end_state%n(k) = trial%next%n(i)
+      batch%end_state%n_rate(k) = trial%next%n_rate(i)
+      batch%end_state%v_d2(k) = trial%next%v_d2(i)
+   end subroutine load_step
 
-   !> A flight as it is planned.
-   pure subroutine enter_flight(scope, one, k, row)
-      type(fast_scope_t), intent(in) :: scope
-      type(ordinate_t), intent(in) :: one
+   !> Load the planned flight of an ordinate.
+   pure subroutine load_flight(shared, ordinate, k, batch)
+      type(shared_data_t), intent(in) :: shared
+      type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: k
-      type(flights_t), intent(inout) :: row
+      type(substep_batch_t), intent(inout) :: batch
 
-      associate (law => scope%law(one%law), step => scope%ground(one%offset + one%number))
-         call seat(law, one, k, row)
-         row%step(k) = step%h
-         row%f(k, :) = step%f
-         row%x(k) = one%x
-         row%span(k) = one%span
-         row%w(k) = one%w
-         row%side(k) = one%side
-         row%small(k) = negligible_n*one%rtol*one%v_max
+      associate (equation => shared%equation(ordinate%equation), &
+         ground => shared%ground(ordinate%offset + ordinate%step))
+         call load_constants(equation, ordinate, k, batch)
+         batch%h_step(k) = ground%h
+         batch%f(k, :) = ground%f
+         batch%x(k) = ordinate%x
+         batch%span(k) = ordinate%span
+         batch%w(k) = ordinate%w
+         batch%side(k) = ordinate%side
+         batch%negligible_change(k) = remainder_share*ordinate%rtol*ordinate%v_max
       end associate
-      call enter_side(scope, one, k, row)
-   end subroutine enter_flight
+      call load_polynomials(shared, ordinate, k, batch)
+   end subroutine load_flight
 
-   !> The polynomials of the side on which a flight takes place.
-   pure subroutine enter_side(scope, one, k, row)
-      type(fast_scope_t), intent(in) :: scope
-      type(ordinate_t), intent(in) :: one
+   !> Load the polynomials of the side on which a flight takes place.
+   pure subroutine load_polynomials(shared, ordinate, k, batch)
+      type(shared_data_t), intent(in) :: shared
+      type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: k
-      type(flights_t), intent(inout) :: row
+      type(substep_batch_t), intent(inout) :: batch
 
-      associate (law => scope%law(one%law))
-         if (row%curve(k) == curve_of(law, one)) return
-         row%curve(k) = curve_of(law, one)
-         row%coef(k, :, :) = law%coef(:, :, merge(1, 2, one%side > 0))
+      associate (equation => shared%equation(ordinate%equation))
+         if (batch%polynomial(k) == polynomial_of(equation, ordinate)) return
+         batch%polynomial(k) = polynomial_of(equation, ordinate)
+         batch%coef(k, :, :) = equation%coef(:, :, merge(1, 2, ordinate%side > 0))
       end associate
-   end subroutine enter_side
+   end subroutine load_polynomials
 
-   !> Which polynomials an ordinate is on: the number of its law, negative for theta < 0 where the
-   !> sides differ.
-   pure integer function curve_of(law, ordinate) result(curve)
-      type(fast_law_t), intent(in) :: law
+   !> Key of the polynomials of an ordinate: the number of its equation, negative for theta < 0
+   !> where the sides differ.
+   pure integer function polynomial_of(equation, ordinate) result(polynomial)
+      type(reduced_equation_t), intent(in) :: equation
       type(ordinate_t), intent(in) :: ordinate
 
-      curve = ordinate%law
-      if (ordinate%side < 0 .and. .not. law%is_even) curve = -curve
-   end function curve_of
+      polynomial = ordinate%equation
+      if (ordinate%side < 0 .and. .not. equation%is_even) polynomial = -polynomial
+   end function polynomial_of
 
-   !> Flights that need no search where there are none: their other numbers may be of any flight.
-   pure subroutine blank(first, last, row)
+   !> Clear places of a batch: values that need no search. Components not set here may keep those of
+   !> any flight.
+   pure subroutine clear_substeps(first, last, batch)
       integer, intent(in) :: first
       integer, intent(in) :: last
-      type(flights_t), intent(inout) :: row
+      type(substep_batch_t), intent(inout) :: batch
       integer :: k
 
       do k = first, last
-         row%slot(k) = 0
-         row%step(k) = 1.0e-3_wp
-         row%f(k, :) = 0
-         row%x(k) = 0
-         row%span(k) = 1
-         row%v(k) = 1
-         row%w(k) = 1
-         row%v_max(k) = huge(1.0_wp)
-         row%stages(k) = 1
-         row%small(k) = huge(1.0_wp)
-         row%n_0(k, :) = 0
-         row%finish%v(k) = 1
-         row%finish%w(k) = 1
+         batch%slot(k) = 0
+         batch%h_step(k) = 1.0e-3_wp
+         batch%f(k, :) = 0
+         batch%x(k) = 0
+         batch%span(k) = 1
+         batch%v(k) = 1
+         batch%w(k) = 1
+         batch%v_max(k) = huge(1.0_wp)
+         batch%stages(k) = 1
+         batch%negligible_change(k) = huge(1.0_wp)
+         batch%difference(k, :) = 0
+         batch%end_state%v(k) = 1
+         batch%end_state%w(k) = 1
       end do
-   end subroutine blank
+   end subroutine clear_substeps
 
-   !> Flights that are no plain ones.
-   pure subroutine search_odd(row, pool)
-      type(flights_t), intent(inout) :: row
-      type(pool_t), intent(inout) :: pool
+   !> Search the flights that the vectorised search leaves out.
+   pure subroutine search_remaining(batch, pool)
+      type(substep_batch_t), intent(inout) :: batch
+      type(lane_pool_t), intent(inout) :: pool
       integer :: k
 
-      if (.not. any(row%is_odd > 0)) return
-      do k = 1, width
-         if (.not. row%is_odd(k) > 0 .or. row%slot(k) == 0) cycle
-         call search_again(k, row, pool%ordinate(row%slot(k))%failed)
+      if (.not. any(batch%needs_search > 0)) return
+      do k = 1, batch_width
+         if (.not. batch%needs_search(k) > 0 .or. batch%slot(k) == 0) cycle
+         call locate_flight_events(k, batch, pool%ordinate(batch%slot(k))%failed)
       end do
-      call place_impacts(row)
-   end subroutine search_odd
+      call place_impacts(batch)
+   end subroutine search_remaining
 
-   !> Draw the conclusions from what a flight met. Where no flight follows in this step its place in
-   !> the row is nobody's.
-   pure subroutine judge(scope, k, row, pool)
-      type(fast_scope_t), intent(in) :: scope
+   !> Classify the end of a substep: failure, impact, rest, or end of the step. The place in the
+   !> batch becomes free unless another flight follows in the step.
+   pure subroutine classify(shared, k, batch, pool)
+      type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: k
-      type(flights_t), intent(inout) :: row
-      type(pool_t), intent(inout) :: pool
-      logical :: rests
+      type(substep_batch_t), intent(inout) :: batch
+      type(lane_pool_t), intent(inout) :: pool
+      logical :: is_at_rest
 
-      associate (slot => row%slot(k))
-         associate (one => pool%ordinate(slot))
-            one%v_max = row%v_max(k)
-            if (row%hits(k) > 0 .and. .not. one%failed) then
-               call bounce(scope, k, row, one, rests)
-               if (one%failed) then
-                  call push(slot, pool%finished)
+      associate (slot => batch%slot(k))
+         associate (ordinate => pool%ordinate(slot))
+            ordinate%v_max = batch%v_max(k)
+            if (batch%has_impact(k) > 0 .and. .not. ordinate%failed) then
+               call apply_impact(shared, k, batch, ordinate, is_at_rest)
+               if (ordinate%failed) then
+                  call push(slot, pool%finished_queue)
                   slot = 0
-               else if (rests) then
-                  call fall_asleep(scope, slot, one%number, row%x_hit(k), pool)
+               else if (is_at_rest) then
+                  call put_to_rest(shared, slot, ordinate%step, batch%x_impact(k), pool)
                   slot = 0
                end if
-            else if (one%failed) then
-               call push(slot, pool%finished)
+            else if (ordinate%failed) then
+               call push(slot, pool%finished_queue)
                slot = 0
-            else if (row%span(k) < 1 - row%x(k)) then
-               ! It was followed for as long as the flight was expected to take.
-               row%span(k) = 1 - row%x(k)
+            else if (batch%span(k) < 1 - batch%x(k)) then
+               ! The flight takes longer than expected: follow the rest of the step.
+               batch%span(k) = 1 - batch%x(k)
             else
-               one%v_max = max(one%v_max, row%finish%v(k))
-               call land(scope, row, k, pool)
+               ordinate%v_max = max(ordinate%v_max, batch%end_state%v(k))
+               call return_to_block(shared, batch, k, pool)
                slot = 0
             end if
          end associate
       end associate
-   end subroutine judge
+   end subroutine classify
 
-   !> The end of the step: the ordinate goes on with its team.
-   pure subroutine land(scope, row, k, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(flights_t), intent(in) :: row
+   !> Return a lane to its block at the end of a step.
+   pure subroutine return_to_block(shared, batch, k, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(substep_batch_t), intent(in) :: batch
       integer, intent(in) :: k
-      type(pool_t), intent(inout) :: pool
+      type(lane_pool_t), intent(inout) :: pool
 
-      associate (finish => row%finish, slot => row%slot(k))
-         associate (team => pool%team(team_of(slot)), i => lane_of(slot), &
-            one => pool%ordinate(slot))
-            team%now%v(i) = finish%v(k)
-            team%now%w(i) = finish%w(k)
-            team%now%n(i) = finish%n(k)
-            team%now%s(i) = finish%s(k)
-            team%now%drive(i) = finish%drive(k)
-            call enter_peak(one%v_max, i, team)
-            if (abs(team%rate%side(i) - one%side) > 0) then
-               team%rate%side(i) = one%side
-               associate (law => scope%law(one%law))
-                  if (.not. law%is_even) team%rate%coef(i, :, :) = law%coef(:, :, &
-                     merge(1, 2, one%side > 0))
+      associate (end_state => batch%end_state, slot => batch%slot(k))
+         associate (lanes => pool%block(block_of(slot)), i => lane_of(slot), &
+            ordinate => pool%ordinate(slot))
+            lanes%now%v(i) = end_state%v(k)
+            lanes%now%w(i) = end_state%w(k)
+            lanes%now%n(i) = end_state%n(k)
+            lanes%now%n_rate(i) = end_state%n_rate(k)
+            lanes%now%v_d2(i) = end_state%v_d2(k)
+            call update_peak(ordinate%v_max, i, lanes)
+            if (abs(lanes%constants%side(i) - ordinate%side) > 0) then
+               lanes%constants%side(i) = ordinate%side
+               associate (equation => shared%equation(ordinate%equation))
+                  if (.not. equation%is_even) lanes%constants%coef(i, :, :) = equation%coef(:, :, &
+                     merge(1, 2, ordinate%side > 0))
                end associate
             end if
-            one%number = one%number + 1
-            team%at(i) = one%offset + one%number
-            if (team%stop(i) == huge(1)) team%stop(i) = 0
-            pool%is_called(team_of(slot)) = pool%is_called(team_of(slot)) &
-               .or. team%at(i) >= team%stop(i)
-            pool%present(team_of(slot)) = pool%present(team_of(slot)) + 1
-            team%ready(i) = 1
+            ordinate%step = ordinate%step + 1
+            lanes%step(i) = ordinate%offset + ordinate%step
+            if (lanes%length_change(i) == huge(1)) lanes%length_change(i) = 0
+            pool%needs_update(block_of(slot)) = pool%needs_update(block_of(slot)) &
+               .or. lanes%step(i) >= lanes%length_change(i)
+            pool%n_active(block_of(slot)) = pool%n_active(block_of(slot)) + 1
+            lanes%ready(i) = 1
          end associate
       end associate
-   end subroutine land
+   end subroutine return_to_block
 
-   !> The largest v so far, and how doubtful it is.
-   pure subroutine enter_peak(v_max, i, team)
+   !> Update the largest v and the error estimate that belongs to it.
+   pure subroutine update_peak(v_max, i, lanes)
       real(wp), intent(in) :: v_max
       integer, intent(in) :: i
       !! lane
-      type(team_t), intent(inout) :: team
+      type(lane_block_t), intent(inout) :: lanes
 
-      if (v_max > team%v_max(i)) team%worst(i) = team%now%doubt(i)
-      team%v_max(i) = max(team%v_max(i), v_max)
-   end subroutine enter_peak
+      if (v_max > lanes%v_max(i)) lanes%error_at_peak(i) = lanes%error_estimate(i)
+      lanes%v_max(i) = max(lanes%v_max(i), v_max)
+   end subroutine update_peak
 
-   !> A flight ends on the base: another one begins, or the wall rests.
-   pure subroutine bounce(scope, k, row, one, rests)
-      type(fast_scope_t), intent(in) :: scope
+   !> Apply an impact to an ordinate: the next flight is set up, or the wall comes to rest.
+   pure subroutine apply_impact(shared, k, batch, ordinate, is_at_rest)
+      type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: k
-      !! number of the flight in the row
-      type(flights_t), intent(in) :: row
-      type(ordinate_t), intent(inout) :: one
-      logical, intent(out) :: rests
+      !! place in the batch
+      type(substep_batch_t), intent(in) :: batch
+      type(ordinate_t), intent(inout) :: ordinate
+      logical, intent(out) :: is_at_rest
 
-      one%impacts = one%impacts + 1
-      one%failed = .not. row%speed(k) > 0 .or. one%impacts > most_impacts
-      one%side = -one%side
-      one%w_max = max(one%w_max, row%speed(k))
-      one%x = row%x(k)
-      one%w = row%w(k)
-      rests = .false.
-      if (row%may_rest(k) > 0) then
-         rests = comes_to_rest(scope%law(one%law), scope%grid(one%grid), &
-            scope%loud(one%pair, one%grid)%next, one%number, one%x, row%f_hit(k), one%w, one)
+      ordinate%impacts = ordinate%impacts + 1
+      ordinate%failed = .not. batch%impact_speed(k) > 0 .or. ordinate%impacts > max_impacts
+      ordinate%side = -ordinate%side
+      ordinate%w_max = max(ordinate%w_max, batch%impact_speed(k))
+      ordinate%x = batch%x(k)
+      ordinate%w = batch%w(k)
+      is_at_rest = .false.
+      if (batch%may_rest(k) > 0) then
+         is_at_rest = comes_to_rest(shared%equation(ordinate%equation), &
+            shared%grid(ordinate%grid), shared%uplift(ordinate%pair, ordinate%grid)%next, &
+            ordinate%step, ordinate%x, batch%f_impact(k), ordinate%w, ordinate)
       end if
-      ! Not at rest yet, but nothing larger will come.
-      if (one%number >= one%quiet) rests = rests .or. is_over(scope%law(one%law), one, one%w)
-   end subroutine bounce
+      ! The ordinate is closed as well where no larger peak can follow.
+      if (ordinate%step >= ordinate%motion_end_step) is_at_rest = is_at_rest &
+         .or. is_peak_final(shared%equation(ordinate%equation), ordinate, ordinate%w)
+   end subroutine apply_impact
 
 end module rwmf_spectrum_fast_lane_events

@@ -1,407 +1,420 @@
-!> A pool of ordinates, each at its own time, on one thread.
+!> Lane scheduler of one thread: ordinates, each at a time of its own, advance in the lanes of a
+!> pool.
 !>
-!> Sixteen form a team, which steps together. An ordinate in whose step something may happen leaves
-!> its team and waits until there are enough to fill a row; the others go on without it.
-!> Whoever rests goes straight to the step in which it lifts off, and who is at the end gives its
-!> place to the next one. So rows and teams are full whatever periods, mass ratios and steps are. No
-!> operation mixes two ordinates: the company changes no bit of a result.
+!> The lanes of a block step together. A lane in whose step an event is possible leaves the block
+!> until a batch of such steps is followed; the other lanes go on. A wall at rest continues in the
+!> step in which it lifts off. The lane of a finished ordinate is given to the next task. Blocks and
+!> batches thus stay full for any mixture of periods, mass ratios and steps. No operation mixes two
+!> lanes: the bits of a result do not depend on the other lanes.
 module rwmf_spectrum_fast_lane_scheduler
    use rwmf_core_control, only: count_done, is_cancelled
-   use rwmf_spectrum_fast_task_queue, only: deal, deck_t, draw
-   use rwmf_spectrum_fast_polynomial_fit, only: widen
-   use rwmf_spectrum_fast_lane_events, only: depart_row, enter_step, fall_asleep, follow_row, &
-      most_impacts
-   use rwmf_spectrum_fast_compaction, only: gather_up
-   use rwmf_spectrum_fast_types, only: c_3, fast_law_t, seats, step_t, team_t, weights, width
-   use rwmf_spectrum_fast_simd_dispatch, only: advance
-   use rwmf_spectrum_fast_ordinate, only: ordinate_t
-   use rwmf_spectrum_fast_shared_data, only: fast_scope_t, fast_task_t, kind_of, kinds, &
-      most_stages, pair_of
-   use rwmf_spectrum_fast_taylor_oscillator, only: step_weights
-   use rwmf_spectrum_fast_lane_pool, only: append, is_empty, lane_of, new_pool, pool_t, pop, push, &
-      team_of
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_spectrum_fast_compaction, only: compact_blocks
+   use rwmf_spectrum_fast_lane_events, only: follow_new_flights, follow_steps, load_step, &
+      max_impacts, put_to_rest
+   use rwmf_spectrum_fast_lane_pool, only: append, block_of, is_block_empty, lane_of, lane_pool_t, &
+      new_pool, pop, push
+   use rwmf_spectrum_fast_ordinate, only: ordinate_t
+   use rwmf_spectrum_fast_polynomial_fit, only: widen_range
+   use rwmf_spectrum_fast_shared_data, only: kind_of, kinds, max_stages, pair_of, shared_data_t, &
+      task_t
+   use rwmf_spectrum_fast_simd_dispatch, only: advance_block
+   use rwmf_spectrum_fast_task_queue, only: assign_first, take_next_task, task_queue_t
+   use rwmf_spectrum_fast_taylor_oscillator, only: step_weights
+   use rwmf_spectrum_fast_types, only: batch_width, block_width, c_3, ground_step_t, lane_block_t, &
+      reduced_equation_t, weights
    implicit none
    private
 
-   public :: fast_result_t, run_pool
+   public :: ordinate_result_t, run_scheduler
 
-   integer, parameter :: gather_every = 16
-   !! sweeps
-   integer, parameter :: urgent = 4
-   !! members of the pool, those whose periods were begun first: the shortest ones
-   integer, parameter :: enough = 3*width/4
-   !! flights in a row with one of theirs
+   integer, parameter :: compact_every = 16
+   !! rounds between two compactions of the blocks
+   integer, parameter :: critical_tasks = 4
+   !! number of tasks, the first ones of those in the pool, that take longest: the shortest periods
+   integer, parameter :: critical_batch = 3*batch_width/4
+   !! flights that make a batch if one of them belongs to a critical task
    integer, parameter :: check_every = 64
-   !! rounds between two looks at the caller's stop flag
+   !! rounds between two checks of the caller's stop flag
    real(wp), parameter :: error_share(3) = [0.06_wp, 0.02_wp, 0.2_wp]
-   !! of what the last of 1, 2, 3 evaluations of N changes is taken for an error; found with spectra
-   !! whose errors are known (docs/fast.md)
+   !! error over the correction by the last of 1, 2, 3 evaluations of N, calibrated on spectra whose
+   !! errors are known (docs/fast.md) [-]
    real(wp), parameter :: large_angle = 0.95_wp
-   !! omega_s h beyond which what is wrong does not fade with the damping [rad]
+   !! omega_s h beyond which the error estimate is not damped [rad]
    real(wp), parameter :: wide_angle = 0.7_wp
-   !! omega_s h beyond which flights within a step take three evaluations of N, not two [rad]: their
-   !! errors are not in the estimate
-   real(wp), parameter :: more = 2
-   !! times as much is taken for an error there, with fewer than all evaluations
+   !! omega_s h beyond which substeps take three evaluations of N instead of two, because their
+   !! errors are not in the estimate [rad]
+   real(wp), parameter :: large_angle_factor = 2
+   !! factor of the error estimate beyond `large_angle` with one or two evaluations [-]
 
-   !> What was found of a task.
-   type :: fast_result_t
+   !> Result of a task.
+   type :: ordinate_result_t
       real(wp) :: v_max = 0
       !! largest |u_s|/(2R) [-]
       real(wp) :: error = 0
       !! estimate of its relative error [-]
       logical :: failed = .true.
       !! left to the general kernel
-   end type fast_result_t
+   end type ordinate_result_t
 
 contains
 
-   !> Compute tasks until none is left; each thread runs a pool.
-   subroutine run_pool(scope, task, thread, deck, result)
-      type(fast_scope_t), intent(inout) :: scope
-      !! shared
-      type(fast_task_t), intent(inout) :: task(:)
-      !! (n) shared; one that leaves the range of its law gets a wider one
+   !> Compute tasks until none is left; called once by each thread.
+   subroutine run_scheduler(shared, task, thread, queue, result)
+      type(shared_data_t), intent(inout) :: shared
+      !! by all threads
+      type(task_t), intent(inout) :: task(:)
+      !! (n) shared; a task that leaves the range of its equation gets a wider one
       integer, intent(in) :: thread
-      !! its number
-      type(deck_t), intent(inout) :: deck
-      !! shared: the tasks that nobody has begun
-      type(fast_result_t), intent(inout) :: result(:)
+      !! number of the thread, from 1
+      type(task_queue_t), intent(inout) :: queue
+      !! shared: the tasks that have not been started
+      type(ordinate_result_t), intent(inout) :: result(:)
       !! (n)
-      type(pool_t) :: pool
-      integer :: sweep
+      type(lane_pool_t) :: pool
+      integer :: round
       integer :: k
-      logical :: stands
+      logical :: is_stalled
 
-      call new_pool(deck%teams, pool)
-      call take_places(scope, task, thread, deck, pool)
-      sweep = 0
+      call new_pool(queue%blocks, pool)
+      call load_lanes(shared, task, thread, queue, pool)
+      round = 0
       do
-         stands = .true.
-         do k = 1, size(pool%team)
-            call take_turn(scope, k, pool, stands)
+         is_stalled = .true.
+         do k = 1, size(pool%block)
+            call advance_lanes(shared, k, pool, is_stalled)
          end do
-         call refill(scope, task, deck, pool, result)
-         if (stands .and. waiting(pool) == 0) then
-            if (all(pool%ordinate%task == 0)) call employ(scope, task, deck, pool)
+         call replace_finished(shared, task, queue, pool, result)
+         if (is_stalled .and. n_waiting(pool) == 0) then
+            if (all(pool%ordinate%task == 0)) call fill_idle_lanes(shared, task, queue, pool)
             if (all(pool%ordinate%task == 0)) exit
          end if
-         call pass_events(scope, pool)
-         sweep = sweep + 1
-         if (mod(sweep, gather_every) == 0) then
-            call gather_up(pool)
-            pool%first = minval(pool%ordinate%task, mask=pool%ordinate%task > 0)
-            call employ(scope, task, deck, pool)
+         call follow_waiting(shared, pool)
+         round = round + 1
+         if (mod(round, compact_every) == 0) then
+            call compact_blocks(pool)
+            pool%first_task = minval(pool%ordinate%task, mask=pool%ordinate%task > 0)
+            call fill_idle_lanes(shared, task, queue, pool)
          end if
-         if (mod(sweep, check_every) == 0) then
-            if (is_cancelled(scope%control)) exit
+         if (mod(round, check_every) == 0) then
+            if (is_cancelled(shared%control)) exit
          end if
       end do
-   end subroutine run_pool
+   end subroutine run_scheduler
 
-   !> The first members of the teams.
-   pure subroutine take_places(scope, task, thread, deck, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(fast_task_t), intent(in) :: task(:)
+   !> Load the lanes with the tasks assigned to the thread.
+   pure subroutine load_lanes(shared, task, thread, queue, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(task_t), intent(in) :: task(:)
       integer, intent(in) :: thread
-      type(deck_t), intent(in) :: deck
-      type(pool_t), intent(inout) :: pool
-      integer :: number(seats)
+      type(task_queue_t), intent(in) :: queue
+      type(lane_pool_t), intent(inout) :: pool
+      integer :: number(block_width)
       integer :: k, i, n
 
-      do k = 1, size(pool%team)
-         call deal(deck, k, thread, pool%kind(k), number, n)
+      do k = 1, size(pool%block)
+         call assign_first(queue, k, thread, pool%kind(k), number, n)
          do i = 1, n
-            call begin(scope, task, number(i), (k - 1)*seats + i, pool)
+            call start_ordinate(shared, task, number(i), (k - 1)*block_width + i, pool)
          end do
       end do
-   end subroutine take_places
+   end subroutine load_lanes
 
-   !> Enter the results of those that are at the end, and give their places to others.
-   subroutine refill(scope, task, deck, pool, result)
-      type(fast_scope_t), intent(inout) :: scope
-      type(fast_task_t), intent(inout) :: task(:)
-      type(deck_t), intent(inout) :: deck
-      type(pool_t), intent(inout) :: pool
-      type(fast_result_t), intent(inout) :: result(:)
+   !> Store the results of finished ordinates and start the next tasks in their lanes.
+   subroutine replace_finished(shared, task, queue, pool, result)
+      type(shared_data_t), intent(inout) :: shared
+      type(task_t), intent(inout) :: task(:)
+      type(task_queue_t), intent(inout) :: queue
+      type(lane_pool_t), intent(inout) :: pool
+      type(ordinate_result_t), intent(inout) :: result(:)
       integer :: slot
       integer :: number
 
       do
-         call pop(pool%finished, slot)
+         call pop(pool%finished_queue, slot)
          if (slot == 0) exit
-         call finish(scope, slot, task, pool, result)
-         call choose_task(pool%kind(team_of(slot)), deck, pool, number)
-         if (number > 0) call begin(scope, task, number, slot, pool)
+         call finish_ordinate(shared, slot, task, pool, result)
+         call choose_task(pool%kind(block_of(slot)), queue, pool, number)
+         if (number > 0) call start_ordinate(shared, task, number, slot, pool)
       end do
-   end subroutine refill
+   end subroutine replace_finished
 
-   !> An ordinate leaves its place. It will be repeated if it has left the range of its law, and
-   !> with all evaluations of N if its error is too large.
-   subroutine finish(scope, slot, task, pool, result)
-      type(fast_scope_t), intent(inout) :: scope
+   !> Store the result of an ordinate and free its lane. The task is queued for repetition on a
+   !> wider range if it has left that of its equation, and with all evaluations of N if its error is
+   !> too large.
+   subroutine finish_ordinate(shared, slot, task, pool, result)
+      type(shared_data_t), intent(inout) :: shared
       integer, intent(in) :: slot
-      type(fast_task_t), intent(inout) :: task(:)
-      type(pool_t), intent(inout) :: pool
-      type(fast_result_t), intent(inout) :: result(:)
+      type(task_t), intent(inout) :: task(:)
+      type(lane_pool_t), intent(inout) :: pool
+      type(ordinate_result_t), intent(inout) :: result(:)
       integer :: number, stages
-      logical :: again
+      logical :: is_repeated
 
       number = pool%ordinate(slot)%task
-      stages = scope%scheme(pool%kind(team_of(slot)))%stages
-      associate (found => result(number))
-         found = result_of(stages, pool%ordinate(slot), lane_of(slot), pool%team(team_of(slot)))
-         again = .false.
-         if (pool%ordinate(slot)%impacts > most_impacts) then
-            found%failed = .true.
-         else if (found%failed .or. .not. found%v_max <= scope%law(task(number)%law)%v_high) then
-            call widen(scope, task(number), again)
-         else if (found%error > scope%rtol) then
-            again = stages < most_stages
-            stages = most_stages
+      stages = shared%scheme(pool%kind(block_of(slot)))%stages
+      associate (outcome => result(number))
+         outcome = result_of(stages, pool%ordinate(slot), lane_of(slot), pool%block(block_of(slot)))
+         is_repeated = .false.
+         if (pool%ordinate(slot)%impacts > max_impacts) then
+            outcome%failed = .true.
+         else if (outcome%failed &
+            .or. .not. outcome%v_max <= shared%equation(task(number)%equation)%v_high) then
+            call widen_range(shared, task(number), is_repeated)
+         else if (outcome%error > shared%rtol) then
+            is_repeated = stages < max_stages
+            stages = max_stages
          else
-            ! The others are counted where they are done in the end.
-            call count_done(scope%control)
+            ! Other ordinates are counted where they are computed in the end.
+            call count_done(shared%control)
          end if
       end associate
-      if (again) then
-         call append(number, pool%again(kind_of(stages, scope%law(task(number)%law)%is_short)))
+      if (is_repeated) then
+         call append(number, &
+            pool%repeat_queue(kind_of(stages, shared%equation(task(number)%equation)%is_short)))
       end if
       pool%ordinate(slot)%task = 0
-   end subroutine finish
+   end subroutine finish_ordinate
 
-   !> What is begun next with steps of a kind; 0: nothing.
-   subroutine choose_task(kind, deck, pool, number)
+   !> Next task with steps of a kind, repetitions first; 0: none.
+   subroutine choose_task(kind, queue, pool, number)
       integer, intent(in) :: kind
-      type(deck_t), intent(inout) :: deck
-      type(pool_t), intent(inout) :: pool
+      type(task_queue_t), intent(inout) :: queue
+      type(lane_pool_t), intent(inout) :: pool
       integer, intent(out) :: number
 
       number = 0
-      call pop(pool%again(kind), number)
-      if (number == 0) call draw(deck, kind, number)
+      call pop(pool%repeat_queue(kind), number)
+      if (number == 0) call take_next_task(queue, kind, number)
    end subroutine choose_task
 
-   !> Teams without members begin what is left, of whatever kind.
-   subroutine employ(scope, task, deck, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(fast_task_t), intent(in) :: task(:)
-      type(deck_t), intent(inout) :: deck
-      type(pool_t), intent(inout) :: pool
+   !> Start tasks of any kind in blocks without ordinates.
+   subroutine fill_idle_lanes(shared, task, queue, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(task_t), intent(in) :: task(:)
+      type(task_queue_t), intent(inout) :: queue
+      type(lane_pool_t), intent(inout) :: pool
       integer :: k, kind, i, number
 
-      do k = 1, size(pool%team)
-         if (.not. is_empty(pool, k)) cycle
+      do k = 1, size(pool%block)
+         if (.not. is_block_empty(pool, k)) cycle
          do kind = 1, kinds
-            do i = 1, seats
-               call choose_task(kind, deck, pool, number)
+            do i = 1, block_width
+               call choose_task(kind, queue, pool, number)
                if (number == 0) exit
                pool%kind(k) = kind
-               call begin(scope, task, number, (k - 1)*seats + i, pool)
+               call start_ordinate(shared, task, number, (k - 1)*block_width + i, pool)
             end do
             if (i > 1) exit
          end do
       end do
-   end subroutine employ
+   end subroutine fill_idle_lanes
 
-   pure type(fast_result_t) function result_of(stages, ordinate, i, team) result(result)
+   !> Result of the ordinate in a lane.
+   pure type(ordinate_result_t) function result_of(stages, ordinate, i, lanes) result(result)
       integer, intent(in) :: stages
       type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: i
       !! lane
-      type(team_t), intent(in) :: team
-      real(wp) :: doubt
+      type(lane_block_t), intent(in) :: lanes
+      real(wp) :: error_estimate
       real(wp) :: omega_s
 
-      result%v_max = max(team%v_max(i), ordinate%v_max)
-      doubt = merge(team%now%doubt(i), team%worst(i), ordinate%v_max > team%v_max(i))
+      result%v_max = max(lanes%v_max(i), ordinate%v_max)
+      error_estimate = merge(lanes%error_estimate(i), lanes%error_at_peak(i), &
+         ordinate%v_max > lanes%v_max(i))
       omega_s = sqrt(ordinate%stiffness)
-      result%error = error_share(stages)*doubt &
+      result%error = error_share(stages)*error_estimate &
          /max(tiny(1.0_wp), ordinate%w_max, omega_s*result%v_max)
-      if (omega_s*team%rate%h(i) > large_angle .and. stages < most_stages) then
-         result%error = more*result%error
+      if (omega_s*lanes%constants%h(i) > large_angle .and. stages < max_stages) then
+         result%error = large_angle_factor*result%error
       end if
-      result%failed = ordinate%failed .or. .not. abs(team%now%v(i)) < huge(1.0_wp)
+      result%failed = ordinate%failed .or. .not. abs(lanes%now%v(i)) < huge(1.0_wp)
    end function result_of
 
-   !> An ordinate takes its place, at rest.
-   pure subroutine begin(scope, task, number, slot, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(fast_task_t), intent(in) :: task(:)
+   !> Start a task in a lane, with the wall at rest.
+   pure subroutine start_ordinate(shared, task, number, slot, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(task_t), intent(in) :: task(:)
       integer, intent(in) :: number
-      !! of the task
+      !! number of the task
       integer, intent(in) :: slot
-      type(pool_t), intent(inout) :: pool
+      type(lane_pool_t), intent(inout) :: pool
       real(wp) :: omega_s
       integer :: stages
       integer :: i
 
       i = lane_of(slot)
       omega_s = 2*pi/task(number)%T_s
-      stages = scope%scheme(pool%kind(team_of(slot)))%stages
-      associate (team => pool%team(team_of(slot)), law => scope%law(task(number)%law))
-         associate (grid => scope%grid(task(number)%grid))
-            pool%ordinate(slot) = ordinate_t(task=number, law=task(number)%law, &
-               pair=pair_of(scope, task(number)%law), grid=task(number)%grid, &
-               offset=grid%first - 1, quiet=grid%quiet, &
-               stages=stages_of_flights(stages, omega_s*grid%longest), &
-               damping=2*scope%xi_s*omega_s, stiffness=omega_s**2, rtol=scope%rtol)
+      stages = shared%scheme(pool%kind(block_of(slot)))%stages
+      associate (lanes => pool%block(block_of(slot)), &
+         equation => shared%equation(task(number)%equation))
+         associate (grid => shared%grid(task(number)%grid))
+            pool%ordinate(slot) = ordinate_t(task=number, equation=task(number)%equation, &
+               pair=pair_of(shared, task(number)%equation), grid=task(number)%grid, &
+               offset=grid%first - 1, motion_end_step=grid%motion_end_step, &
+               stages=stages_of_substeps(stages, omega_s*grid%longest_step), &
+               damping=2*shared%xi_s*omega_s, stiffness=omega_s**2, rtol=shared%rtol)
          end associate
-         team%rate%m2(i) = law%m2
-         team%rate%m3(i) = law%m3
-         team%rate%damping(i) = pool%ordinate(slot)%damping
-         team%rate%stiffness(i) = pool%ordinate(slot)%stiffness
-         team%rate%side(i) = 1
-         team%rate%coef(i, :, :) = law%coef(:, :, 1)
-         team%now%doubt(i) = 0
-         team%v_max(i) = 0
-         team%worst(i) = 0
-         team%rate%h(i) = 0
-         team%ready(i) = 0
-         team%stop(i) = huge(1)
+         lanes%constants%m2(i) = equation%m2
+         lanes%constants%m3(i) = equation%m3
+         lanes%constants%damping(i) = pool%ordinate(slot)%damping
+         lanes%constants%stiffness(i) = pool%ordinate(slot)%stiffness
+         lanes%constants%side(i) = 1
+         lanes%constants%coef(i, :, :) = equation%coef(:, :, 1)
+         lanes%error_estimate(i) = 0
+         lanes%v_max(i) = 0
+         lanes%error_at_peak(i) = 0
+         lanes%constants%h(i) = 0
+         lanes%ready(i) = 0
+         lanes%length_change(i) = huge(1)
       end associate
-      call fall_asleep(scope, slot, 1, 0.0_wp, pool)
-   end subroutine begin
+      call put_to_rest(shared, slot, 1, 0.0_wp, pool)
+   end subroutine start_ordinate
 
-   !> Evaluations of N in flights that begin within a step.
-   pure integer function stages_of_flights(stages, angle)
+   !> Evaluations of N in substeps.
+   pure integer function stages_of_substeps(stages, angle)
       integer, intent(in) :: stages
-      !! in whole steps
+      !! evaluations in whole steps
       real(wp), intent(in) :: angle
       !! omega_s h [rad]
 
-      stages_of_flights = stages
-      if (stages == 2 .and. angle > wide_angle) stages_of_flights = most_stages
-   end function stages_of_flights
+      stages_of_substeps = stages
+      if (stages == 2 .and. angle > wide_angle) stages_of_substeps = max_stages
+   end function stages_of_substeps
 
-   !> One step of a team. Those in whose step something may happen leave it.
-   pure subroutine take_turn(scope, k, pool, stands)
-      type(fast_scope_t), intent(in) :: scope
+   !> One step of a block. Lanes in which an event is possible leave it.
+   pure subroutine advance_lanes(shared, k, pool, is_stalled)
+      type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: k
-      !! the team
-      type(pool_t), intent(inout) :: pool
-      logical, intent(inout) :: stands
-      !! nobody could step so far
-      integer :: marks
+      !! number of the block
+      type(lane_pool_t), intent(inout) :: pool
+      logical, intent(inout) :: is_stalled
+      !! in: no block before this one could step; out: neither could this one
+      integer :: event_bits
 
-      if (pool%is_called(k)) call line_up(scope, k, pool)
-      if (pool%present(k) == 0) return
-      stands = .false.
-      call advance(scope%instructions, scope%ground, scope%scheme(pool%kind(k)), pool%team(k), &
-         pool%trial, marks, pool%is_called(k))
-      if (marks /= 0) call dismiss(scope, k, marks, pool)
-   end subroutine take_turn
+      if (pool%needs_update(k)) call update_step_size(shared, k, pool)
+      if (pool%n_active(k) == 0) return
+      is_stalled = .false.
+      call advance_block(shared%instructions, shared%ground, shared%scheme(pool%kind(k)), &
+         pool%block(k), pool%trial, event_bits, pool%needs_update(k))
+      if (event_bits /= 0) call remove_lanes(shared, k, event_bits, pool)
+   end subroutine advance_lanes
 
-   !> Those in whose step something may happen wait until there are enough of them.
-   pure subroutine dismiss(scope, k, marks, pool)
-      type(fast_scope_t), intent(in) :: scope
+   !> Move lanes in which an event is possible to the batch of waiting steps, which is followed when
+   !> it is full.
+   pure subroutine remove_lanes(shared, k, event_bits, pool)
+      type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: k
-      !! the team
-      integer, intent(in) :: marks
-      !! bit i - 1: lane i
-      type(pool_t), intent(inout) :: pool
+      !! number of the block
+      integer, intent(in) :: event_bits
+      !! bit i - 1: an event is possible in lane i
+      type(lane_pool_t), intent(inout) :: pool
       integer :: slot
       integer :: left
       integer :: i
 
-      pool%present(k) = pool%present(k) - popcnt(marks)
-      left = marks
+      pool%n_active(k) = pool%n_active(k) - popcnt(event_bits)
+      left = event_bits
       do while (left /= 0)
          i = trailz(left) + 1
          left = iand(left, left - 1)
-         pool%team(k)%ready(i) = 0
-         slot = (k - 1)*seats + i
-         call enter_step(scope, pool%team(k), pool%trial, i, slot, pool%ordinate(slot), &
-            pool%events)
-         if (pool%events%used == width) call follow_row(scope, pool)
+         pool%block(k)%ready(i) = 0
+         slot = (k - 1)*block_width + i
+         call load_step(shared, pool%block(k), pool%trial, i, slot, pool%ordinate(slot), &
+            pool%step_batch)
+         if (pool%step_batch%n_steps == batch_width) call follow_steps(shared, pool)
       end do
-   end subroutine dismiss
+   end subroutine remove_lanes
 
-   !> New weights where the length of the steps changes; who is at the end leaves the team.
-   pure subroutine line_up(scope, k, pool)
-      type(fast_scope_t), intent(in) :: scope
+   !> Set the weights of lanes whose step changes its length; lanes at the end leave the block.
+   pure subroutine update_step_size(shared, k, pool)
+      type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: k
-      type(pool_t), intent(inout) :: pool
-      real(wp) :: middle
+      type(lane_pool_t), intent(inout) :: pool
+      real(wp) :: second_node
       integer :: i
 
-      middle = merge(0.5_wp, c_3, scope%scheme(pool%kind(k))%stages == 2)
-      associate (team => pool%team(k))
-         do i = 1, seats
-            if (.not. team%ready(i) > 0 .or. team%at(i) < team%stop(i)) cycle
-            associate (one => pool%ordinate((k - 1)*seats + i))
-               if (team%at(i) > one%offset + size(scope%grid(one%grid)%step)) then
-                  team%ready(i) = 0
-                  pool%present(k) = pool%present(k) - 1
-                  team%at(i) = 1
-                  team%stop(i) = huge(1)
-                  call push((k - 1)*seats + i, pool%finished)
+      second_node = merge(0.5_wp, c_3, shared%scheme(pool%kind(k))%stages == 2)
+      associate (lanes => pool%block(k))
+         do i = 1, block_width
+            if (.not. lanes%ready(i) > 0 .or. lanes%step(i) < lanes%length_change(i)) cycle
+            associate (ordinate => pool%ordinate((k - 1)*block_width + i))
+               if (lanes%step(i) > ordinate%offset + size(shared%grid(ordinate%grid)%step)) then
+                  lanes%ready(i) = 0
+                  pool%n_active(k) = pool%n_active(k) - 1
+                  lanes%step(i) = 1
+                  lanes%length_change(i) = huge(1)
+                  call push((k - 1)*block_width + i, pool%finished_queue)
                else
-                  call weigh(scope%law(one%law), scope%ground(team%at(i)), middle, one, i, team)
+                  call set_step_weights(shared%equation(ordinate%equation), &
+                     shared%ground(lanes%step(i)), second_node, ordinate, i, lanes)
                end if
             end associate
          end do
       end associate
-   end subroutine line_up
+   end subroutine update_step_size
 
-   !> Weights of the steps that come now.
-   pure subroutine weigh(law, step, middle, ordinate, i, team)
-      type(fast_law_t), intent(in) :: law
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: middle
+   !> Set the length of the next steps of a lane and the weights for it.
+   pure subroutine set_step_weights(equation, ground, second_node, ordinate, i, lanes)
+      type(reduced_equation_t), intent(in) :: equation
+      type(ground_step_t), intent(in) :: ground
+      real(wp), intent(in) :: second_node
       !! the second node [-]
       type(ordinate_t), intent(in) :: ordinate
       integer, intent(in) :: i
       !! lane
-      type(team_t), intent(inout) :: team
+      type(lane_block_t), intent(inout) :: lanes
 
-      team%stop(i) = team%at(i) + step%alike
-      if (abs(step%h - team%rate%h(i)) <= 0) return
-      team%rate%h(i) = step%h
-      team%rate%per_h(i) = 1/step%h
-      team%rate%keep(i) = max(0.0_wp, 1 - 0.5_wp*step%h*ordinate%damping*law%m1)
-      if (step%h*sqrt(ordinate%stiffness) > large_angle) team%rate%keep(i) = 1
-      team%rate%weight(i, :) = reshape(step_weights(ordinate%damping*law%m1, &
-         ordinate%stiffness*law%m1 + law%m3_1, step%h, middle), [weights])
-   end subroutine weigh
+      lanes%length_change(i) = lanes%step(i) + ground%equal_steps
+      if (abs(ground%h - lanes%constants%h(i)) <= 0) return
+      lanes%constants%h(i) = ground%h
+      lanes%constants%inverse_h(i) = 1/ground%h
+      lanes%constants%damping_factor(i) = max(0.0_wp, &
+         1 - 0.5_wp*ground%h*ordinate%damping*equation%m1)
+      if (ground%h*sqrt(ordinate%stiffness) > large_angle) lanes%constants%damping_factor(i) = 1
+      lanes%constants%weight(i, :) = reshape(step_weights(ordinate%damping*equation%m1, &
+         ordinate%stiffness*equation%m1 + equation%m3_1, ground%h, second_node), [weights])
+   end subroutine set_step_weights
 
-   !> Follow those that wait: flights that start on the base in full rows, and the rest together
-   !> when they are no fewer than those who could still join them, or if someone is in a hurry.
-   pure subroutine pass_events(scope, pool)
-      type(fast_scope_t), intent(in) :: scope
-      type(pool_t), intent(inout) :: pool
+   !> Follow waiting lanes: flights that start on the base in full batches; steps, with flights at
+   !> the free places, when as many lanes wait as still step, or when a critical lane waits.
+   pure subroutine follow_waiting(shared, pool)
+      type(shared_data_t), intent(in) :: shared
+      type(lane_pool_t), intent(inout) :: pool
 
-      do while (pool%starts%n >= width)
-         call depart_row(scope, pool)
+      do while (pool%start_queue%n >= batch_width)
+         call follow_new_flights(shared, pool)
       end do
-      if (waiting(pool) >= max(1, sum(pool%present)) .or. hurries(pool)) then
-         call follow_row(scope, pool)
+      if (n_waiting(pool) >= max(1, sum(pool%n_active)) .or. has_critical_lane(pool)) then
+         call follow_steps(shared, pool)
       end if
-   end subroutine pass_events
+   end subroutine follow_waiting
 
-   !> How many wait for a row.
-   pure integer function waiting(pool)
-      type(pool_t), intent(in) :: pool
+   !> Number of lanes that wait for a batch.
+   pure integer function n_waiting(pool)
+      type(lane_pool_t), intent(in) :: pool
 
-      waiting = pool%events%used + pool%starts%n
-   end function waiting
+      n_waiting = pool%step_batch%n_steps + pool%start_queue%n
+   end function n_waiting
 
-   !> Does one of those that take longest wait, with enough company?
+   !> Does the lane of a critical task wait, with enough others for a batch?
    !>
-   !> Their flights follow one after the other; what keeps them waiting delays the end of all.
-   pure logical function hurries(pool)
-      type(pool_t), intent(in) :: pool
+   !> Critical tasks are long chains of flights: a delay of one of them delays the end of the run.
+   pure logical function has_critical_lane(pool)
+      type(lane_pool_t), intent(in) :: pool
       integer :: i
 
-      hurries = .false.
-      if (waiting(pool) < enough) return
-      do i = 1, pool%events%used
-         hurries = hurries .or. pool%ordinate(pool%events%slot(i))%task - pool%first < urgent
+      has_critical_lane = .false.
+      if (n_waiting(pool) < critical_batch) return
+      do i = 1, pool%step_batch%n_steps
+         has_critical_lane = has_critical_lane &
+            .or. pool%ordinate(pool%step_batch%slot(i))%task - pool%first_task < critical_tasks
       end do
-      do i = 1, pool%starts%n
-         hurries = hurries .or. pool%ordinate(pool%starts%slot(i))%task - pool%first < urgent
+      do i = 1, pool%start_queue%n
+         has_critical_lane = has_critical_lane &
+            .or. pool%ordinate(pool%start_queue%slot(i))%task - pool%first_task < critical_tasks
       end do
-   end function hurries
+   end function has_critical_lane
 
 end module rwmf_spectrum_fast_lane_scheduler

@@ -1,4 +1,4 @@
-!> One ordinate of a spectrum in lanes: its constants, and what it has met so far.
+!> One ordinate of a spectrum in a lane: its constants and its history.
 module rwmf_spectrum_fast_ordinate
    use rwmf_core_kinds, only: wp
    implicit none
@@ -6,20 +6,22 @@ module rwmf_spectrum_fast_ordinate
 
    public :: ordinate_t
 
-   !> The part of a lane that only events read and write.
+   !> The state of a lane that changes only with events.
    type :: ordinate_t
       integer :: task = 0
-      !! its number in the list of tasks; 0: nobody is there
-      integer :: law
-      !! numbers of its law, its pair of mass ratio and width, its grid in the scope
+      !! number of the task; 0: the lane is idle
+      integer :: equation
+      !! number of the reduced equation
       integer :: pair
+      !! number of the pair of mass ratio and width
       integer :: grid
+      !! number of the time grid
       integer :: offset
-      !! steps of other grids before those of its own
-      integer :: quiet
-      !! first step of its grid from which on the ground stands still
+      !! steps of other grids before those of this grid
+      integer :: motion_end_step
+      !! first step of the grid from which on the ground stands still
       integer :: stages
-      !! evaluations of N in a flight that begins within a step
+      !! evaluations of N in a substep
       real(wp) :: damping
       !! 2 xi_s omega_s [1/s]
       real(wp) :: stiffness
@@ -27,22 +29,22 @@ module rwmf_spectrum_fast_ordinate
       real(wp) :: rtol
       !! requested relative tolerance [-]
       integer :: side = 1
-      !! +1 or -1
+      !! sign of theta of the current or next flight, +1 or -1
       real(wp) :: v_max = 0
-      !! [-]
+      !! largest v so far [-]
       real(wp) :: w_max = 0
       !! largest rate at an impact [1/s]
       integer :: impacts = 0
       logical :: failed = .false.
       !! left to the general kernel
-      integer :: number = 1
-      !! of the step in its grid in which its next flight begins
+      integer :: step = 1
+      !! number of the step in the grid in which the next flight begins
       real(wp) :: x = 0
-      !! where in the step that flight begins [-]
+      !! position in the step where that flight begins [-]
       real(wp) :: span = 1
-      !! for how much of the step it is followed [-]
+      !! length of its substep over that of the step [-]
       real(wp) :: w = 0
-      !! rate with which it begins [1/s]
+      !! rate of v with which it begins [1/s]
    end type ordinate_t
 
 end module rwmf_spectrum_fast_ordinate

@@ -1,18 +1,18 @@
-!> Laws of the fast spectra: polynomials on a range of v, and on wider ones for those ordinates
-!> that leave it.
+!> Fits of the reduced equations: on a narrow range of v, and on wider ones for ordinates that leave
+!> it.
 module rwmf_spectrum_fast_polynomial_fit
-   use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_types, only: fast_law_t
-   use rwmf_spectrum_fast_reduced_equation, only: build_law
-   use rwmf_spectrum_fast_shared_data, only: fast_scope_t, fast_task_t
    use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
+   use rwmf_spectrum_fast_shared_data, only: shared_data_t, task_t
+   use rwmf_spectrum_fast_types, only: reduced_equation_t
    implicit none
    private
 
-   public :: ranges, fit_laws, widen
+   public :: ranges, fit_equations, widen_range
 
    real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
-   !! of |u_s|/(2R) [-]
+   !! ends of the ranges of v [-]
    integer, parameter :: ranges = size(fit_range)
    real(wp), parameter :: fit_share = 0.1_wp
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
@@ -20,68 +20,71 @@ module rwmf_spectrum_fast_polynomial_fit
 
 contains
 
-   !> Fit the laws that are wanted to begin with; the others come when someone calls for them.
-   subroutine fit_laws(threads, wanted, scope)
+   !> Fit the equations that are wanted to begin with; the others are fitted by `widen_range`.
+   subroutine fit_equations(threads, wanted, shared)
       integer, intent(in) :: threads
       logical, intent(in) :: wanted(:)
       !! (pairs*ranges)
-      type(fast_scope_t), intent(inout) :: scope
-      !! in: with its scenes
+      type(shared_data_t), intent(inout) :: shared
+      !! in: with the models of the pairs
       integer :: i
 
-      allocate (scope%law(size(wanted)), scope%holds(size(wanted)))
-      scope%is_fitted = wanted
+      allocate (shared%equation(size(wanted)), shared%is_usable(size(wanted)))
+      shared%is_fitted = wanted
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
       !$omp if (count(wanted) > 2)
       do i = 1, size(wanted)
-         if (wanted(i)) call fit(i, scope)
+         if (wanted(i)) call fit_equation(i, shared)
       end do
       !$omp end parallel do
-   end subroutine fit_laws
+   end subroutine fit_equations
 
-   !> The next wider range for an ordinate that has left its own.
-   subroutine widen(scope, task, is_possible)
-      type(fast_scope_t), intent(inout) :: scope
-      !! shared by the threads
-      type(fast_task_t), intent(inout) :: task
+   !> Give a task the next wider range, once it has left its own; fit the equation if it is the
+   !> first.
+   subroutine widen_range(shared, task, is_possible)
+      type(shared_data_t), intent(inout) :: shared
+      !! shared by all threads
+      type(task_t), intent(inout) :: task
       logical, intent(out) :: is_possible
       integer :: wider
 
       is_possible = .false.
-      wider = task%law + scope%pairs
-      if (wider > size(scope%law)) return
-      !$omp critical (rwmf_fast_law)
-      if (.not. scope%is_fitted(wider)) then
-         call fit(wider, scope)
-         scope%is_fitted(wider) = .true.
+      wider = task%equation + shared%pairs
+      if (wider > size(shared%equation)) return
+      !$omp critical (rwmf_fit_equation)
+      if (.not. shared%is_fitted(wider)) then
+         call fit_equation(wider, shared)
+         shared%is_fitted(wider) = .true.
       end if
-      is_possible = scope%holds(wider)
-      !$omp end critical (rwmf_fast_law)
-      if (is_possible) task%law = wider
-   end subroutine widen
+      is_possible = shared%is_usable(wider)
+      !$omp end critical (rwmf_fit_equation)
+      if (is_possible) task%equation = wider
+   end subroutine widen_range
 
-   subroutine fit(i, scope)
+   !> Fit one equation.
+   subroutine fit_equation(i, shared)
       integer, intent(in) :: i
-      !! number of the law
-      type(fast_scope_t), intent(inout) :: scope
+      !! number of the equation
+      type(shared_data_t), intent(inout) :: shared
 
-      associate (scene => scope%scene(mod(i - 1, scope%pairs) + 1), law => scope%law(i))
-         call build_law(scene, fit_range((i - 1)/scope%pairs + 1), fit_share*scope%rtol, law)
-         scope%holds(i) = holds(scene, scope%rtol, law)
+      associate (case => shared%case(mod(i - 1, shared%pairs) + 1), equation => shared%equation(i))
+         call build_reduced_equation(case, fit_range((i - 1)/shared%pairs + 1), &
+            fit_share*shared%rtol, equation)
+         shared%is_usable(i) = is_fit_sufficient(case, shared%rtol, equation)
       end associate
-   end subroutine fit
+   end subroutine fit_equation
 
-   !> Does the fit hold what the tolerance asks, and end before the wall overturns?
-   pure logical function holds(scene, rtol, law)
-      type(case_t), intent(in) :: scene
+   !> Is the error of the fit within the tolerance, and its end before overturning?
+   pure logical function is_fit_sufficient(case, rtol, equation)
+      type(case_t), intent(in) :: case
       real(wp), intent(in) :: rtol
-      type(fast_law_t), intent(in) :: law
+      type(reduced_equation_t), intent(in) :: equation
       real(wp) :: alpha
       !! slenderness [rad]
 
-      alpha = atan2(scene%wall%b, scene%wall%h)
-      holds = law%fit_error < fit_share*rtol .and. law%e > 0 &
-         .and. law%v_high < sin(min(scene%model%overturning_angle, 1.0_wp)/2)*cos(alpha)
-   end function holds
+      alpha = atan2(case%wall%b, case%wall%h)
+      is_fit_sufficient = equation%fit_error < fit_share*rtol .and. equation%e > 0 &
+         .and. equation%v_high < sin(min(case%model%overturning_angle, 1.0_wp)/2)*cos(alpha)
+   end function is_fit_sufficient
 
 end module rwmf_spectrum_fast_polynomial_fit

@@ -14,19 +14,19 @@
 !> fitted in quadruple precision because D1, D2 and H are differences over a small v.
 module rwmf_spectrum_fast_reduced_equation
    use, intrinsic :: iso_fortran_env, only: real128
-   use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_types, only: curves, degree, fast_law_t, short_degree
    use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_run, only: restitution
+   use rwmf_spectrum_fast_types, only: curves, degree, reduced_equation_t, short_degree
    implicit none
    private
 
-   public :: build_law
+   public :: build_reduced_equation
 
    integer, parameter :: qp = real128
 
-   !> Scene in quadruple precision.
-   type :: scene_t
+   !> Parameters of wall, frame and cable in quadruple precision.
+   type :: parameters_t
       real(qp) :: gamma
       !! [-]
       real(qp) :: R
@@ -39,131 +39,133 @@ module rwmf_spectrum_fast_reduced_equation
       !! [m/s2]
       real(qp) :: eta_0
       !! [-]
-      real(qp) :: rate
-      !! of the cable: per rad (linear) or per 2R of elongation (truss)
+      real(qp) :: cable_rate
+      !! increase of the cable force over m_w g, per rad (linear) or per 2R of elongation (truss)
+      !! [-]
       logical :: is_truss
       logical :: is_published
       logical :: is_exact
-   end type scene_t
+   end type parameters_t
 
 contains
 
-   !> Fit the curves of a case on -0.3 v_high <= v <= v_high.
-   subroutine build_law(case, v_high, accuracy, law)
+   !> Build the equation of a case, with curves fitted on -0.3 v_high <= v <= v_high.
+   subroutine build_reduced_equation(case, v_high, accuracy, equation)
       type(case_t), intent(in) :: case
       !! with wall and frame
       real(wp), intent(in) :: v_high
-      !! [-]
+      !! end of the fit [-]
       real(wp), intent(in) :: accuracy
-      !! `fit_error` that is good enough [-]; a lower degree does if it has it
-      type(fast_law_t), intent(out) :: law
-      type(scene_t) :: scene
+      !! `fit_error` below which the lower degree is used [-]
+      type(reduced_equation_t), intent(out) :: equation
+      type(parameters_t) :: param
       real(qp) :: at_0(curves)
       real(qp) :: slope(2)
       integer :: side
       integer :: sides
-      integer :: top
+      integer :: n
 
-      scene = scene_of(case)
-      at_0 = curves_at(scene, 1, 0.0_qp)
-      law%m1 = real(at_0(2), wp)
-      law%m2 = real(at_0(3), wp)
-      law%m3 = real(at_0(4), wp)
-      slope = [slope_at_rest(scene, 1), slope_at_rest(scene, 2)]
-      law%m3_1 = real(sum(slope)/2, wp)
-      law%threshold = law%m3/law%m2
-      law%e = restitution(case, real(scene%alpha, wp))
-      law%length = real(2*scene%R, wp)
-      law%v_high = v_high
-      law%is_even = .not. (scene%is_published .or. scene%is_exact)
-      sides = merge(1, 2, law%is_even)
-      do top = short_degree, degree, degree - short_degree
-         law%is_short = top == short_degree
-         law%fit_error = 0
+      param = parameters_of(case)
+      at_0 = curves_at(param, 1, 0.0_qp)
+      equation%m1 = real(at_0(2), wp)
+      equation%m2 = real(at_0(3), wp)
+      equation%m3 = real(at_0(4), wp)
+      slope = [slope_at_rest(param, 1), slope_at_rest(param, 2)]
+      equation%m3_1 = real(sum(slope)/2, wp)
+      equation%threshold = equation%m3/equation%m2
+      equation%e = restitution(case, real(param%alpha, wp))
+      equation%length = real(2*param%R, wp)
+      equation%v_high = v_high
+      equation%is_even = .not. (param%is_published .or. param%is_exact)
+      sides = merge(1, 2, equation%is_even)
+      do n = short_degree, degree, degree - short_degree
+         equation%is_short = n == short_degree
+         equation%fit_error = 0
          do side = 1, sides
-            call fit_side(scene, side, top, at_0, real(law%m3_1, qp), law)
+            call fit_side(param, side, n, at_0, real(equation%m3_1, qp), equation)
          end do
-         if (law%fit_error < accuracy) exit
+         if (equation%fit_error < accuracy) exit
       end do
-      if (law%is_even) law%coef(:, :, 2) = law%coef(:, :, 1)
-      law%bound = max(abs(law%coef(0, :, 1)), abs(law%coef(0, :, 2)))
-   end subroutine build_law
+      if (equation%is_even) equation%coef(:, :, 2) = equation%coef(:, :, 1)
+      equation%bound = max(abs(equation%coef(0, :, 1)), abs(equation%coef(0, :, 2)))
+   end subroutine build_reduced_equation
 
-   pure type(scene_t) function scene_of(case) result(scene)
+   pure type(parameters_t) function parameters_of(case) result(param)
       type(case_t), intent(in) :: case
       real(qp) :: h
       real(qp) :: b
 
       h = real(case%wall%h, qp)
       b = real(case%wall%b, qp)
-      scene%gamma = real(case%frame%gamma, qp)
-      scene%R = hypot(h, b)
-      scene%alpha = atan2(b, h)
-      scene%sin_alpha = sin(scene%alpha)
-      scene%cos_alpha = cos(scene%alpha)
-      scene%g = real(case%model%g, qp)
-      scene%is_published = case%model%formulation == 'published'
-      scene%is_exact = case%model%formulation == 'exact'
-      scene%is_truss = .false.
-      scene%eta_0 = 0
-      scene%rate = 0
+      param%gamma = real(case%frame%gamma, qp)
+      param%R = hypot(h, b)
+      param%alpha = atan2(b, h)
+      param%sin_alpha = sin(param%alpha)
+      param%cos_alpha = cos(param%alpha)
+      param%g = real(case%model%g, qp)
+      param%is_published = case%model%formulation == 'published'
+      param%is_exact = case%model%formulation == 'exact'
+      param%is_truss = .false.
+      param%eta_0 = 0
+      param%cable_rate = 0
       if (.not. allocated(case%cable)) return
-      scene%eta_0 = real(case%cable%eta_0, qp)
-      scene%is_truss = case%cable%law == 'truss'
-      scene%rate = real(case%cable%eta_alpha, qp) - scene%eta_0
-      if (scene%is_truss) then
-         scene%rate = scene%rate/elongation(scene, scene%alpha)
+      param%eta_0 = real(case%cable%eta_0, qp)
+      param%is_truss = case%cable%law == 'truss'
+      param%cable_rate = real(case%cable%eta_alpha, qp) - param%eta_0
+      if (param%is_truss) then
+         param%cable_rate = param%cable_rate/elongation(param, param%alpha)
       else
-         scene%rate = scene%rate/scene%alpha
+         param%cable_rate = param%cable_rate/param%alpha
       end if
-   end function scene_of
+   end function parameters_of
 
    !> Length of the straight cable over 2R at the rotation phi: with h = R cos(alpha) and
    !> b = R sin(alpha) the square root of the truss law (section 2 of docs/theory.md).
-   pure real(qp) function cable_length(scene, phi)
-      type(scene_t), intent(in) :: scene
+   pure real(qp) function cable_length(param, phi)
+      type(parameters_t), intent(in) :: param
       real(qp), intent(in) :: phi
       !! [rad]
 
-      associate (s => scene%sin_alpha, c => scene%cos_alpha)
+      associate (s => param%sin_alpha, c => param%cos_alpha)
          cable_length = sqrt(c**2 + s**2*(1 - cos(phi))/2 + s*c*sin(phi))
       end associate
    end function cable_length
 
-   pure real(qp) function elongation(scene, phi)
-      type(scene_t), intent(in) :: scene
+   !> Elongation of the straight cable over 2R at the rotation phi.
+   pure real(qp) function elongation(param, phi)
+      type(parameters_t), intent(in) :: param
       real(qp), intent(in) :: phi
       !! [rad]
 
-      elongation = cable_length(scene, phi) - scene%cos_alpha
+      elongation = cable_length(param, phi) - param%cos_alpha
    end function elongation
 
    !> Moment of the cable over m_w g R [-].
-   pure real(qp) function cable_moment(scene, side, phi) result(moment)
-      type(scene_t), intent(in) :: scene
+   pure real(qp) function cable_moment(param, side, phi) result(moment)
+      type(parameters_t), intent(in) :: param
       integer, intent(in) :: side
       !! 1: theta > 0, 2: theta < 0
       real(qp), intent(in) :: phi
       !! |theta| [rad]
 
-      associate (s => scene%sin_alpha, c => scene%cos_alpha)
-         if (scene%is_truss) then
-            moment = (scene%eta_0 + scene%rate*elongation(scene, phi)) &
-               *(s**2*sin(phi) + 2*s*c*cos(phi))/(2*cable_length(scene, phi))
-         else if (scene%is_published .and. side == 2) then
-            moment = (scene%eta_0 - scene%rate*phi)*s
+      associate (s => param%sin_alpha, c => param%cos_alpha)
+         if (param%is_truss) then
+            moment = (param%eta_0 + param%cable_rate*elongation(param, phi)) &
+               *(s**2*sin(phi) + 2*s*c*cos(phi))/(2*cable_length(param, phi))
+         else if (param%is_published .and. side == 2) then
+            moment = (param%eta_0 - param%cable_rate*phi)*s
          else
-            moment = (scene%eta_0 + scene%rate*phi)*s
+            moment = (param%eta_0 + param%cable_rate*phi)*s
          end if
       end associate
    end function cable_moment
 
    !> Q [-], M1 [-], M2 [1/m] and M3 [1/s2] at v.
-   pure function curves_at(scene, side, v) result(values)
-      type(scene_t), intent(in) :: scene
+   pure function curves_at(param, side, v) result(values)
+      type(parameters_t), intent(in) :: param
       integer, intent(in) :: side
       real(qp), intent(in) :: v
-      !! [-]
+      !! |u_s|/(2R) [-]
       real(qp) :: values(curves)
       real(qp) :: phi
       real(qp) :: s
@@ -171,46 +173,46 @@ contains
       real(qp) :: w
       !! dv/dphi
       real(qp) :: half_k
-      !! its derivative by phi
+      !! derivative of w by phi
       real(qp) :: lever
       real(qp) :: per_inertia
 
-      if (scene%is_exact .and. side == 2) then
-         phi = asin(v/scene%cos_alpha)
-         w = scene%cos_alpha*cos(phi)
+      if (param%is_exact .and. side == 2) then
+         phi = asin(v/param%cos_alpha)
+         w = param%cos_alpha*cos(phi)
          half_k = -v
       else
-         phi = scene%alpha - asin(scene%sin_alpha - v)
-         w = cos(scene%alpha - phi)
-         half_k = sin(scene%alpha - phi)
+         phi = param%alpha - asin(param%sin_alpha - v)
+         w = cos(param%alpha - phi)
+         half_k = sin(param%alpha - phi)
       end if
-      s = sin(scene%alpha - phi)
-      c = cos(scene%alpha - phi)
+      s = sin(param%alpha - phi)
+      c = cos(param%alpha - phi)
       lever = 2*w
-      if (scene%is_published .and. side == 2) lever = 2*scene%cos_alpha*cos(phi)
-      per_inertia = w/(4/3.0_qp + 2*scene%gamma*lever*w)
-      values(2) = 2*scene%gamma*lever*per_inertia
+      if (param%is_published .and. side == 2) lever = 2*param%cos_alpha*cos(phi)
+      per_inertia = w/(4/3.0_qp + 2*param%gamma*lever*w)
+      values(2) = 2*param%gamma*lever*per_inertia
       values(1) = half_k/w**2*(1 - values(2))
-      values(3) = per_inertia*(scene%gamma*lever + c)/scene%R
-      values(4) = per_inertia*scene%g/scene%R*(s + cable_moment(scene, side, phi))
+      values(3) = per_inertia*(param%gamma*lever + c)/param%R
+      values(4) = per_inertia*param%g/param%R*(s + cable_moment(param, side, phi))
    end function curves_at
 
    !> dM3/dv at v = 0 [1/s2]; the central difference is exact to 20 digits here.
-   pure real(qp) function slope_at_rest(scene, side) result(slope)
-      type(scene_t), intent(in) :: scene
+   pure real(qp) function slope_at_rest(param, side) result(slope)
+      type(parameters_t), intent(in) :: param
       integer, intent(in) :: side
       real(qp), parameter :: step = 1.0e-10_qp
       real(qp) :: after(curves)
       real(qp) :: before(curves)
 
-      after = curves_at(scene, side, step)
-      before = curves_at(scene, side, -step)
+      after = curves_at(param, side, step)
+      before = curves_at(param, side, -step)
       slope = (after(4) - before(4))/(2*step)
    end function slope_at_rest
 
    !> Q, D1, D2 and H at v /= 0.
-   pure function remainder_curves(scene, side, at_0, m3_1, v) result(values)
-      type(scene_t), intent(in) :: scene
+   pure function remainder_curves(param, side, at_0, m3_1, v) result(values)
+      type(parameters_t), intent(in) :: param
       integer, intent(in) :: side
       real(qp), intent(in) :: at_0(curves)
       !! values at v = 0
@@ -218,56 +220,58 @@ contains
       real(qp), intent(in) :: v
       real(qp) :: values(curves)
 
-      values = curves_at(scene, side, v)
+      values = curves_at(param, side, v)
       values(2:) = (values(2:) - at_0(2:))/v
       values(4) = values(4) - m3_1
    end function remainder_curves
 
-   !> Interpolate at Chebyshev's nodes and keep the largest error found between them.
-   pure subroutine fit_side(scene, side, top, at_0, m3_1, law)
-      type(scene_t), intent(in) :: scene
+   !> Interpolate the curves of a side at Chebyshev's nodes; update the largest error between them.
+   pure subroutine fit_side(param, side, n, at_0, m3_1, equation)
+      type(parameters_t), intent(in) :: param
       integer, intent(in) :: side
-      integer, intent(in) :: top
+      integer, intent(in) :: n
       !! degree of the polynomials
       real(qp), intent(in) :: at_0(curves)
       real(qp), intent(in) :: m3_1
-      type(fast_law_t), intent(inout) :: law
-      real(qp) :: node(0:top)
-      real(qp) :: values(0:top, curves)
+      type(reduced_equation_t), intent(inout) :: equation
+      real(qp) :: node(0:n)
+      real(qp) :: values(0:n, curves)
       real(qp) :: v
-      real(qp) :: miss(curves)
+      real(qp) :: deviation(curves)
       integer :: i
 
-      do i = 0, top
-         node(i) = chebyshev_node(real(law%v_high, qp), top, i + 0.5_qp)
-         values(i, :) = remainder_curves(scene, side, at_0, m3_1, node(i))
+      do i = 0, n
+         node(i) = chebyshev_node(real(equation%v_high, qp), n, i + 0.5_qp)
+         values(i, :) = remainder_curves(param, side, at_0, m3_1, node(i))
       end do
       do i = 1, curves
-         law%coef(:, i, side) = 0
-         law%coef(:top, i, side) = real(monomials(node, values(:, i)), wp)
+         equation%coef(:, i, side) = 0
+         equation%coef(:n, i, side) = real(monomials(node, values(:, i)), wp)
       end do
-      do i = 0, top + 1
-         v = chebyshev_node(real(law%v_high, qp), top, real(i, qp)) + 1.0e-9_qp
-         miss = abs(remainder_curves(scene, side, at_0, m3_1, v) - polynomials(law, side, v))
-         miss(2:) = miss(2:)*abs(v)/[1.0_qp, at_0(3), scene%g/scene%R]
-         ! Q v'**2 is measured against omega_s**2 v.
-         miss(1) = miss(1)*abs(v)
-         law%fit_error = max(law%fit_error, real(maxval(miss), wp))
+      do i = 0, n + 1
+         v = chebyshev_node(real(equation%v_high, qp), n, real(i, qp)) + 1.0e-9_qp
+         deviation = abs(remainder_curves(param, side, at_0, m3_1, v) &
+            - polynomials(equation, side, v))
+         deviation(2:) = deviation(2:)*abs(v)/[1.0_qp, at_0(3), param%g/param%R]
+         ! The error of Q v'**2 is relative to omega_s**2 v.
+         deviation(1) = deviation(1)*abs(v)
+         equation%fit_error = max(equation%fit_error, real(maxval(deviation), wp))
       end do
    end subroutine fit_side
 
    !> Point number i (halves: roots, integers: extrema of the error) of the fit's interval [-].
-   pure real(qp) function chebyshev_node(v_high, top, i) result(v)
+   pure real(qp) function chebyshev_node(v_high, n, i) result(v)
       real(qp), intent(in) :: v_high
-      integer, intent(in) :: top
+      integer, intent(in) :: n
       !! degree of the polynomial
       real(qp), intent(in) :: i
 
-      v = v_high*(0.35_qp + 0.65_qp*cos(i*acos(-1.0_qp)/(top + 1)))
+      v = v_high*(0.35_qp + 0.65_qp*cos(i*acos(-1.0_qp)/(n + 1)))
    end function chebyshev_node
 
-   pure function polynomials(law, side, v) result(values)
-      type(fast_law_t), intent(in) :: law
+   !> Values of the fitted polynomials at v.
+   pure function polynomials(equation, side, v) result(values)
+      type(reduced_equation_t), intent(in) :: equation
       integer, intent(in) :: side
       real(qp), intent(in) :: v
       real(qp) :: values(curves)
@@ -275,7 +279,7 @@ contains
 
       values = 0
       do i = degree, 0, -1
-         values = values*v + law%coef(i, :, side)
+         values = values*v + equation%coef(i, :, side)
       end do
    end function polynomials
 

@@ -1,25 +1,26 @@
-!> In which order the ordinates of a fast spectrum are begun; which bare frames advance together.
+!> Order in which the ordinates of a fast spectrum are started; groups of bare frames.
 module rwmf_spectrum_fast_schedule
-   use rwmf_spectrum_fast_types, only: lanes
    use rwmf_core_kinds, only: wp
+   use rwmf_spectrum_fast_types, only: frame_block_width
    implicit none
    private
 
    public :: order_by_cost, group_t, list_groups
 
-   !> Periods with the same step, at most `lanes`.
+   !> At most `frame_block_width` periods with the same step.
    type :: group_t
       integer :: level
       !! halvings of the step
       integer :: n
-      integer :: member(lanes)
+      !! number of periods
+      integer :: member(frame_block_width)
       !! indices of the periods
    end type group_t
 
 contains
 
-   !> Indices of the periods, the most expensive ones first: those with the shortest steps, then in
-   !> rising order. Neighbours move alike, and nobody expensive is left alone at the end.
+   !> Indices of the periods, the most expensive ones first: by the length of their steps, then in
+   !> rising order. Adjacent periods have similar motions, and no expensive one is left to the end.
    pure function order_by_cost(T_s, level, last_level) result(order)
       real(wp), intent(in) :: T_s(:)
       !! (n_T) [s]
@@ -38,8 +39,8 @@ contains
       end do
    end function order_by_cost
 
-   !> Group the periods; the shortest steps first, so that no thread is left alone with an expensive
-   !> group at the end. Periods beyond the last level are in none.
+   !> Group the periods, the shortest steps first, so that no expensive group is left to the end,
+   !> when other threads are idle. Periods beyond the last level are in no group.
    pure function list_groups(T_s, level, last_level) result(group)
       real(wp), intent(in) :: T_s(:)
       !! (n_T) [s]
@@ -54,8 +55,8 @@ contains
       allocate (group(0))
       do l = last_level, 0, -1
          associate (members => pack(order, level(order) == l))
-            do i = 1, size(members), lanes
-               n = min(lanes, size(members) - i + 1)
+            do i = 1, size(members), frame_block_width
+               n = min(frame_block_width, size(members) - i + 1)
                group = [group, group_of(l, members(i:i + n - 1))]
             end do
          end associate
@@ -90,6 +91,7 @@ contains
       end do
    end function sorted
 
+   !> Indices of two sorted lists, merged in rising order.
    pure function merged(x, left, right) result(order)
       real(wp), intent(in) :: x(:)
       integer, intent(in) :: left(:)

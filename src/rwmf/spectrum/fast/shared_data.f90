@@ -1,64 +1,65 @@
-!> What all ordinates of a fast spectrum share: the ground motion in steps and the laws of motion.
+!> Data shared by all ordinates of a fast spectrum: time grids and reduced equations.
 module rwmf_spectrum_fast_shared_data
-   use rwmf_problem_case, only: case_t
    use rwmf_core_control, only: control_t
-   use rwmf_spectrum_fast_time_grid, only: fast_grid_t, loud_steps
-   use rwmf_spectrum_fast_types, only: fast_law_t, scheme_t, step_t
    use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_time_grid, only: time_grid_t, uplift_steps
+   use rwmf_spectrum_fast_types, only: ground_step_t, reduced_equation_t, scheme_t
    implicit none
    private
 
-   public :: fast_task_t, fast_scope_t, most_stages, kinds, kind_of, pair_of, describe_kinds, &
-      list_loud_steps
+   public :: task_t, shared_data_t, max_stages, kinds, kind_of, pair_of, describe_kinds, &
+      list_uplift_steps
 
-   integer, parameter :: most_stages = 3
-   !! evaluations of N in a step
-   integer, parameter :: kinds = 2*most_stages
-   !! of steps: so many evaluations of N, with polynomials of the full or the short degree
+   integer, parameter :: max_stages = 3
+   !! largest number of evaluations of N in a step
+   integer, parameter :: kinds = 2*max_stages
+   !! kinds of steps: the number of evaluations of N, with polynomials of full or short degree
 
    !> One ordinate to be computed.
-   type :: fast_task_t
+   type :: task_t
       real(wp) :: T_s
       !! [s]
-      integer :: law
-      !! its number in the scope; a wider one once it has left the range of the first
+      integer :: equation
+      !! number of its reduced equation; that of a wider range once it has left the first one
       integer :: grid
-      !! its number in the scope
+      !! number of its time grid
       integer :: kind
-      !! of its steps, from `kind_of`
-   end type fast_task_t
+      !! kind of its steps, from `kind_of`
+   end type task_t
 
-   !> Numbers of steps.
-   type :: loud_t
+   !> List of steps that can lift a resting wall.
+   type :: step_list_t
       integer, allocatable :: next(:)
-      !! (steps + 1) from `loud_steps`
-   end type loud_t
+      !! (steps + 1) from `uplift_steps`
+   end type step_list_t
 
-   type :: fast_scope_t
+   !> Data shared by all threads.
+   type :: shared_data_t
       type(control_t) :: control
       integer :: instructions
-      !! from `best_level`
+      !! instruction set, from `best_level`
       type(scheme_t) :: scheme(kinds)
       real(wp) :: xi_s
-      !! [-]
+      !! damping ratio of the frame [-]
       real(wp) :: rtol
       !! requested relative tolerance [-]
       integer :: pairs = 1
-      !! of a mass ratio and a width
-      type(case_t), allocatable :: scene(:)
-      !! (pairs)
-      type(fast_law_t), allocatable :: law(:)
-      !! (pairs*ranges) of all pairs on the narrowest range of v, on the next one ...
+      !! number of pairs of a mass ratio and a width
+      type(case_t), allocatable :: case(:)
+      !! (pairs) the model of each pair
+      type(reduced_equation_t), allocatable :: equation(:)
+      !! (pairs*ranges) those of all pairs on the narrowest range of v, then on the next one ...
       logical, allocatable :: is_fitted(:)
-      !! (pairs*ranges) there is such a law
-      logical, allocatable :: holds(:)
-      !! (pairs*ranges) and it may be used
-      type(fast_grid_t), allocatable :: grid(:)
-      type(step_t), allocatable :: ground(:)
+      !! (pairs*ranges) the equation has been built
+      logical, allocatable :: is_usable(:)
+      !! (pairs*ranges) and it is accurate enough
+      type(time_grid_t), allocatable :: grid(:)
+      type(ground_step_t), allocatable :: ground(:)
       !! steps of all grids, one after the other, to which the grids point
-      type(loud_t), allocatable :: loud(:, :)
+      type(step_list_t), allocatable :: uplift(:, :)
       !! (pairs, grids), where a task needs them
-   end type fast_scope_t
+   end type shared_data_t
 
 contains
 
@@ -69,55 +70,55 @@ contains
       logical, intent(in) :: is_short
       !! the polynomials have `short_degree`
 
-      kind_of = 2*(most_stages - stages) + merge(2, 1, is_short)
+      kind_of = 2*(max_stages - stages) + merge(2, 1, is_short)
    end function kind_of
 
-   !> The pair of mass ratio and width that a law belongs to.
-   pure integer function pair_of(scope, law)
-      type(fast_scope_t), intent(in) :: scope
-      integer, intent(in) :: law
+   !> Number of the pair of mass ratio and width that an equation belongs to.
+   pure integer function pair_of(shared, equation)
+      type(shared_data_t), intent(in) :: shared
+      integer, intent(in) :: equation
 
-      pair_of = mod(law - 1, scope%pairs) + 1
+      pair_of = mod(equation - 1, shared%pairs) + 1
    end function pair_of
 
-   !> What the steps of each kind are like.
-   pure subroutine describe_kinds(scope)
-      type(fast_scope_t), intent(inout) :: scope
+   !> Set the scheme of each kind of steps.
+   pure subroutine describe_kinds(shared)
+      type(shared_data_t), intent(inout) :: shared
       logical :: is_straight, has_jumps
       integer :: i
 
-      is_straight = all(scope%grid%is_straight)
-      has_jumps = any(scope%grid%has_jumps)
-      do i = 1, most_stages
-         scope%scheme(kind_of(i, .false.)) = scheme_t(i, .false., is_straight, has_jumps)
-         scope%scheme(kind_of(i, .true.)) = scheme_t(i, .true., is_straight, has_jumps)
+      is_straight = all(shared%grid%is_straight)
+      has_jumps = any(shared%grid%has_jumps)
+      do i = 1, max_stages
+         shared%scheme(kind_of(i, .false.)) = scheme_t(i, .false., is_straight, has_jumps)
+         shared%scheme(kind_of(i, .true.)) = scheme_t(i, .true., is_straight, has_jumps)
       end do
    end subroutine describe_kinds
 
-   !> The steps that can lift a resting wall, for the pairs and grids of the tasks.
-   subroutine list_loud_steps(task, threads, scope)
-      type(fast_task_t), intent(in) :: task(:)
+   !> List the steps that can lift a resting wall, for the pairs and grids of the tasks.
+   subroutine list_uplift_steps(task, threads, shared)
+      type(task_t), intent(in) :: task(:)
       integer, intent(in) :: threads
-      type(fast_scope_t), intent(inout) :: scope
-      integer :: law(scope%pairs, size(scope%grid))
-      !! of one of the tasks; 0: there is none
+      type(shared_data_t), intent(inout) :: shared
+      integer :: equation(shared%pairs, size(shared%grid))
+      !! equation of one of the tasks of a pair and grid; 0: there is none
       integer :: i, pair, grid
 
-      law = 0
+      equation = 0
       do i = 1, size(task)
-         law(pair_of(scope, task(i)%law), task(i)%grid) = task(i)%law
+         equation(pair_of(shared, task(i)%equation), task(i)%grid) = task(i)%equation
       end do
-      allocate (scope%loud(scope%pairs, size(scope%grid)))
+      allocate (shared%uplift(shared%pairs, size(shared%grid)))
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) private(pair, grid) &
-      !$omp if (count(law > 0) > 2)
-      do i = 1, size(law)
-         pair = pair_of(scope, i)
-         grid = (i - 1)/scope%pairs + 1
-         if (law(pair, grid) == 0) cycle
-         scope%loud(pair, grid)%next = loud_steps(scope%grid(grid), &
-            scope%law(law(pair, grid))%threshold)
+      !$omp if (count(equation > 0) > 2)
+      do i = 1, size(equation)
+         pair = pair_of(shared, i)
+         grid = (i - 1)/shared%pairs + 1
+         if (equation(pair, grid) == 0) cycle
+         shared%uplift(pair, grid)%next = uplift_steps(shared%grid(grid), &
+            shared%equation(equation(pair, grid))%threshold)
       end do
       !$omp end parallel do
-   end subroutine list_loud_steps
+   end subroutine list_uplift_steps
 
 end module rwmf_spectrum_fast_shared_data

@@ -7,24 +7,26 @@ module rwmf_spectrum_fast_simd_dispatch
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_spectrum_fast_types, only: flights_t, lanes, scheme_t, step_t, team_t, tried_step_t, wp
+   use rwmf_spectrum_fast_types, only: frame_block_width, ground_step_t, lane_block_t, scheme_t, &
+      substep_batch_t, trial_step_t, wp
    use rwmf_spectrum_fast_event_kernel, only: locate_events
-   use rwmf_spectrum_fast_substep_kernel, only: depart_flights, follow_flights, rebound_flights
-   use rwmf_spectrum_fast_step_kernel, only: advance_team, step_frames
+   use rwmf_spectrum_fast_substep_kernel, only: expand_steps, integrate_substeps, rebound_substeps
+   use rwmf_spectrum_fast_step_kernel, only: step_block, step_frames
 #ifdef FAST_LEVELS
    use FAST_LOCATE_V3, only: locate_events_v3 => locate_events
-   use FAST_PIECE_V3, only: depart_flights_v3 => depart_flights, &
-      follow_flights_v3 => follow_flights, rebound_flights_v3 => rebound_flights
+   use FAST_PIECE_V3, only: expand_steps_v3 => expand_steps, &
+      integrate_substeps_v3 => integrate_substeps, rebound_substeps_v3 => rebound_substeps
    use FAST_LOCATE_V4, only: locate_events_v4 => locate_events
-   use FAST_PIECE_V4, only: depart_flights_v4 => depart_flights, &
-      follow_flights_v4 => follow_flights, rebound_flights_v4 => rebound_flights
-   use FAST_STEP_V3, only: advance_team_v3 => advance_team, step_frames_v3 => step_frames
-   use FAST_STEP_V4, only: advance_team_v4 => advance_team, step_frames_v4 => step_frames
+   use FAST_PIECE_V4, only: expand_steps_v4 => expand_steps, &
+      integrate_substeps_v4 => integrate_substeps, rebound_substeps_v4 => rebound_substeps
+   use FAST_STEP_V3, only: step_block_v3 => step_block, step_frames_v3 => step_frames
+   use FAST_STEP_V4, only: step_block_v4 => step_block, step_frames_v4 => step_frames
 #endif
    implicit none
    private
 
-   public :: best_level, instruction_set, advance, advance_frames, follow, depart, rebound
+   public :: best_level, instruction_set, advance_block, advance_frames, search_batch, &
+      integrate_batch, rebound_batch
 
 #ifdef FAST_LEVELS
    interface
@@ -39,7 +41,7 @@ module rwmf_spectrum_fast_simd_dispatch
 
 contains
 
-   !> Instruction set for `advance` and the others: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
+   !> Instruction set for `advance_block` and the others: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
    integer function best_level() result(level)
       level = 1
 #ifdef FAST_LEVELS
@@ -65,112 +67,112 @@ contains
 #endif
    end function instruction_set
 
-   !> One step of a team. The lanes in which something may happen are left as they were.
-   pure subroutine advance(level, ground, scheme, team, trial, marks, is_called)
+   !> One step of a block. Lanes in which an event is possible keep their state.
+   pure subroutine advance_block(level, ground, scheme, lanes, trial, event_bits, needs_update)
       integer, intent(in) :: level
       !! from `best_level`
-      type(step_t), contiguous, intent(in) :: ground(:)
+      type(ground_step_t), contiguous, intent(in) :: ground(:)
       !! (steps)
       type(scheme_t), intent(in) :: scheme
-      type(team_t), intent(inout) :: team
-      type(tried_step_t), intent(inout) :: trial
-      integer, intent(out) :: marks
-      !! bit i - 1: something may happen in lane i
-      logical, intent(out) :: is_called
-      !! the next step of a lane may be another one than the last
+      type(lane_block_t), intent(inout) :: lanes
+      type(trial_step_t), intent(inout) :: trial
+      integer, intent(out) :: event_bits
+      !! bit i - 1: an event is possible in lane i
+      logical, intent(out) :: needs_update
+      !! a lane has reached a step of another length, or its end
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call advance_team_v4(ground, scheme, team, trial, marks, is_called)
+         call step_block_v4(ground, scheme, lanes, trial, event_bits, needs_update)
       case (3)
-         call advance_team_v3(ground, scheme, team, trial, marks, is_called)
+         call step_block_v3(ground, scheme, lanes, trial, event_bits, needs_update)
 #endif
       case default
-         call advance_team(ground, scheme, team, trial, marks, is_called)
+         call step_block(ground, scheme, lanes, trial, event_bits, needs_update)
       end select
-   end subroutine advance
+   end subroutine advance_block
 
-   !> Series of whole steps whose differences of N are known; first impact and largest value.
-   pure subroutine follow(level, flights)
+   !> First impact and largest v of whole steps, from their differences of N.
+   pure subroutine search_batch(level, batch)
       integer, intent(in) :: level
       !! from `best_level`
-      type(flights_t), intent(inout) :: flights
+      type(substep_batch_t), intent(inout) :: batch
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call follow_flights_v4(flights)
-         call locate_events_v4(0, flights)
+         call expand_steps_v4(batch)
+         call locate_events_v4(0, batch)
       case (3)
-         call follow_flights_v3(flights)
-         call locate_events_v3(0, flights)
+         call expand_steps_v3(batch)
+         call locate_events_v3(0, batch)
 #endif
       case default
-         call follow_flights(flights)
-         call locate_events(0, flights)
+         call expand_steps(batch)
+         call locate_events(0, batch)
       end select
-   end subroutine follow
+   end subroutine search_batch
 
-   !> The flights that follow the impacts.
-   pure subroutine rebound(level, negligible, flights)
+   !> Set up the flights that follow the impacts of a batch.
+   pure subroutine rebound_batch(level, remainder_share, batch)
       integer, intent(in) :: level
       !! from `best_level`
-      real(wp), intent(in) :: negligible
-      !! change of v by N over the largest v [-]
-      type(flights_t), intent(inout) :: flights
+      real(wp), intent(in) :: remainder_share
+      !! change of v by N that is left out, over the largest v [-]
+      type(substep_batch_t), intent(inout) :: batch
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call rebound_flights_v4(negligible, flights)
+         call rebound_substeps_v4(remainder_share, batch)
       case (3)
-         call rebound_flights_v3(negligible, flights)
+         call rebound_substeps_v3(remainder_share, batch)
 #endif
       case default
-         call rebound_flights(negligible, flights)
+         call rebound_substeps(remainder_share, batch)
       end select
-   end subroutine rebound
+   end subroutine rebound_batch
 
-   !> Integrate from the base over a part of the step; first impact and largest value.
-   pure subroutine depart(level, flights)
+   !> Integrate flights that start on the base over their substeps; first impact and largest v.
+   pure subroutine integrate_batch(level, batch)
       integer, intent(in) :: level
       !! from `best_level`
-      type(flights_t), intent(inout) :: flights
+      type(substep_batch_t), intent(inout) :: batch
 
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         call depart_flights_v4(flights)
-         call locate_events_v4(1, flights)
+         call integrate_substeps_v4(batch)
+         call locate_events_v4(1, batch)
       case (3)
-         call depart_flights_v3(flights)
-         call locate_events_v3(1, flights)
+         call integrate_substeps_v3(batch)
+         call locate_events_v3(1, batch)
 #endif
       case default
-         call depart_flights(flights)
-         call locate_events(1, flights)
+         call integrate_substeps(batch)
+         call locate_events(1, batch)
       end select
-   end subroutine depart
+   end subroutine integrate_batch
 
-   !> One step of bare frames.
+   !> One step of bare frames, as `step_frames`.
    pure subroutine advance_frames(level, n, h, f, weight, u, w, u_max, event)
       integer, intent(in) :: level
       !! from `best_level`
       integer, intent(in) :: n
-      !! lanes in use, a multiple of `width`
+      !! lanes in use, a multiple of `block_width`
       real(wp), intent(in) :: h
       !! [s]
       real(wp), intent(in) :: f(0:3)
-      !! as in `step_t` [m/s2]
-      real(wp), intent(in) :: weight(lanes, 12)
-      real(wp), intent(inout) :: u(lanes, 2)
+      !! as in `ground_step_t` [m/s2]
+      real(wp), intent(in) :: weight(frame_block_width, 12)
+      real(wp), intent(inout) :: u(frame_block_width, 2)
       !! [m]
-      real(wp), intent(inout) :: w(lanes, 2)
+      real(wp), intent(inout) :: w(frame_block_width, 2)
       !! [m/s]
-      real(wp), intent(inout) :: u_max(lanes)
+      real(wp), intent(inout) :: u_max(frame_block_width)
       !! [m]
-      real(wp), intent(out) :: event(lanes)
+      real(wp), intent(out) :: event(frame_block_width)
 
       select case (level)
 #ifdef FAST_LEVELS

@@ -1,9 +1,9 @@
-!> What the steps of `rwmf_spectrum_fast_step_kernel` are made of: functions of one lane.
+!> Stages of the steps of `rwmf_spectrum_fast_step_kernel`: functions of one lane.
 !>
-!> The compiler sees both modules at once and puts the functions in the place of their calls.
+!> Both modules are compiled as one unit, so that the functions are inlined into the loops.
 !> Compiled once for each instruction set, like that module (see
-!> `rwmf_spectrum_fast_simd_dispatch`): FAST_NODE is the name of the module. What all lanes have in
-!> common is literal at the calls:
+!> `rwmf_spectrum_fast_simd_dispatch`): FAST_NODE is the name of the module. Properties common to
+!> all lanes are literal at the calls:
 !>
 !>    is_plain   the ground acceleration is linear in the steps, without jumps between them
 !>    is_short   the polynomials have `short_degree`
@@ -13,64 +13,64 @@
 #define FAST_NODE rwmf_spectrum_fast_stage_kernel
 #endif
 module FAST_NODE
-   use rwmf_spectrum_fast_types, only: c_2, c_3, curves, degree, lane_ground_t, lane_rate_t, &
-      seats, team_t, tried_step_t, weights, wp
+   use rwmf_spectrum_fast_types, only: block_width, c_2, c_3, curves, degree, lane_block_t, &
+      lane_constants_t, lane_ground_t, trial_step_t, weights, wp
    implicit none
    private
 
-   public :: value_before, slope_before, mode, state, drive_at, remainder, enter_end, take_end, &
-      mark_of
+   public :: n_at_begin, n_slope_at_begin, forcing_mode, state_at_node, v_d2_at, remainder, &
+      store_end, accept_end, event_bit
 
 contains
 
    !> N at the beginning of a step [1/s2].
-   pure real(wp) function value_before(is_plain, i, team, trial) result(n)
+   pure real(wp) function n_at_begin(is_plain, i, lanes, trial) result(n)
       logical, value :: is_plain
       integer, value :: i
-      type(team_t), intent(in) :: team
-      type(tried_step_t), intent(in) :: trial
+      type(lane_block_t), intent(in) :: lanes
+      type(trial_step_t), intent(in) :: trial
 
-      n = team%now%n(i)
+      n = lanes%now%n(i)
       if (.not. is_plain) n = n - trial%n_jump(i)
-   end function value_before
+   end function n_at_begin
 
-   !> Its slope there, per step [1/s2].
-   pure real(wp) function slope_before(is_plain, i, team, trial) result(slope)
+   !> Slope of N at the beginning of a step, per step [1/s2].
+   pure real(wp) function n_slope_at_begin(is_plain, i, lanes, trial) result(slope)
       logical, value :: is_plain
       integer, value :: i
-      type(team_t), intent(in) :: team
-      type(tried_step_t), intent(in) :: trial
+      type(lane_block_t), intent(in) :: lanes
+      type(trial_step_t), intent(in) :: trial
 
-      slope = team%now%s(i) - team%now%drive(i)*team%rate%side(i)*trial%ground%kink(i)
-      if (.not. is_plain) slope = slope - trial%s_jump(i)
-      slope = team%rate%h(i)*slope
-   end function slope_before
+      slope = lanes%now%n_rate(i) - lanes%now%v_d2(i)*lanes%constants%side(i)*trial%ground%kink(i)
+      if (.not. is_plain) slope = slope - trial%n_rate_jump(i)
+      slope = lanes%constants%h(i)*slope
+   end function n_slope_at_begin
 
-   !> One of the higher modes of the forcing: a difference of N and one of the ground motion, which
-   !> is zero where that is linear [1/s2].
-   pure real(wp) function mode(is_plain, difference, pull, f)
+   !> Higher mode of the forcing: a divided difference of N and one of the ground motion, which is
+   !> zero where that is linear [1/s2].
+   pure real(wp) function forcing_mode(is_plain, difference, gain, f)
       logical, value :: is_plain
       real(wp), value :: difference
-      !! of N [1/s2]
-      real(wp), value :: pull
+      !! divided difference of N [1/s2]
+      real(wp), value :: gain
       !! -M2 sigma [1/m]
       real(wp), value :: f
-      !! [m/s2]
+      !! divided difference of the ground acceleration [m/s2]
 
-      mode = difference
-      if (.not. is_plain) mode = mode + pull*f
-   end function mode
+      forcing_mode = difference
+      if (.not. is_plain) forcing_mode = forcing_mode + gain*f
+   end function forcing_mode
 
-   !> v or v' at a node: what those at the beginning and the modes of the forcing make of it.
-   pure real(wp) function state(modes, a, i, k, m, v, w, g_0, g_1, g_2, g_3)
+   !> v [-] or v' [1/s] at a node, from the state at the beginning and the modes of the forcing.
+   pure real(wp) function state_at_node(modes, a, i, k, m, v, w, g_0, g_1, g_2, g_3)
       integer, value :: modes
-      !! how many of the four are not zero, two at least; literal at the calls
-      real(wp), intent(in) :: a(seats, weights)
+      !! number of modes that are not zero, at least two; literal at the calls
+      real(wp), intent(in) :: a(block_width, weights)
       integer, value :: i
       integer, value :: k
       !! number of the weight of v
       integer, value :: m
-      !! of that of g_0
+      !! number of the weight of g_0
       real(wp), value :: v
       real(wp), value :: w
       real(wp), value :: g_0
@@ -78,48 +78,51 @@ contains
       real(wp), value :: g_2
       real(wp), value :: g_3
 
-      state = a(i, m)*g_0 + a(i, m + 1)*g_1
-      if (modes == 3) state = state + a(i, m + 2)*g_2
-      if (modes == 4) state = state + (a(i, m + 2)*g_2 + a(i, m + 3)*g_3)
-      state = (a(i, k)*v + a(i, k + 1)*w) + state
-   end function state
+      state_at_node = a(i, m)*g_0 + a(i, m + 1)*g_1
+      if (modes == 3) state_at_node = state_at_node + a(i, m + 2)*g_2
+      if (modes == 4) state_at_node = state_at_node + (a(i, m + 2)*g_2 + a(i, m + 3)*g_3)
+      state_at_node = (a(i, k)*v + a(i, k + 1)*w) + state_at_node
+   end function state_at_node
 
    !> v D2 at v [1/m].
-   pure real(wp) function drive_at(is_short, rate, i, v)
+   pure real(wp) function v_d2_at(is_short, constants, i, v)
       logical, value :: is_short
-      type(lane_rate_t), intent(in) :: rate
+      type(lane_constants_t), intent(in) :: constants
       integer, value :: i
       real(wp), value :: v
 
-      drive_at = v*curve(is_short, rate%coef, i, 3, v)
-   end function drive_at
+      v_d2_at = v*curve(is_short, constants%coef, i, 3, v)
+   end function v_d2_at
 
    !> N at a state and a position in the step [1/s2].
-   pure real(wp) function remainder(is_plain, is_short, rate, ground, i, y, v, w, drive) result(n)
+   pure real(wp) function remainder(is_plain, is_short, constants, ground, i, y, v, w, v_d2) &
+      result(n)
       logical, value :: is_plain
       logical, value :: is_short
-      type(lane_rate_t), intent(in) :: rate
+      type(lane_constants_t), intent(in) :: constants
       type(lane_ground_t), intent(in) :: ground
       integer, value :: i
       real(wp), value :: y
       !! position [-]
       real(wp), value :: v
       real(wp), value :: w
-      real(wp), value :: drive
+      real(wp), value :: v_d2
       !! v D2 [1/m]
 
-      n = curve(is_short, rate%coef, i, 1, v)*w*w - v*(curve(is_short, rate%coef, i, 2, v) &
-         *(rate%damping(i)*w + rate%stiffness(i)*v) + curve(is_short, rate%coef, i, 4, v)) &
-         - drive*(rate%side(i)*force(is_plain, ground, i, y))
+      associate (c => constants%coef)
+         n = curve(is_short, c, i, 1, v)*w*w - v*(curve(is_short, c, i, 2, v) &
+            *(constants%damping(i)*w + constants%stiffness(i)*v) + curve(is_short, c, i, 4, v)) &
+            - v_d2*(constants%side(i)*ground_acceleration(is_plain, ground, i, y))
+      end associate
    end function remainder
 
-   !> One of the polynomials at v.
+   !> Polynomial k of a lane at v.
    pure real(wp) function curve(is_short, c, i, k, v)
       logical, value :: is_short
-      real(wp), intent(in) :: c(seats, 0:degree, curves)
+      real(wp), intent(in) :: c(block_width, 0:degree, curves)
       integer, value :: i
       integer, value :: k
-      !! which one
+      !! 1 to 4: Q, D1, D2, H
       real(wp), value :: v
       real(wp) :: v_2
 
@@ -133,7 +136,7 @@ contains
    end function curve
 
    !> Ground acceleration at the position y of a step [m/s2].
-   pure real(wp) function force(is_plain, ground, i, y)
+   pure real(wp) function ground_acceleration(is_plain, ground, i, y)
       logical, value :: is_plain
       type(lane_ground_t), intent(in) :: ground
       integer, value :: i
@@ -141,100 +144,101 @@ contains
 
       associate (f => ground%f)
          if (is_plain) then
-            force = f(i, 0) + y*f(i, 1)
+            ground_acceleration = f(i, 0) + y*f(i, 1)
          else
-            force = f(i, 0) + y*(f(i, 1) + (y - c_2)*(f(i, 2) + (y - c_3)*f(i, 3)))
+            ground_acceleration = f(i, 0) + y*(f(i, 1) + (y - c_2)*(f(i, 2) + (y - c_3)*f(i, 3)))
          end if
       end associate
-   end function force
+   end function ground_acceleration
 
-   !> The end of a step as it is tried.
-   pure subroutine enter_end(i, v, w, n, s, drive, doubt, trial)
+   !> Store the end of a tentative step.
+   pure subroutine store_end(i, v, w, n, n_rate, v_d2, w_correction, trial)
       integer, value :: i
       real(wp), value :: v
       real(wp), value :: w
       real(wp), value :: n
-      real(wp), value :: s
-      real(wp), value :: drive
-      real(wp), value :: doubt
-      type(tried_step_t), intent(inout) :: trial
+      real(wp), value :: n_rate
+      real(wp), value :: v_d2
+      real(wp), value :: w_correction
+      type(trial_step_t), intent(inout) :: trial
 
       trial%next%v(i) = v
       trial%next%w(i) = w
       trial%next%n(i) = n
-      trial%next%s(i) = s
-      trial%next%drive(i) = drive
-      trial%next%doubt(i) = abs(doubt)
-   end subroutine enter_end
+      trial%next%n_rate(i) = n_rate
+      trial%next%v_d2(i) = v_d2
+      trial%w_correction(i) = abs(w_correction)
+   end subroutine store_end
 
-   !> Take the step if the lane is ready and nothing happens.
-   pure subroutine take_end(is_plain, i, team, trial)
+   !> Accept the step if the lane is ready and has no event.
+   pure subroutine accept_end(is_plain, i, lanes, trial)
       logical, value :: is_plain
       integer, value :: i
-      type(team_t), intent(inout) :: team
-      type(tried_step_t), intent(inout) :: trial
-      real(wp) :: event, largest, higher, doubt, faded
-      logical :: taken
+      type(lane_block_t), intent(inout) :: lanes
+      type(trial_step_t), intent(inout) :: trial
+      real(wp) :: event, v_max, v_candidate, estimate, next_estimate
+      logical :: is_accepted
 
-      associate (now => team%now, next => trial%next)
-         largest = team%v_max(i)
-         doubt = now%doubt(i)
-         faded = team%rate%keep(i)*doubt
-         event = merge(team%ready(i), 0.0_wp, happens(i, team, trial))
-         taken = team%ready(i) > event
+      associate (now => lanes%now, next => trial%next)
+         v_max = lanes%v_max(i)
+         estimate = lanes%error_estimate(i)
+         next_estimate = lanes%constants%damping_factor(i)*estimate
+         event = merge(lanes%ready(i), 0.0_wp, may_have_event(i, lanes, trial))
+         is_accepted = lanes%ready(i) > event
          trial%event(i) = event
-         now%v(i) = merge(next%v(i), now%v(i), taken)
-         now%w(i) = merge(next%w(i), now%w(i), taken)
-         now%n(i) = merge(next%n(i), now%n(i), taken)
-         now%s(i) = merge(next%s(i), now%s(i), taken)
-         now%drive(i) = merge(next%drive(i), now%drive(i), taken)
+         now%v(i) = merge(next%v(i), now%v(i), is_accepted)
+         now%w(i) = merge(next%w(i), now%w(i), is_accepted)
+         now%n(i) = merge(next%n(i), now%n(i), is_accepted)
+         now%n_rate(i) = merge(next%n_rate(i), now%n_rate(i), is_accepted)
+         now%v_d2(i) = merge(next%v_d2(i), now%v_d2(i), is_accepted)
          if (is_plain) then
-            faded = faded + next%doubt(i)
+            next_estimate = next_estimate + trial%w_correction(i)
          else
-            ! A jump of the acceleration changes the slope of N in a way that the prediction
-            ! leaves out; the change of N then says nothing about what is wrong after it.
-            faded = faded + merge(0.0_wp, next%doubt(i), abs(trial%ground%jump(i)) > 0)
+            ! After a jump of the acceleration the correction measures the neglected change of the
+            ! predicted slope of N, not the error of the step.
+            next_estimate = next_estimate + merge(0.0_wp, trial%w_correction(i), &
+               abs(trial%ground%jump(i)) > 0)
          end if
-         doubt = merge(faded, doubt, taken)
-         now%doubt(i) = doubt
-         higher = merge(next%v(i), 0.0_wp, taken)
-         team%worst(i) = merge(doubt, team%worst(i), higher > largest)
-         team%v_max(i) = max(largest, higher)
+         estimate = merge(next_estimate, estimate, is_accepted)
+         lanes%error_estimate(i) = estimate
+         v_candidate = merge(next%v(i), 0.0_wp, is_accepted)
+         lanes%error_at_peak(i) = merge(estimate, lanes%error_at_peak(i), v_candidate > v_max)
+         lanes%v_max(i) = max(v_max, v_candidate)
       end associate
-      team%at(i) = team%at(i) + merge(1, 0, taken)
-   end subroutine take_end
+      lanes%step(i) = lanes%step(i) + merge(1, 0, is_accepted)
+   end subroutine accept_end
 
    !> Is an impact or a new maximum possible within the step?
-   pure logical function happens(i, team, trial)
+   pure logical function may_have_event(i, lanes, trial)
       integer, value :: i
-      type(team_t), intent(in) :: team
-      type(tried_step_t), intent(in) :: trial
+      type(lane_block_t), intent(in) :: lanes
+      type(trial_step_t), intent(in) :: trial
       real(wp), parameter :: margin = 0.25_wp
-      !! of h (|w_0| + |w|): a rate that is a parabola takes v at most 4/27 of it beyond its ends
-      real(wp) :: v_0, w_0, v, w, h, room, both, twice, peak, dip
+      !! share of h (|w_0| + |w|): with a parabolic rate v exceeds its ends by at most 4/27 of it
+      real(wp) :: v_0, w_0, v, w, h, reach, w_sum, two_turns, peak, dip
 
-      v_0 = team%now%v(i)
-      w_0 = team%now%w(i)
+      v_0 = lanes%now%v(i)
+      w_0 = lanes%now%w(i)
       v = trial%next%v(i)
       w = trial%next%w(i)
-      h = team%rate%h(i)
-      room = margin*h*(abs(w_0) + abs(w))
-      ! v' may change its sign twice: its mean is then less than a third of the sum of its ends.
-      both = w_0 + w
-      twice = min(w_0*w, both*(h*both - 3*(v - v_0)))
-      peak = max(min(w_0, -w), twice)
-      peak = min(peak, room + max(v_0, v) - team%v_max(i))
-      dip = max(min(-w_0, w), twice)
-      dip = min(dip, room - min(v_0, v))
-      happens = v <= 0 .or. max(peak, dip) > 0
-   end function happens
+      h = lanes%constants%h(i)
+      reach = margin*h*(abs(w_0) + abs(w))
+      ! If v' changes its sign twice, its mean is less than a third of the sum of its ends.
+      w_sum = w_0 + w
+      two_turns = min(w_0*w, w_sum*(h*w_sum - 3*(v - v_0)))
+      peak = max(min(w_0, -w), two_turns)
+      peak = min(peak, reach + max(v_0, v) - lanes%v_max(i))
+      dip = max(min(-w_0, w), two_turns)
+      dip = min(dip, reach - min(v_0, v))
+      may_have_event = v <= 0 .or. max(peak, dip) > 0
+   end function may_have_event
 
-   !> The bit of a lane in which something may happen.
-   pure integer function mark_of(i, trial) result(mark)
+   !> Bit of a lane in which an event is possible; 0 without one.
+   pure integer function event_bit(i, trial) result(bit)
       integer, value :: i
-      type(tried_step_t), intent(in) :: trial
+      type(trial_step_t), intent(in) :: trial
 
-      mark = merge(ishft(1, i - 1), 0, trial%event(i) > 0)
-   end function mark_of
+      bit = merge(ishft(1, i - 1), 0, trial%event(i) > 0)
+   end function event_bit
 
 end module FAST_NODE

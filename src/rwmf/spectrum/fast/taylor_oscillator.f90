@@ -1,19 +1,19 @@
-!> Taylor series of a linear oscillator under a cubic forcing: weights of a step, state inside it.
+!> Taylor series of a linear oscillator under a cubic forcing: weights of a step, state within it.
 !>
 !> In z'' = - d z' - k z + F(x) with a cubic F every derivative follows from the two before it. The
 !> series converges for every step and for any sign of k; with sqrt(k) h < 1 its terms fall below
 !> round-off before the last one that is kept.
 module rwmf_spectrum_fast_taylor_oscillator
-   use rwmf_spectrum_fast_types, only: c_2, c_3
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
+   use rwmf_spectrum_fast_types, only: c_2, c_3
    implicit none
    private
 
    public :: series_terms, series, state_at, newton_to_powers, step_weights, find_root
 
    integer, parameter :: series_terms = 15
-   !! highest power kept
+   !! highest power of the series
 
 contains
 
@@ -53,7 +53,8 @@ contains
 
    !> Polynomial and its derivative at x.
    !>
-   !> Even and odd powers apart: two short chains of operations keep the processor busier than one.
+   !> Even and odd powers are summed apart: two short chains of dependent operations take less time
+   !> than one.
    pure subroutine state_at(p, x, value, rate)
       real(wp), contiguous, intent(in) :: p(0:)
       real(wp), intent(in) :: x
@@ -102,6 +103,7 @@ contains
       real(wp), intent(in) :: middle
       !! the second node [-]
       real(wp) :: weight(12, 3)
+      !! (contributions, nodes), as in `lane_constants_t`
       real(wp) :: node(3)
       real(wp) :: p(0:series_terms, 6)
       real(wp) :: mode(0:3)
@@ -130,21 +132,21 @@ contains
    end function step_weights
 
    !> Root of a polynomial in a bracket: Newton's method from the parabola through both ends,
-   !> halving where it would leave.
+   !> with bisection where it would leave the bracket.
    pure subroutine find_root(p, low_start, high_start, x)
       real(wp), contiguous, intent(in) :: p(0:)
       real(wp), intent(in) :: low_start
       real(wp), intent(in) :: high_start
-      !! the polynomial has different signs at both
+      !! the polynomial has different signs at both ends
       real(wp), intent(out) :: x
-      integer, parameter :: most_iterations = 80
+      integer, parameter :: max_iterations = 80
       type(bracket_t) :: bracket
       real(wp) :: p_high, value, slope, next
       integer :: i
 
       bracket = bracket_between(low_start, high_start)
       call first_guess(p, low_start, high_start, p_high, x)
-      do i = 1, most_iterations
+      do i = 1, max_iterations
          call state_at(p, x, value, slope)
          if (abs(value) <= 0) return
          call narrow(bracket, (value > 0) .eqv. (p_high > 0), x)
@@ -152,13 +154,14 @@ contains
          if (abs(value) < abs(slope)*(high_start - low_start)) then
             next = keep_inside(bracket, x - value/slope, may_be_end=.true.)
          end if
-         ! Newton's method is quadratic: what is left after a small correction is round-off.
+         ! Newton's method is quadratic: the error after a small correction is round-off.
          if (abs(next - x) <= 1.0e-9_wp*abs(next)) exit
          x = next
       end do
       x = next
    end subroutine find_root
 
+   !> Start of the iteration: root of the parabola through both ends and the slope at the lower one.
    pure subroutine first_guess(p, low, high, p_high, x)
       real(wp), contiguous, intent(in) :: p(0:)
       real(wp), intent(in) :: low
@@ -172,7 +175,7 @@ contains
       call state_at(p, low, p_low, slope)
       slope = slope*(high - low)
       bend = p_high - p_low - slope
-      ! The root with the same sign as the secant's, without cancellation.
+      ! The root of the parabola next to that of the secant, without cancellation.
       bend = sqrt(max(0.0_wp, slope**2 - 4*bend*p_low))
       x = 2*p_low/(sign(bend, p_low) - slope)
       if (.not. (x > 0 .and. x < 1)) x = 0.5_wp

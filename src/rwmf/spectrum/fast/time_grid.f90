@@ -4,57 +4,56 @@
 !> is monotone within a step. In a step it is the cubic through its values on Lobatto's nodes, which
 !> is exact for a record.
 module rwmf_spectrum_fast_time_grid
-   use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_types, only: c_2, c_3, step_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_ground_motion, only: acceleration, fastest_rate, interval_at, interval_end, &
       line_of, line_t, motion_t, peak_acceleration, turning_point
+   use rwmf_problem_case, only: case_t
+   use rwmf_spectrum_fast_types, only: c_2, c_3, ground_step_t
    implicit none
    private
 
-   public :: fast_grid_t, build_grids, ground_at, ground_end, loud_steps, pulse_step
+   public :: time_grid_t, build_grids, ground_at, ground_end, uplift_steps, pulse_step
 
-   integer, parameter :: most_steps = 1000000
-   !! of a grid: 64 MB
+   integer, parameter :: max_grid_steps = 1000000
+   !! steps of a grid: 64 MB
    real(wp), parameter :: round_off = 1.0e-11_wp
-   !! of differences of accelerations over the largest one, with much to spare [-]
+   !! bound of the round-off of differences of accelerations, over the largest acceleration [-]
 
-   real(wp), parameter :: vanishing = 1.0e-9_wp
-   !! length of a step over the longest one that is left out: what happens in it is a jump [-]
+   real(wp), parameter :: negligible_step = 1.0e-9_wp
+   !! length of a step, over the longest one, below which it is left out and becomes a jump [-]
 
    !> Steps from 0 to the end of the simulation.
-   type :: fast_grid_t
-      type(step_t), pointer, contiguous :: step(:) => null()
+   type :: time_grid_t
+      type(ground_step_t), pointer, contiguous :: step(:) => null()
       !! (steps) in the array of all grids; null: there is no grid
       real(wp), allocatable :: t(:)
       !! (steps) beginnings [s]
       integer :: first = 1
       !! number of the first step in the array of all grids
-      real(wp) :: longest = 0
-      !! step [s]
-      integer :: quiet = 1
+      real(wp) :: longest_step = 0
+      !! [s]
+      integer :: motion_end_step = 1
       !! first step from which on the ground stands still
       logical :: is_straight = .true.
       !! the acceleration is linear in every step
       logical :: has_jumps = .false.
       !! the acceleration jumps later than at the beginning
-   end type fast_grid_t
+   end type time_grid_t
 
 contains
 
    !> Cut [0, t_end] into steps, once for every longest step that is asked for.
    !>
-   !> When that makes more steps than the case allows, or than memory should hold, there is no such
-   !> grid. The steps of all grids follow each other in one array, which is large: it is written
-   !> once and not copied.
+   !> A grid with more steps than the case or `max_grid_steps` allows is left out. The steps of all
+   !> grids follow each other in one array, which is large: it is written once and not copied.
    subroutine build_grids(case, motion, threads, h_max, ground, grid)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
       real(wp), intent(in) :: h_max(:)
       !! (grids) [s]; 0: not asked for
-      type(step_t), allocatable, target, intent(out) :: ground(:)
-      type(fast_grid_t), intent(out) :: grid(:)
+      type(ground_step_t), allocatable, target, intent(out) :: ground(:)
+      type(time_grid_t), intent(out) :: grid(:)
       !! (grids)
       integer :: number(size(h_max))
       integer :: i
@@ -62,11 +61,11 @@ contains
       number = 0
       do i = 1, size(h_max)
          if (.not. h_max(i) > 0) cycle
-         call walk(motion, case%solver%t_end, h_max(i), grid(i), number(i))
-         if (number(i) > min(most_steps, case%solver%max_steps)) number(i) = 0
+         call cut_steps(motion, case%solver%t_end, h_max(i), grid(i), number(i))
+         if (number(i) > min(max_grid_steps, case%solver%max_steps)) number(i) = 0
       end do
       allocate (ground(sum(number)))
-      ! those with the shortest steps are last, and take longest
+      ! From the last grid on: it has the shortest steps and takes longest.
       !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
       !$omp if (count(number > 0) > 1)
       do i = size(h_max), 1, -1
@@ -74,15 +73,15 @@ contains
          grid(i)%first = sum(number(:i - 1)) + 1
          grid(i)%step => ground(grid(i)%first:grid(i)%first + number(i) - 1)
          allocate (grid(i)%t(number(i)))
-         call walk(motion, case%solver%t_end, h_max(i), grid(i), number(i))
-         call find_kinks(round_off*peak_acceleration(motion), grid(i))
-         call count_alike(grid(i))
-         grid(i)%longest = maxval(grid(i)%step%h)
+         call cut_steps(motion, case%solver%t_end, h_max(i), grid(i), number(i))
+         call set_kinks(round_off*peak_acceleration(motion), grid(i))
+         call count_equal_steps(grid(i))
+         grid(i)%longest_step = maxval(grid(i)%step%h)
       end do
       !$omp end parallel do
    end subroutine build_grids
 
-   !> Longest step for which a cubic is as good as the pulse of a case [s].
+   !> Longest step in which a cubic represents the pulse of a case within its tolerance [s].
    pure real(wp) function pulse_step(case, motion) result(h)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -95,15 +94,15 @@ contains
       h = share*2*pi/fastest_rate(motion)
    end function pulse_step
 
-   !> Count the steps, and store them once there is room for them.
+   !> Count the steps of a grid, and store them if it is allocated.
    !>
-   !> A pulse may end at an extremum, which round-off puts before the end. There is no step between
+   !> Round-off may put an extremum at which a pulse ends before that end. There is no step between
    !> the two: over so short a time rates are round-off.
-   pure subroutine walk(motion, t_end, h_max, grid, number)
+   pure subroutine cut_steps(motion, t_end, h_max, grid, number)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t_end
       real(wp), intent(in) :: h_max
-      type(fast_grid_t), intent(inout) :: grid
+      type(time_grid_t), intent(inout) :: grid
       integer, intent(out) :: number
       real(wp) :: t
       real(wp) :: t_next
@@ -118,20 +117,21 @@ contains
       do while (t < t_end)
          t_next = min(turning_point(motion, interval, t), t_end)
          parts = max(1, ceiling((t_next - t)/h_max*(1 - 1.0e-9_wp)))
-         if (t_next - t < vanishing*h_max) parts = 0
+         if (t_next - t < negligible_step*h_max) parts = 0
          if (associated(grid%step)) then
             h = (t_next - t)/max(1, parts)
             do i = 1, parts
-               call store(motion, interval, t + (i - 1)*h, h, number + i, grid)
+               call store_step(motion, interval, t + (i - 1)*h, h, number + i, grid)
             end do
          end if
          number = number + parts
          t = t_next
          if (t >= interval_end(motion, interval)) interval = interval + 1
       end do
-   end subroutine walk
+   end subroutine cut_steps
 
-   pure subroutine store(motion, interval, t, h, number, grid)
+   !> Store one step, with the cubic of the acceleration in it.
+   pure subroutine store_step(motion, interval, t, h, number, grid)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
       real(wp), intent(in) :: t
@@ -139,7 +139,7 @@ contains
       real(wp), intent(in) :: h
       !! [s]
       integer, intent(in) :: number
-      type(fast_grid_t), intent(inout) :: grid
+      type(time_grid_t), intent(inout) :: grid
       type(line_t) :: line
       real(wp) :: f(0:3)
       real(wp) :: second
@@ -148,7 +148,7 @@ contains
       grid%t(number) = t
       associate (step => grid%step(number))
          step%h = h
-         ! Equal steps of a record differ by round-off, which would only cost new weights.
+         ! Equal steps of a record differ by round-off; each difference would cost new weights.
          if (number > 1) then
             if (abs(grid%step(number - 1)%h - h) < 1.0e-11_wp*h) step%h = grid%step(number - 1)%h
          end if
@@ -166,13 +166,13 @@ contains
             grid%is_straight = .false.
          end if
       end associate
-   end subroutine store
+   end subroutine store_step
 
-   !> Discontinuities of the acceleration and of its rate between the steps.
-   pure subroutine find_kinks(negligible, grid)
-      real(wp), intent(in) :: negligible
-      !! jumps of the acceleration that are none [m/s2]
-      type(fast_grid_t), intent(inout) :: grid
+   !> Set the discontinuities of the acceleration and of its rate between the steps.
+   pure subroutine set_kinks(negligible_jump, grid)
+      real(wp), intent(in) :: negligible_jump
+      !! jumps of the acceleration that are round-off [m/s2]
+      type(time_grid_t), intent(inout) :: grid
       real(wp) :: f
       real(wp) :: rate
       integer :: i
@@ -182,7 +182,7 @@ contains
       do i = 1, size(grid%step)
          associate (step => grid%step(i))
             step%jump = step%f(0) - f
-            if (abs(step%jump) <= negligible) step%jump = 0
+            if (abs(step%jump) <= negligible_jump) step%jump = 0
             if (i > 1 .and. abs(step%jump) > 0) grid%has_jumps = .true.
             step%kink = (step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3))/step%h - rate
             f = ground_end(step)
@@ -190,28 +190,28 @@ contains
                + ((1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2))*step%f(3))/step%h
          end associate
       end do
-   end subroutine find_kinks
+   end subroutine set_kinks
 
-   !> How many steps of the same length follow each other, and from which on nothing moves.
-   pure subroutine count_alike(grid)
-      type(fast_grid_t), intent(inout) :: grid
+   !> Count the steps of the same length that follow each other, and find the end of the motion.
+   pure subroutine count_equal_steps(grid)
+      type(time_grid_t), intent(inout) :: grid
       integer :: i
 
       do i = size(grid%step), 1, -1
-         grid%step(i)%alike = 1
+         grid%step(i)%equal_steps = 1
          if (i == size(grid%step)) cycle
          if (abs(grid%step(i + 1)%h - grid%step(i)%h) > 0) cycle
-         grid%step(i)%alike = grid%step(i + 1)%alike + 1
+         grid%step(i)%equal_steps = grid%step(i + 1)%equal_steps + 1
       end do
       do i = size(grid%step), 1, -1
          if (any(abs(grid%step(i)%f) > 0)) exit
       end do
-      grid%quiet = i + 1
-   end subroutine count_alike
+      grid%motion_end_step = i + 1
+   end subroutine count_equal_steps
 
    !> Ground acceleration at the position x of a step [m/s2].
    pure real(wp) function ground_at(step, x)
-      type(step_t), intent(in) :: step
+      type(ground_step_t), intent(in) :: step
       real(wp), intent(in) :: x
       !! from 0 to 1 [-]
 
@@ -220,17 +220,17 @@ contains
 
    !> Ground acceleration at the end of a step [m/s2].
    pure real(wp) function ground_end(step)
-      type(step_t), intent(in) :: step
+      type(ground_step_t), intent(in) :: step
 
       ground_end = ground_at(step, 1.0_wp)
    end function ground_end
 
-   !> For each step the next one, itself included, that can lift a resting wall; the number of steps
-   !> plus one for none.
-   pure function loud_steps(grid, threshold) result(next)
-      type(fast_grid_t), intent(in) :: grid
+   !> For each step the first one, from it on, that can lift a resting wall; the number of steps
+   !> plus one if there is none.
+   pure function uplift_steps(grid, threshold) result(next)
+      type(time_grid_t), intent(in) :: grid
       real(wp), intent(in) :: threshold
-      !! [m/s2]
+      !! ground acceleration that lifts the wall [m/s2]
       integer, allocatable :: next(:)
       !! (steps + 1)
       integer :: i
@@ -241,6 +241,6 @@ contains
          next(i) = next(i + 1)
          if (max(abs(grid%step(i)%f(0)), abs(ground_end(grid%step(i)))) > threshold) next(i) = i
       end do
-   end function loud_steps
+   end function uplift_steps
 
 end module rwmf_spectrum_fast_time_grid

@@ -1,0 +1,154 @@
+!> How a case is computed and what is kept: `&model`, `&solver`, `&output`.
+module rwmf_input_groups_analysis
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, integer_of, &
+      logical_of, real_of, text_of
+   use rwmf_problem_key, only: not_negative, optional_key, positive
+   use rwmf_problem_rules, only: fail_group, fail_key
+   implicit none
+   private
+
+   public :: model_group, solver_group, output_group
+
+   character(*), parameter :: all_methods = 'auto adams bdf erk54 dop853 extrapolation fast'
+   !! integrators; `rwmf_integrator_factory` says what 'auto' is
+
+contains
+
+   type(case_group_t) function model_group() result(group)
+      group%name = 'model'
+      group%is_of_scene = .false.
+      group%keys = [ &
+         optional_key('model', 'formulation', 'choice', '', 'published', &
+            'published symmetric exact', 'Eq. (15) as printed, or one that conserves energy'), &
+         optional_key('model', 'g', 'real', 'm/s2', '9.81', positive, 'gravity'), &
+         optional_key('model', 'overturning_angle', 'real', 'rad', 'pi/2', '(0, pi/2]', &
+            'rotation at which the wall counts as overturned')]
+      group%fill => fill_model
+   end function model_group
+
+   subroutine fill_model(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%model%formulation = text_of(case%values, 'model', 'formulation')
+      case%model%g = real_of(case%values, 'model', 'g')
+      case%model%overturning_angle = real_of(case%values, 'model', 'overturning_angle')
+   end subroutine fill_model
+
+   type(case_group_t) function solver_group() result(group)
+      group%name = 'solver'
+      group%is_of_scene = .false.
+      group%keys = [ &
+         optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
+            'integrator; auto: fast for the ordinates of a spectrum, adams for other runs'), &
+         optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '(0, 0.1]', 'relative tolerance'), &
+         optional_key('solver', 'accuracy', 'real', '-', '', '(0, 0.1]', &
+            'relative error of u_s_max (no frame: theta_max) asked instead of rtol'), &
+         optional_key('solver', 'verify', 'logical', '', '.false.', '', &
+            'estimate error and sensitivity by further runs'), &
+         optional_key('solver', 'atol', 'real', 'rad', '', positive, &
+            'absolute tolerance (bare frame: m); absent: from rtol and the response'), &
+         optional_key('solver', 't_end', 'real', 's', '', not_negative, &
+            'end of the simulation; required but for a record: its last sample'), &
+         optional_key('solver', 'max_steps', 'integer', '', '50000000', '>= 1', &
+            'most steps of one simulation')]
+      group%check => check_solver
+      group%fill => fill_solver
+   end function solver_group
+
+   !> The tolerance is given or chosen for an accuracy, not both; only a record says by itself when
+   !> the simulation ends.
+   subroutine check_solver(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(*), parameter :: problem = 'the key t_end is missing (end of the simulation): ' &
+         //'must be a number >= 0 [s]; only records without a pulse give it by default'
+
+      if (has_key(values, 'solver', 'rtol') .and. has_key(values, 'solver', 'accuracy')) then
+         call fail_key(values, 'solver', 'accuracy', 'must not be given beside rtol, which it ' &
+            //'replaces', error)
+      else if (has_key(values, 'solver', 't_end') .or. ends_with_record(values)) then
+         return
+      else if (has_group(values, 'solver')) then
+         call fail_group(values, 'solver', problem, error)
+      else
+         call fail(error, err_input, '&solver: '//problem)
+      end if
+   end subroutine check_solver
+
+   !> Is there a record to end with, and no pulse that may go on beyond it?
+   pure logical function ends_with_record(values)
+      type(group_values_t), intent(in) :: values
+      logical :: is_still
+
+      ends_with_record = .false.
+      is_still = .not. has_group(values, 'motion')
+      if (.not. is_still) then
+         ends_with_record = text_of(values, 'motion', 'kind') == 'record'
+         is_still = text_of(values, 'motion', 'kind') == 'none'
+      end if
+      if (is_still) ends_with_record = has_key(values, 'vertical', 'file')
+   end function ends_with_record
+
+   subroutine fill_solver(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%solver%method = text_of(case%values, 'solver', 'method')
+      case%solver%rtol = real_of(case%values, 'solver', 'rtol')
+      case%solver%max_steps = integer_of(case%values, 'solver', 'max_steps')
+      case%solver%verify = logical_of(case%values, 'solver', 'verify')
+      call get_real(case%values, 'solver', 'accuracy', case%solver%accuracy)
+      ! A multistep method cannot deliver every accuracy; a one-step method of order 8 can.
+      if (allocated(case%solver%accuracy) .and. .not. has_key(case%values, 'solver', 'method')) then
+         case%solver%method = 'dop853'
+      end if
+      call get_real(case%values, 'solver', 'atol', case%solver%atol)
+      call get_real(case%values, 'solver', 't_end', case%solver%t_end)
+   end subroutine fill_solver
+
+   type(case_group_t) function output_group() result(group)
+      group%name = 'output'
+      group%is_of_scene = .false.
+      group%keys = [ &
+         optional_key('output', 'dt', 'real', 's', '', positive, &
+            'interval of the history; absent: no history'), &
+         optional_key('output', 'energy', 'logical', '', '.false.', '', &
+            'energy ledger: its parts in the end, with dt in every row'), &
+         optional_key('output', 'reactions', 'logical', '', '.false.', '', &
+            'reactions of the base, friction demand, base shear, drifts: extrema, with dt rows'), &
+         optional_key('output', 'friction_limit', 'real', '-', '', positive, &
+            'coefficient of friction: whether and when the friction demand exceeds it')]
+      group%check => check_output
+      group%fill => fill_output
+   end function output_group
+
+   !> A limit of friction belongs to the reactions of a wall.
+   subroutine check_output(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. has_key(values, 'output', 'friction_limit')) return
+      if (.not. logical_of(values, 'output', 'reactions')) then
+         call fail_key(values, 'output', 'friction_limit', 'needs reactions = .true. in the same ' &
+            //'group', error)
+      else if (.not. has_group(values, 'wall')) then
+         call fail_key(values, 'output', 'friction_limit', 'must not be given without &wall ' &
+            //'(friction holds the wall)', error)
+      end if
+   end subroutine check_output
+
+   subroutine fill_output(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%output = output_t(energy=logical_of(case%values, 'output', 'energy'), &
+         reactions=logical_of(case%values, 'output', 'reactions'))
+      call get_real(case%values, 'output', 'friction_limit', case%output%friction_limit)
+      call get_real(case%values, 'output', 'dt', case%output%dt)
+   end subroutine fill_output
+
+end module rwmf_input_groups_analysis

@@ -1,0 +1,117 @@
+!> The loop over periods, mass ratios and widths, `&spectrum`.
+module rwmf_input_groups_spectrum
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
+      integer_of, real_of, text_of
+   use rwmf_problem_key, only: not_negative, optional_key, positive
+   use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: spectrum_group
+
+contains
+
+   type(case_group_t) function spectrum_group() result(group)
+      group%name = 'spectrum'
+      group%is_of_scene = .false.
+      group%needs(1) = 'frame'
+      group%reasons(1) = 'its periods are those of the frame'
+      group%keys = [ &
+         optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
+            'periods one by one; otherwise T_s_min, T_s_max and n are required'), &
+         optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &
+         optional_key('spectrum', 'T_s_max', 'real', 's', '', positive, 'longest period'), &
+         optional_key('spectrum', 'n', 'integer', '', '', '[1, 1000000]', &
+            'number of periods, both ends included'), &
+         optional_key('spectrum', 'spacing', 'choice', '', 'linear', 'linear log', &
+            'spacing of the periods'), &
+         optional_key('spectrum', 'gamma', 'real list', '-', '', not_negative, &
+            'mass ratios; absent: that of &frame'), &
+         optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
+            'half widths; absent: that of &wall')]
+      group%check => check_spectrum
+      group%fill => fill_spectrum
+   end function spectrum_group
+
+   !> Periods as a list or a grid; lists of gamma and b only with a wall.
+   subroutine check_spectrum(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(5), parameter :: lists(2) = ['gamma', 'b    ']
+      integer :: i
+
+      if (.not. has_group(values, 'spectrum')) return
+      call check_grid_keys(values, error)
+      if (.not. (allocated(error) .or. has_key(values, 'spectrum', 'T_s'))) then
+         call check_grid(values, error)
+      end if
+      do i = 1, size(lists)
+         if (allocated(error) .or. has_group(values, 'wall')) return
+         if (.not. has_key(values, 'spectrum', trim(lists(i)))) cycle
+         call fail_key(values, 'spectrum', trim(lists(i)), 'must not be given without &wall (the ' &
+            //'bare frame does not depend on it)', error)
+      end do
+   end subroutine check_spectrum
+
+   !> The grid needs all of its keys, and a list of periods none.
+   subroutine check_grid_keys(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(7), parameter :: grid(4) = ['T_s_min', 'T_s_max', 'n      ', 'spacing']
+      integer, parameter :: needed = 3
+      logical :: has_list
+      integer :: i
+
+      has_list = has_key(values, 'spectrum', 'T_s')
+      do i = 1, size(grid)
+         if (has_list .and. has_key(values, 'spectrum', trim(grid(i)))) then
+            call fail_key(values, 'spectrum', trim(grid(i)), 'must not be given beside the ' &
+               //'list T_s', error)
+         else if (.not. has_list .and. .not. has_key(values, 'spectrum', trim(grid(i))) &
+                  .and. i <= needed) then
+            call fail_group(values, 'spectrum', 'the key '//trim(grid(i))//' is missing: must be ' &
+               //'given without the list T_s', error)
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine check_grid_keys
+
+   !> Ends in order, and as many periods as ends at least.
+   subroutine check_grid(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: shortest
+      real(wp) :: longest
+
+      shortest = real_of(values, 'spectrum', 'T_s_min')
+      longest = real_of(values, 'spectrum', 'T_s_max')
+      if (longest < shortest) then
+         call fail_key(values, 'spectrum', 'T_s_max', 'must be >= T_s_min = ' &
+            //trim(real_to_text(shortest))//' [s]', error)
+      else if (integer_of(values, 'spectrum', 'n') == 1 .and. longest > shortest) then
+         call fail_key(values, 'spectrum', 'n', 'must be >= 2 when T_s_min and T_s_max differ', &
+            error)
+      end if
+   end subroutine check_grid
+
+   subroutine fill_spectrum(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (case%spectrum)
+      call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)
+      call get_list(case%values, 'spectrum', 'b', case%spectrum%b)
+      call get_list(case%values, 'spectrum', 'T_s', case%spectrum%T_s)
+      if (allocated(case%spectrum%T_s)) return
+      call get_real(case%values, 'spectrum', 'T_s_min', case%spectrum%T_s_min)
+      call get_real(case%values, 'spectrum', 'T_s_max', case%spectrum%T_s_max)
+      case%spectrum%n = integer_of(case%values, 'spectrum', 'n')
+      case%spectrum%spacing = text_of(case%values, 'spectrum', 'spacing')
+   end subroutine fill_spectrum
+
+end module rwmf_input_groups_spectrum

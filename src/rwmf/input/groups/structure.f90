@@ -1,0 +1,238 @@
+!> The basic groups of the structure: `&wall`, `&frame`, `&cable`, `&impact`, `&initial`.
+module rwmf_input_groups_structure
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: cable_t, case_t, frame_t, initial_t, wall_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
+      real_of, text_of
+   use rwmf_problem_key, only: any_real, not_negative, optional_key, positive, required
+   use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: wall_group, frame_group, cable_group, impact_group, initial_group
+
+contains
+
+   type(case_group_t) function wall_group() result(group)
+      group%name = 'wall'
+      group%keys = [ &
+         required('wall', 'h', 'real', 'm', positive, 'half height of the wall'), &
+         required('wall', 'b', 'real', 'm', positive, 'half width of the wall'), &
+         optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
+            'mass of the wall; given: forces are reported in N as well')]
+      group%fill => fill_wall
+      group%is_present => has_wall
+   end function wall_group
+
+   subroutine fill_wall(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%wall = wall_t(real_of(case%values, 'wall', 'h'), real_of(case%values, 'wall', 'b'))
+      call get_real(case%values, 'wall', 'm_w', case%wall%m_w)
+   end subroutine fill_wall
+
+   pure logical function has_wall(case)
+      type(case_t), intent(in) :: case
+
+      has_wall = allocated(case%wall)
+   end function has_wall
+
+   type(case_group_t) function frame_group() result(group)
+      group%name = 'frame'
+      group%keys = [ &
+         optional_key('frame', 'T_s', 'real', 's', '', positive, &
+            'undamped period; required without &spectrum'), &
+         optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
+            'mass ratio m_s/m_w; required with &wall, refused without'), &
+         required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio')]
+      group%check => check_frame
+      group%fill => fill_frame
+      group%is_present => has_frame
+   end function frame_group
+
+   !> Mass ratio and period of the frame, unless storeys set them.
+   subroutine check_frame(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_group(values, 'storeys')) return
+      if (has_group(values, 'wall') .and. .not. has_key(values, 'frame', 'gamma')) then
+         call fail_group(values, 'frame', 'the key gamma is missing (mass ratio m_s/m_w): must ' &
+            //'be given with &wall, a number >= 0 [-]', error)
+      else if (has_key(values, 'frame', 'gamma') .and. .not. has_group(values, 'wall')) then
+         call fail_key(values, 'frame', 'gamma', 'must not be given without &wall (the bare ' &
+            //'frame has no mass ratio)', error)
+      else if (.not. has_key(values, 'frame', 'T_s') .and. .not. has_group(values, 'spectrum')) then
+         call fail_group(values, 'frame', 'the key T_s is missing (undamped period): must be ' &
+            //'given without &spectrum, a number > 0 [s]', error)
+      end if
+   end subroutine check_frame
+
+   subroutine fill_frame(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%frame = frame_t(xi_s=real_of(case%values, 'frame', 'xi_s'))
+      call get_real(case%values, 'frame', 'T_s', case%frame%T_s)
+      call get_real(case%values, 'frame', 'gamma', case%frame%gamma)
+   end subroutine fill_frame
+
+   pure logical function has_frame(case)
+      type(case_t), intent(in) :: case
+
+      has_frame = allocated(case%frame)
+   end function has_frame
+
+   type(case_group_t) function cable_group() result(group)
+      group%name = 'cable'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'a cable holds a wall'
+      group%keys = [ &
+         required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
+         optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
+            'P(alpha)/(m_w g)'), &
+         optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
+            'Eq. (1), or the exact length of the straight cable')]
+      group%check => check_cable
+      group%fill => fill_cable
+      group%is_present => has_cable
+   end function cable_group
+
+   !> Cable law and formulation.
+   subroutine check_cable(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (text_of(values, 'cable', 'law') == 'truss' &
+          .and. text_of(values, 'model', 'formulation') == 'published') then
+         call fail_key(values, 'cable', 'law', "must be 'linear' with &model formulation = " &
+            //"'published' (its default); 'truss' needs 'symmetric' or 'exact'", error)
+      end if
+   end subroutine check_cable
+
+   subroutine fill_cable(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%cable = cable_t(real_of(case%values, 'cable', 'eta_0'), &
+         real_of(case%values, 'cable', 'eta_alpha'))
+      case%cable%law = text_of(case%values, 'cable', 'law')
+   end subroutine fill_cable
+
+   pure logical function has_cable(case)
+      type(case_t), intent(in) :: case
+
+      has_cable = allocated(case%cable)
+   end function has_cable
+
+   type(case_group_t) function impact_group() result(group)
+      group%name = 'impact'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'only a wall has impacts'
+      group%keys = [ &
+         optional_key('impact', 'rule', 'choice', '', 'constant', &
+            'constant housner coupled table', &
+            'constant: exactly one of e and r; table: e by speed; the others set e themselves'), &
+         optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
+            'factor on the angular velocity at impact'), &
+         optional_key('impact', 'r', 'real', '-', '', '[0, 1]', 'e squared')]
+      group%check => check_impact
+      group%fill => fill_impact
+      group%is_present => has_impact
+   end function impact_group
+
+   !> Exactly one of e and r for rule 'constant', none for the others.
+   subroutine check_impact(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(1), parameter :: keys(2) = ['e', 'r']
+      character(8) :: rule
+      integer :: i
+
+      rule = text_of(values, 'impact', 'rule')
+      if (rule == 'constant') then
+         call check_one_of(values, 'impact', 'e', 'r', "with rule = 'constant'", error)
+         return
+      end if
+      do i = 1, size(keys)
+         if (.not. has_key(values, 'impact', keys(i))) cycle
+         call fail_key(values, 'impact', keys(i), "must not be given with rule = '"//trim(rule) &
+            //"', which sets it", error)
+         return
+      end do
+   end subroutine check_impact
+
+   !> The equations use e, the case may give r.
+   subroutine fill_impact(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (case%impact)
+      case%impact%rule = text_of(case%values, 'impact', 'rule')
+      case%impact%given_as_r = has_key(case%values, 'impact', 'r')
+      if (case%impact%given_as_r) then
+         case%impact%e = sqrt(real_of(case%values, 'impact', 'r'))
+      else
+         call get_real(case%values, 'impact', 'e', case%impact%e)
+      end if
+   end subroutine fill_impact
+
+   pure logical function has_impact(case)
+      type(case_t), intent(in) :: case
+
+      has_impact = allocated(case%impact)
+   end function has_impact
+
+   type(case_group_t) function initial_group() result(group)
+      group%name = 'initial'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'theta is the rotation of the wall'
+      group%keys = [ &
+         optional_key('initial', 'theta_over_alpha', 'real', '-', '0.0', any_real, &
+            'rotation over slenderness; within the overturning angle'), &
+         optional_key('initial', 'theta_dot', 'real', 'rad/s', '0.0', any_real, &
+            'angular velocity')]
+      group%check => check_initial
+      group%fill => fill_initial
+      group%is_present => has_initial
+   end function initial_group
+
+   !> The start must not be overturned already, for any width of the spectrum.
+   subroutine check_initial(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: b(:)
+      real(wp) :: limit
+      real(wp) :: theta
+
+      if (.not. has_key(values, 'initial', 'theta_over_alpha')) return
+      call get_list(values, 'spectrum', 'b', b)
+      if (.not. allocated(b)) b = [real_of(values, 'wall', 'b')]
+      theta = abs(real_of(values, 'initial', 'theta_over_alpha')) &
+         *atan2(maxval(b), real_of(values, 'wall', 'h'))
+      limit = real_of(values, 'model', 'overturning_angle')
+      if (theta < limit) return
+      call fail_key(values, 'initial', 'theta_over_alpha', '|theta| = ' &
+         //trim(real_to_text(theta))//' rad must be < overturning_angle = ' &
+         //trim(real_to_text(limit))//' rad', error)
+   end subroutine check_initial
+
+   subroutine fill_initial(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%initial = initial_t(real_of(case%values, 'initial', 'theta_over_alpha'), &
+         real_of(case%values, 'initial', 'theta_dot'))
+   end subroutine fill_initial
+
+   pure logical function has_initial(case)
+      type(case_t), intent(in) :: case
+
+      has_initial = allocated(case%initial)
+   end function has_initial
+
+end module rwmf_input_groups_structure

@@ -1,0 +1,74 @@
+!> Hysteretic fuses under the corners of the base, `&fuse`.
+module rwmf_model_effects_fuse
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_problem_case, only: case_t, fuse_t
+   use rwmf_problem_case_group, only: case_group_t, event_name_length
+   use rwmf_problem_group_values, only: group_values_t, real_of
+   use rwmf_problem_key, only: below_one, optional_key, positive, required
+   use rwmf_problem_rules, only: check_period, fail_key
+   implicit none
+   private
+
+   public :: fuse_group
+
+contains
+
+   type(case_group_t) function fuse_group() result(group)
+      group%name = 'fuse'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'fuses work under its corners'
+      group%keys = [ &
+         required('fuse', 'eta_y', 'real', '-', positive, &
+            'yield force of the fuse under each corner of the base over m_w g'), &
+         required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
+         optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding fuse over its elastic one')]
+      group%check => check_fuse
+      group%fill => fill_fuse
+      group%is_present => has_fuse
+      group%add_events => add_branch_event
+      group%refuse_element => refuse_element
+   end function fuse_group
+
+   !> The stiffness of a fuse must leave the wall a period that can be followed.
+   subroutine check_fuse(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: problem
+
+      call check_period(sqrt(real_of(values, 'fuse', 'stroke_y')), &
+         sqrt(real_of(values, 'fuse', 'eta_y'))*sqrt(real_of(values, 'model', 'g')), problem)
+      if (allocated(problem)) call fail_key(values, 'fuse', 'stroke_y', &
+         problem//', eta_y m_w g/stroke_y', error)
+   end subroutine check_fuse
+
+   subroutine fill_fuse(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%fuse = fuse_t(real_of(case%values, 'fuse', 'eta_y'), real_of(case%values, 'fuse', 'stroke_y'), &
+         real_of(case%values, 'fuse', 'hardening'))
+   end subroutine fill_fuse
+
+   pure logical function has_fuse(case)
+      type(case_t), intent(in) :: case
+
+      has_fuse = allocated(case%fuse)
+   end function has_fuse
+
+   pure subroutine add_branch_event(case, names)
+      type(case_t), intent(in) :: case
+      character(*), allocatable, intent(inout) :: names(:)
+
+      names = [character(event_name_length) :: names, 'branch']
+   end subroutine add_branch_event
+
+   subroutine refuse_element(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, 'an element has no &fuse: what yields has to be remembered, and ' &
+         //'an element holds no state; a wall that steps with the host (create_stepping) does')
+   end subroutine refuse_element
+
+end module rwmf_model_effects_fuse

@@ -1,0 +1,64 @@
+!> Link of finite length between wall and frame, `&link`, Eqs (2), (3).
+module rwmf_model_effects_link
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t, link_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: group_values_t, real_of, text_of
+   use rwmf_problem_key, only: positive, required
+   use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: link_group
+
+contains
+
+   type(case_group_t) function link_group() result(group)
+      group%name = 'link'
+      group%needs = [character(12) :: 'wall', 'frame']
+      group%reasons = 'a link joins wall and frame'
+      group%keys = [required('link', 'L', 'real', 'm', positive, &
+         'length of the link, Eqs (2), (3); absent: infinitely long')]
+      group%check => check_link
+      group%fill => fill_link
+      group%is_present => has_link
+   end function link_group
+
+   !> The link must stay shorter than vertical: longer than the corner ever rises or sinks.
+   subroutine check_link(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: h
+      real(wp) :: limit
+      real(wp) :: travel
+
+      if (text_of(values, 'model', 'formulation') == 'published') then
+         call fail_group(values, 'link', "must not be given with &model formulation = " &
+            //"'published' (its default), where the link is infinitely long; 'symmetric' and " &
+            //"'exact' allow it", error)
+         return
+      end if
+      h = real_of(values, 'wall', 'h')
+      limit = real_of(values, 'model', 'overturning_angle')
+      travel = max(2*h*(1 - cos(limit)), 2*(hypot(h, real_of(values, 'wall', 'b')) - h))
+      if (real_of(values, 'link', 'L') > travel) return
+      call fail_key(values, 'link', 'L', 'must be > '//trim(real_to_text(travel)) &
+         //' m, the travel of the corner up to the overturning angle', error)
+   end subroutine check_link
+
+   subroutine fill_link(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%link = link_t(real_of(case%values, 'link', 'L'))
+   end subroutine fill_link
+
+   pure logical function has_link(case)
+      type(case_t), intent(in) :: case
+
+      has_link = allocated(case%link)
+   end function has_link
+
+end module rwmf_model_effects_link

@@ -1,0 +1,156 @@
+!> Cable that yields or breaks, `&cable eta_y, hardening, rupture_strain`.
+module rwmf_model_effects_tendon
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t, event_name_length
+   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_key, real_of, &
+      text_of
+   use rwmf_problem_key, only: below_one, optional_key, positive
+   use rwmf_problem_rules, only: check_period, fail_key
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: tendon_group
+
+contains
+
+   type(case_group_t) function tendon_group() result(group)
+      group%name = 'cable'
+      group%after = 'cable'
+      group%keys = [ &
+         optional_key('cable', 'eta_y', 'real', '-', '', positive, &
+            'P/(m_w g) at which the tendon yields; absent: it stays elastic'), &
+         optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding tendon over its elastic one'), &
+         optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
+            'strain at which it breaks, that of the prestress included; absent: never')]
+      group%check => check_tendon
+      group%fill => fill_tendon
+      group%is_present => has_tendon
+      group%add_events => add_tendon_events
+      group%refuse_element => refuse_element
+   end function tendon_group
+
+   !> Elongations need a stiffness, and the cable must not begin beyond its limits.
+   subroutine check_tendon(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(14) :: key
+      real(wp) :: eta_0
+
+      key = 'eta_y'
+      if (.not. has_key(values, 'cable', 'eta_y')) key = 'rupture_strain'
+      if (.not. has_key(values, 'cable', trim(key))) then
+         if (has_key(values, 'cable', 'hardening')) call fail_key(values, 'cable', 'hardening', &
+            'must not be given without eta_y', error)
+         return
+      end if
+      eta_0 = real_of(values, 'cable', 'eta_0')
+      if (text_of(values, 'model', 'formulation') == 'published') then
+         call fail_key(values, 'cable', trim(key), "must not be given with &model formulation = " &
+            //"'published' (its default), where the force falls with rocking to one side; " &
+            //"'symmetric' and 'exact' allow it", error)
+      else if (real_of(values, 'cable', 'eta_alpha') <= eta_0) then
+         call fail_key(values, 'cable', trim(key), 'needs eta_alpha > eta_0 = ' &
+            //trim(real_to_text(eta_0))//', which says how stiff the cable is', error)
+      else if (has_key(values, 'cable', 'hardening') .and. key /= 'eta_y') then
+         call fail_key(values, 'cable', 'hardening', 'must not be given without eta_y', error)
+      else if (has_key(values, 'cable', 'eta_y')) then
+         if (real_of(values, 'cable', 'eta_y') <= eta_0) then
+            call fail_key(values, 'cable', 'eta_y', 'must be > eta_0 = ' &
+               //trim(real_to_text(eta_0)), error)
+         end if
+      end if
+      if (.not. allocated(error)) call check_widths(values, eta_0, error)
+   end subroutine check_tendon
+
+   !> For any width of the spectrum: the stiffness of the tendon must leave the wall a period that
+   !> can be followed, and the prestress alone must not break it.
+   subroutine check_widths(values, eta_0, error)
+      type(group_values_t), intent(in) :: values
+      real(wp), intent(in) :: eta_0
+      !! [-]
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: problem
+      real(wp), allocatable :: b(:)
+      real(wp), allocatable :: elongation(:)
+      !! (widths) up to theta = alpha [m]
+      real(wp) :: h
+      real(wp) :: rise
+      !! of the force over m_w g up to theta = alpha [-]
+      real(wp) :: strain
+      integer :: i
+
+      h = real_of(values, 'wall', 'h')
+      rise = real_of(values, 'cable', 'eta_alpha') - eta_0
+      call get_list(values, 'spectrum', 'b', b)
+      if (.not. allocated(b)) b = [real_of(values, 'wall', 'b')]
+      elongation = [(elongation_at_alpha(text_of(values, 'cable', 'law'), h, b(i)), i=1, size(b))]
+      call check_period(sqrt(minval(elongation)), sqrt(rise)*sqrt(real_of(values, 'model', 'g')), &
+         problem)
+      if (allocated(problem)) then
+         call fail_key(values, 'cable', 'eta_alpha', problem, error)
+      else if (has_key(values, 'cable', 'rupture_strain')) then
+         strain = max(0.0_wp, maxval(eta_0/(2*h)*elongation/rise))
+         if (real_of(values, 'cable', 'rupture_strain') <= strain) call fail_key(values, 'cable', &
+            'rupture_strain', 'must be > '//trim(real_to_text(strain)) &
+            //', the strain of the prestress', error)
+      end if
+   end subroutine check_widths
+
+   !> Elongation of the cable at theta = alpha: b alpha for Eq. (1), else that of a straight cable
+   !> [m].
+   pure real(wp) function elongation_at_alpha(law, h, b) result(elongation)
+      character(*), intent(in) :: law
+      real(wp), intent(in) :: h
+      !! half height [m]
+      real(wp), intent(in) :: b
+      !! half width [m]
+      real(wp) :: alpha
+
+      alpha = atan2(b, h)
+      elongation = b*alpha
+      if (law == 'truss') then
+         elongation = sqrt(4*h**2 + 2*b**2*(1 - cos(alpha)) + 4*h*b*sin(alpha)) - 2*h
+      end if
+   end function elongation_at_alpha
+
+   subroutine fill_tendon(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      case%cable%hardening = real_of(case%values, 'cable', 'hardening')
+      call get_real(case%values, 'cable', 'eta_y', case%cable%eta_y)
+      call get_real(case%values, 'cable', 'rupture_strain', case%cable%rupture_strain)
+   end subroutine fill_tendon
+
+   pure logical function has_tendon(case)
+      type(case_t), intent(in) :: case
+
+      has_tendon = .false.
+      if (allocated(case%cable)) has_tendon = allocated(case%cable%eta_y) &
+         .or. allocated(case%cable%rupture_strain)
+   end function has_tendon
+
+   pure subroutine add_tendon_events(case, names)
+      type(case_t), intent(in) :: case
+      character(*), allocatable, intent(inout) :: names(:)
+
+      if (allocated(case%cable%eta_y)) names = [character(event_name_length) :: names, 'branch']
+      if (allocated(case%cable%rupture_strain)) then
+         names = [character(event_name_length) :: names, 'rupture']
+      end if
+   end subroutine add_tendon_events
+
+   subroutine refuse_element(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, 'an element has no &cable eta_y or rupture_strain: what yields ' &
+         //'has to be remembered, and an element holds no state; a wall that steps with the ' &
+         //'host (create_stepping) does')
+   end subroutine refuse_element
+
+end module rwmf_model_effects_tendon

@@ -1,0 +1,258 @@
+!> Inelastic frame, `&yielding`: its strength as one spring or storey by storey, and its law.
+module rwmf_model_effects_yielding
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case_group, only: case_group_t, event_name_length, state_name_length
+   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
+      real_of, text_of
+   use rwmf_problem_key, only: below_one, optional_key, positive
+   use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
+   use rwmf_text_strings, only: integer_to_text, real_to_text
+   implicit none
+   private
+
+   public :: yielding_group
+
+contains
+
+   type(case_group_t) function yielding_group() result(group)
+      group%name = 'yielding'
+      group%needs(1) = 'frame'
+      group%reasons(1) = 'the frame is what yields'
+      group%keys = [ &
+         optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
+            'displacement at which the frame yields first, the same for all periods of a ' &
+            //'spectrum'), &
+         optional_key('yielding', 'f_y_over_m_s_g', 'real', '-', '', positive, &
+            'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2'), &
+         optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
+            'or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for ' &
+            //'all or one each'), &
+         optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
+            'stiffness of the yielding frame over its elastic one'), &
+         optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', &
+            'elastic_plastic bouc_wen', &
+            'bilinear with kinematic hardening, or a smooth hysteresis'), &
+         optional_key('yielding', 'exponent', 'real', '-', '2.0', '[1, 1000]', &
+            'sharpness n of the knee; bouc_wen only'), &
+         optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
+            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only')]
+      group%check => check_yielding
+      group%fill => fill_yielding
+      group%is_present => has_yielding
+      group%add_states => add_hysteretic_states
+      group%add_events => add_branch_event
+      group%refuse_element => refuse_element
+   end function yielding_group
+
+   subroutine check_yielding(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_law(values, error)
+      if (.not. allocated(error)) call check_mass(values, error)
+      if (allocated(error)) return
+      if (yields_by_storey(values)) then
+         call check_storey_strengths(values, error)
+      else
+         call check_one_of(values, 'yielding', 'u_y', 'f_y_over_m_s_g', 'as the strength', error)
+      end if
+      if (.not. allocated(error)) call check_rotation(values, error)
+   end subroutine check_yielding
+
+   !> Keys of the smooth law only with it. Smooth storeys one by one do not know which way they go
+   !> from a start away from zero.
+   subroutine check_law(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(8), parameter :: keys(2) = ['exponent', 'beta    ']
+      integer :: i
+
+      if (text_of(values, 'yielding', 'law') == 'bouc_wen') then
+         if (coupling(values) /= 'full') return
+         if (abs(real_of(values, 'initial', 'theta_over_alpha')) <= 0) return
+         call fail_key(values, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
+            //"'bouc_wen' and &storeys coupling = 'full', whose hysteresis begins at zero", error)
+         return
+      end if
+      do i = 1, size(keys)
+         if (.not. has_key(values, 'yielding', trim(keys(i)))) cycle
+         call fail_key(values, 'yielding', trim(keys(i)), "belongs to law = 'bouc_wen'", error)
+         return
+      end do
+   end subroutine check_law
+
+   !> How the storeys are linked; '' without storeys.
+   pure function coupling(values)
+      type(group_values_t), intent(in) :: values
+      character(11) :: coupling
+
+      coupling = ''
+      if (has_group(values, 'storeys')) coupling = text_of(values, 'storeys', 'coupling')
+   end function coupling
+
+   !> The springs of the frame are those of its period and mass: without mass nothing yields.
+   subroutine check_mass(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(8), parameter :: places(2) = [character(8) :: 'frame', 'spectrum']
+      real(wp), allocatable :: gamma(:)
+      integer :: i
+
+      do i = 1, size(places)
+         call get_list(values, trim(places(i)), 'gamma', gamma)
+         if (.not. allocated(gamma)) cycle
+         if (all(gamma > 0)) cycle
+         call fail_key(values, trim(places(i)), 'gamma', 'must be > 0 with &yielding (a frame ' &
+            //'without mass has no stiffness, and nothing yields)', error)
+         return
+      end do
+   end subroutine check_mass
+
+   !> Is the strength that of single storeys, as given or because no other can be meant?
+   pure logical function yields_by_storey(values)
+      type(group_values_t), intent(in) :: values
+
+      yields_by_storey = has_key(values, 'yielding', 'storey_u_y') .or. coupling(values) == 'full'
+   end function yields_by_storey
+
+   !> Storeys that yield one by one: which frames have them, and how many there are.
+   subroutine check_storey_strengths(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(14), parameter :: keys(2) = [character(14) :: 'u_y', 'f_y_over_m_s_g']
+      real(wp), allocatable :: m(:)
+      real(wp), allocatable :: u_y(:)
+      integer :: i
+
+      if (coupling(values) /= 'full' .and. coupling(values) /= 'every_floor') then
+         call fail_key(values, 'yielding', 'storey_u_y', "must not be given without &storeys " &
+            //"coupling = 'full' or 'every_floor': other frames yield as one spring, u_y", error)
+         return
+      end if
+      do i = 1, size(keys)
+         if (.not. has_key(values, 'yielding', trim(keys(i)))) cycle
+         call fail_key(values, 'yielding', trim(keys(i)), "must not be given where the storeys " &
+            //"yield one by one (&storeys coupling = 'full', or storey_u_y): storey_u_y says " &
+            //'when', error)
+         return
+      end do
+      call get_list(values, 'storeys', 'm_over_m_w', m)
+      call get_list(values, 'yielding', 'storey_u_y', u_y)
+      if (.not. allocated(u_y)) then
+         call fail_group(values, 'yielding', "the key storey_u_y is missing (u_i - u_(i-1) at " &
+            //"first yield): must be given with &storeys coupling = 'full', numbers > 0 [m]", error)
+      else if (size(u_y) /= 1 .and. size(u_y) /= size(m)) then
+         call fail_key(values, 'yielding', 'storey_u_y', 'has ' &
+            //trim(integer_to_text(size(u_y)))//' values, must have one for all storeys or one ' &
+            //'for each of the '//trim(integer_to_text(size(m)))//' of m_over_m_w', error)
+      else if (text_of(values, 'yielding', 'law') == 'bouc_wen' &
+               .and. coupling(values) /= 'full') then
+         call fail_key(values, 'yielding', 'law', "must be 'elastic_plastic' with storey_u_y and " &
+            //"&storeys coupling = 'every_floor'; coupling = 'full' allows both", error)
+      end if
+   end subroutine check_storey_strengths
+
+   !> With a short link the frame's displacement turns back at a large rotation; its spring follows
+   !> the rotation only as long as both grow together.
+   subroutine check_rotation(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: limit
+
+      if (.not. has_group(values, 'link')) return
+      if (text_of(values, 'model', 'formulation') /= 'exact' &
+          .and. text_of(values, 'wall', 'base') /= 'pinned') return
+      ! storeys of a frame with all its modes do not follow the rotation
+      if (coupling(values) == 'full') return
+      limit = turning_rotation(real_of(values, 'wall', 'h'), real_of(values, 'link', 'L'))
+      if (real_of(values, 'model', 'overturning_angle') <= limit) return
+      call fail_key(values, 'link', 'L', 'needs &model overturning_angle <= ' &
+         //trim(real_to_text(limit))//' rad with &yielding: at larger rotations the frame turns ' &
+         //'back while the wall goes on', error)
+   end subroutine check_rotation
+
+   !> Rotation to the left at which the displacement of the link's far end is largest, by
+   !> bisection: u = 2h sin(phi) - (L - sqrt(L**2 - v**2)), v = 2h (1 - cos(phi)) [rad].
+   pure real(wp) function turning_rotation(h, L) result(low)
+      real(wp), intent(in) :: h
+      !! half height [m]
+      real(wp), intent(in) :: L
+      !! length of the link [m]
+      real(wp) :: high
+      real(wp) :: middle
+      real(wp) :: v
+
+      low = 0
+      high = pi/2
+      do
+         middle = low + (high - low)/2
+         if (middle <= low .or. middle >= high) return
+         v = 4*h*sin(middle/2)**2
+         if (v < L .and. cos(middle)*sqrt(max(0.0_wp, L**2 - v**2)) > v*sin(middle)) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+   end function turning_rotation
+
+   subroutine fill_yielding(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (case%yielding)
+      call get_real(case%values, 'yielding', 'u_y', case%yielding%u_y)
+      call get_real(case%values, 'yielding', 'f_y_over_m_s_g', case%yielding%f_y_over_m_s_g)
+      call get_list(case%values, 'yielding', 'storey_u_y', case%yielding%storey_u_y)
+      case%yielding%hardening = real_of(case%values, 'yielding', 'hardening')
+      case%yielding%law = text_of(case%values, 'yielding', 'law')
+      case%yielding%exponent = real_of(case%values, 'yielding', 'exponent')
+      case%yielding%beta = real_of(case%values, 'yielding', 'beta')
+   end subroutine fill_yielding
+
+   pure logical function has_yielding(case)
+      type(case_t), intent(in) :: case
+
+      has_yielding = allocated(case%yielding)
+   end function has_yielding
+
+   !> The smooth law has a state of its own: one for the frame, or one for each storey.
+   pure subroutine add_hysteretic_states(case, names)
+      type(case_t), intent(in) :: case
+      character(*), allocatable, intent(inout) :: names(:)
+      character(state_name_length), allocatable :: states(:)
+      logical :: is_full
+      integer :: i
+
+      if (.not. allocated(case%yielding%law)) return
+      if (case%yielding%law /= 'bouc_wen') return
+      is_full = .false.
+      if (allocated(case%storeys)) is_full = case%storeys%coupling == 'full'
+      if (is_full) then
+         allocate (states(size(case%storeys%frame%m)))
+         do i = 1, size(states)
+            states(i) = 'z_'//trim(integer_to_text(i))
+         end do
+      else
+         states = [character(state_name_length) :: 'z']
+      end if
+      names = [character(state_name_length) :: names, states]
+   end subroutine add_hysteretic_states
+
+   pure subroutine add_branch_event(case, names)
+      type(case_t), intent(in) :: case
+      character(*), allocatable, intent(inout) :: names(:)
+
+      names = [character(event_name_length) :: names, 'branch']
+   end subroutine add_branch_event
+
+   subroutine refuse_element(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
+   end subroutine refuse_element
+
+end module rwmf_model_effects_yielding

@@ -1,0 +1,251 @@
+!> What a case says: the values of its keys by group and key, each converted once, with the defaults
+!> of the keys that are not given.
+!>
+!> The keys are those of the schema, in its order. They have passed its checks, so that no access
+!> can fail. A few arrays hold all values, so that a copy of a case stays cheap.
+module rwmf_problem_group_values
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_text_strings, only: to_lower
+   implicit none
+   private
+
+   public :: group_values_t, key_values_t, group_place_t
+   public :: has_group, has_key, group_place, key_place, key_line, value_text
+   public :: text_of, real_of, integer_of, logical_of
+   public :: get_real, get_text, get_list
+
+   !> Where a group stands in the text of the case.
+   type :: group_place_t
+      character(12) :: name
+      logical :: is_given
+      integer :: line
+      !! 0 when it is not given
+   end type group_place_t
+
+   !> The values of one key.
+   type :: key_values_t
+      character(12) :: group
+      character(20) :: key
+      !! as the documentation spells it
+      character(20) :: name
+      !! in small letters
+      logical :: is_given
+      !! by the case, not by default
+      logical :: is_quoted
+      integer :: line
+      !! 0 when it is not given
+      integer :: n
+      !! number of values
+      integer :: first
+      !! place of the first value among all
+   end type key_values_t
+
+   !> All values of a case.
+   type :: group_values_t
+      type(group_place_t), allocatable :: groups(:)
+      !! (groups of the schema)
+      type(key_values_t), allocatable :: keys(:)
+      !! (keys of the schema)
+      real(dp), allocatable :: numbers(:)
+      !! (values) [unit of the key]; of a logical 1 or 0, of texts 0
+      integer, allocatable :: ends(:)
+      !! (values) where the text of each ends
+      character(:), allocatable :: texts
+      !! one after the other, as they stand in the case, names of choices in small letters
+   end type group_values_t
+
+contains
+
+   !> Place of a group; 0 when there is no such group.
+   pure integer function group_place(values, name) result(place)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: name
+      !! in small letters
+
+      place = 0
+      if (.not. allocated(values%groups)) return
+      do place = size(values%groups), 1, -1
+         if (values%groups(place)%name == name) exit
+      end do
+   end function group_place
+
+   !> Place of a key; 0 when there is no such key.
+   pure integer function key_place(values, group, key) result(place)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      !! letters may be small or capital
+      character(len(key)) :: name
+
+      place = 0
+      if (.not. allocated(values%keys)) return
+      name = to_lower(key)
+      do place = size(values%keys), 1, -1
+         if (values%keys(place)%name == name .and. values%keys(place)%group == group) exit
+      end do
+   end function key_place
+
+   !> Is the group given?
+   pure logical function has_group(values, name)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: name
+      integer :: place
+
+      place = group_place(values, name)
+      has_group = .false.
+      if (place > 0) has_group = values%groups(place)%is_given
+   end function has_group
+
+   !> Is the key given?
+   pure logical function has_key(values, group, key)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      integer :: place
+
+      place = key_place(values, group, key)
+      has_key = .false.
+      if (place > 0) has_key = values%keys(place)%is_given
+   end function has_key
+
+   !> Line of a key in the text of the case; 0 when it is not given.
+   pure integer function key_line(values, group, key) result(line)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      integer :: place
+
+      place = key_place(values, group, key)
+      line = 0
+      if (place > 0) line = values%keys(place)%line
+   end function key_line
+
+   !> First and last letter of a value among all texts.
+   pure function letters_of(values, number) result(range)
+      type(group_values_t), intent(in) :: values
+      integer, intent(in) :: number
+      !! of the value among all
+      integer :: range(2)
+
+      range = [1, values%ends(number)]
+      if (number > 1) range(1) = values%ends(number - 1) + 1
+   end function letters_of
+
+   !> Length of the text of a value.
+   pure integer function value_length(values, number) result(length)
+      type(group_values_t), intent(in) :: values
+      integer, intent(in) :: number
+      !! of the value among all; 0 for none
+      integer :: range(2)
+
+      length = 0
+      if (number == 0) return
+      range = letters_of(values, number)
+      length = range(2) - range(1) + 1
+   end function value_length
+
+   !> The text of a value.
+   pure function value_text(values, number) result(text)
+      type(group_values_t), intent(in) :: values
+      integer, intent(in) :: number
+      !! of the value among all; 0 for none
+      character(value_length(values, number)) :: text
+      integer :: range(2)
+
+      text = ''
+      if (number == 0) return
+      range = letters_of(values, number)
+      text = values%texts(range(1):range(2))
+   end function value_text
+
+   !> Number of the first value of a key among all; 0 when it has none.
+   pure integer function first_value(values, group, key) result(number)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      integer :: place
+
+      number = 0
+      place = key_place(values, group, key)
+      if (place == 0) return
+      if (values%keys(place)%n > 0) number = values%keys(place)%first
+   end function first_value
+
+   !> The value of a key as text, '' when there is none.
+   pure function text_of(values, group, key) result(text)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(value_length(values, first_value(values, group, key))) :: text
+
+      text = value_text(values, first_value(values, group, key))
+   end function text_of
+
+   !> The value of a real key, zero when there is none [its unit].
+   pure real(wp) function real_of(values, group, key)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      integer :: number
+
+      number = first_value(values, group, key)
+      real_of = 0
+      if (number > 0) real_of = real(values%numbers(number), wp)
+   end function real_of
+
+   !> The value of an integer key, zero when there is none.
+   pure integer function integer_of(values, group, key)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+
+      integer_of = nint(real_of(values, group, key))
+   end function integer_of
+
+   !> The value of a logical key, false when there is none.
+   pure logical function logical_of(values, group, key)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+
+      logical_of = real_of(values, group, key) > 0
+   end function logical_of
+
+   !> Set a real that stays unallocated when the key has no value.
+   pure subroutine get_real(values, group, key, value)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      real(wp), allocatable, intent(out) :: value
+      !! [unit of the key]
+
+      if (first_value(values, group, key) > 0) value = real_of(values, group, key)
+   end subroutine get_real
+
+   !> Set a text that stays unallocated when the key has no value.
+   pure subroutine get_text(values, group, key, value)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(:), allocatable, intent(out) :: value
+
+      if (first_value(values, group, key) > 0) value = text_of(values, group, key)
+   end subroutine get_text
+
+   !> Set a list that stays unallocated when the key has no value.
+   pure subroutine get_list(values, group, key, list)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      real(wp), allocatable, intent(out) :: list(:)
+      !! (n) [unit of the key]
+      integer :: place
+
+      place = key_place(values, group, key)
+      if (place == 0) return
+      associate (row => values%keys(place))
+         if (row%n > 0) list = real(values%numbers(row%first:row%first + row%n - 1), wp)
+      end associate
+   end subroutine get_list
+
+end module rwmf_problem_group_values

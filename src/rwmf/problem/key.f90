@@ -1,0 +1,82 @@
+!> One key of a case file: what the documentation, the validation and the messages say of it.
+module rwmf_problem_key
+   implicit none
+   private
+
+   public :: key_t, required, optional_key, of_kind, belongs_to
+   public :: any_real, positive, below_one, not_negative
+
+   character(*), parameter :: any_real = 'any finite number'
+   character(*), parameter :: positive = '> 0'
+   character(*), parameter :: below_one = '[0, 1)'
+   character(*), parameter :: not_negative = '>= 0'
+
+   !> One key. Texts are padded with blanks.
+   type :: key_t
+      character(12) :: group
+      character(20) :: key
+      !! as the documentation spells it; letters may be small or capital in a case
+      character(9) :: type
+      !! 'real', 'real list', 'integer', 'logical', 'choice' or 'text'
+      character(6) :: unit
+      !! of a number; '-' for a ratio, '' for texts and counts
+      character(16) :: default
+      !! value when it is not given, or the name of the key of the group that has it; '' for none
+      logical :: is_required
+      !! must be given whenever the group is
+      character(104) :: allowed
+      !! of a number: `> 0`, `>= 0` or an interval; of a choice: its names
+      character(90) :: help
+      character(88) :: kinds
+      !! of `&motion`: the kinds that the key belongs to; '' for all
+   end type key_t
+
+contains
+
+   !> A key that must be given.
+   pure type(key_t) function required(group, key, type, unit, allowed, help)
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(*), intent(in) :: type
+      character(*), intent(in) :: unit
+      character(*), intent(in) :: allowed
+      character(*), intent(in) :: help
+
+      required = key_t(group, key, type, unit, '', .true., allowed, help, '')
+   end function required
+
+   !> A key that may be left out.
+   pure type(key_t) function optional_key(group, key, type, unit, default, allowed, help)
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(*), intent(in) :: type
+      character(*), intent(in) :: unit
+      character(*), intent(in) :: default
+      character(*), intent(in) :: allowed
+      character(*), intent(in) :: help
+
+      optional_key = key_t(group, key, type, unit, default, .false., allowed, help, '')
+   end function optional_key
+
+   !> A key of some kinds of motion.
+   pure type(key_t) function of_kind(kinds, key, type, unit, default, allowed, help)
+      character(*), intent(in) :: kinds
+      character(*), intent(in) :: key
+      character(*), intent(in) :: type
+      character(*), intent(in) :: unit
+      character(*), intent(in) :: default
+      character(*), intent(in) :: allowed
+      character(*), intent(in) :: help
+
+      of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds)
+   end function of_kind
+
+   !> Does the key belong to this kind of motion? Always true in other groups.
+   pure logical function belongs_to(key, kind)
+      type(key_t), intent(in) :: key
+      character(*), intent(in) :: kind
+
+      belongs_to = key%kinds == '' .or. index(' '//key%kinds//' ', ' '//kind//' ') > 0
+   end function belongs_to
+
+end module rwmf_problem_key

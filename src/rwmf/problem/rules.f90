@@ -1,0 +1,139 @@
+!> What the rules between keys and groups have in common: conditions, and errors that name a group
+!> or a key with its line and value.
+module rwmf_problem_rules
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_problem_group_values, only: group_place, group_values_t, has_group, has_key, &
+      key_place, value_text
+   use rwmf_text_strings, only: integer_to_text, real_to_text, shown
+   implicit none
+   private
+
+   public :: check_needs, check_one_of, fail_group, fail_key, fail_at_group, fail_at_key
+   public :: check_period, append_value
+
+contains
+
+   !> A spring must not be so stiff that no method follows its mass.
+   !>
+   !> A period of 1e-5 s is a thousandth of what any part of a building has; far below, the motion
+   !> of the mass is lost in the round-off of its rotation. `problem` is not allocated for others.
+   pure subroutine check_period(root_mass, root_stiffness, problem)
+      real(wp), intent(in) :: root_mass
+      !! square root of the mass, or of its part of a quotient: neither overflows [sqrt(kg)]
+      real(wp), intent(in) :: root_stiffness
+      !! > 0, square root of the stiffness [sqrt(N/m)]
+      character(:), allocatable, intent(out) :: problem
+      real(wp), parameter :: shortest = 1.0e-5_wp
+      !! [s]
+
+      if (2*pi*root_mass >= shortest*root_stiffness) return
+      problem = 'the period 2 pi sqrt(mass/stiffness) is ' &
+         //trim(real_to_text(2*pi*root_mass/root_stiffness))//' s, must be >= ' &
+         //trim(real_to_text(shortest))//' s: lower the stiffness'
+   end subroutine check_period
+
+   !> A group that is given needs another one.
+   subroutine check_needs(values, group, other, reason, error)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: other
+      character(*), intent(in) :: reason
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. has_group(values, group) .or. has_group(values, other)) return
+      call fail_group(values, group, 'must not be given without &'//other//' ('//reason//')', error)
+   end subroutine check_needs
+
+   !> Exactly one of two keys must be given.
+   subroutine check_one_of(values, group, a, b, condition, error)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: a
+      character(*), intent(in) :: b
+      character(*), intent(in) :: condition
+      !! 'with ...'
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_key(values, group, a) .and. has_key(values, group, b)) then
+         call fail_key(values, group, b, 'must not be given beside '//a//': exactly one of both ' &
+            //condition, error)
+      else if (.not. has_key(values, group, a) .and. .not. has_key(values, group, b)) then
+         call fail_group(values, group, 'exactly one of the keys '//a//' and '//b &
+            //' must be given '//condition, error)
+      end if
+   end subroutine check_one_of
+
+   !> Report a group by its name.
+   subroutine fail_group(values, group, problem, error)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: problem
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail_at_group(group, values%groups(group_place(values, group))%line, problem, error)
+   end subroutine fail_group
+
+   !> Report a key that is given by its name: `&frame: gamma = -1.0 (line 7): must be ...`.
+   subroutine fail_key(values, group, key, problem, error)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(*), intent(in) :: problem
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: shown_values
+      integer :: i
+
+      associate (row => values%keys(key_place(values, group, key)))
+         shown_values = ''
+         do i = 1, row%n
+            call append_value(i, row%is_quoted, value_text(values, row%first + i - 1), shown_values)
+         end do
+         call fail_at_key(group, trim(row%key), shown_values, row%line, problem, error)
+      end associate
+   end subroutine fail_key
+
+   !> Append a value to those that a message shows; of many only the first.
+   pure subroutine append_value(number, is_quoted, value, text)
+      integer, intent(in) :: number
+      !! of the value in its key
+      logical, intent(in) :: is_quoted
+      character(*), intent(in) :: value
+      character(:), allocatable, intent(inout) :: text
+      integer, parameter :: most = 8
+
+      if (number == most + 1) text = text//', ...'
+      if (number > most) return
+      if (number > 1) text = text//', '
+      if (is_quoted) then
+         text = text//"'"//shown(value)//"'"
+      else
+         text = text//shown(value)
+      end if
+   end subroutine append_value
+
+   !> Report a key with its values: `&frame: gamma = -1.0 (line 7): must be ...`.
+   subroutine fail_at_key(group, key, shown_values, line, problem, error)
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(*), intent(in) :: shown_values
+      integer, intent(in) :: line
+      character(*), intent(in) :: problem
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, '&'//group//': '//key//' = '//shown_values//' (line ' &
+         //trim(integer_to_text(line))//'): '//problem)
+   end subroutine fail_at_key
+
+   !> Report a group with its line: `&frame (line 5): ...`.
+   subroutine fail_at_group(group, line, problem, error)
+      character(*), intent(in) :: group
+      integer, intent(in) :: line
+      character(*), intent(in) :: problem
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, '&'//shown(group)//' (line '//trim(integer_to_text(line))//'): ' &
+         //problem)
+   end subroutine fail_at_group
+
+end module rwmf_problem_rules

@@ -1,0 +1,251 @@
+"""The rules of the architecture: each takes a tree of sources and returns what breaks it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path, PurePosixPath
+
+from fortran import INTRINSIC, SUNDIALS, Source, Statement, Tree, build_lines
+
+PACKAGE = "rwmf"  # name of the facade, of the folder below it, and prefix of all modules
+EFFECTS = PurePosixPath("rwmf/model/effects")
+SUNDIALS_FOLDER = PurePosixPath("rwmf/integrator/sundials")
+# What every effect stands on, and what names them all.
+EFFECTS_BASE = {"effect", "list"}
+
+MOST_LINES = 60
+MOST_ARGUMENTS = 8
+LONGEST_FILE = 900
+
+_SUBDIR = re.compile(r"\bsubdir\('([^']+)'\)")
+_SOURCE_NAME = re.compile(r"(?<![/+] )'(\w+\.(?:f90|F90|c))'")
+_NOISE = re.compile(
+    r"(print\b|pause\b|(error\s+)?stop\b|call\s+(exit|abort)\b"
+    r"|write\s*\(\s*(unit\s*=\s*)?(\*|output_unit\b|error_unit\b|[06]\s*[,)]))",
+    re.IGNORECASE,
+)
+_DECLARATION = re.compile(
+    r"(integer|real|complex|logical|character|double\s*precision|type\s*\(|class\s*\(|procedure\s*\()",
+    re.IGNORECASE,
+)
+_KEPT = re.compile(r"(save\b|common\s*/|equivalence\s*\(|data\s+\w+\s*[/,(])", re.IGNORECASE)
+
+
+def order_of_folders(root: Path) -> list[str]:
+    """Top folders in the order in which meson.build visits them: a folder may use those before.
+
+    The folders below `rwmf` are followed by the facade, `rwmf.f90`, which stands for itself.
+    """
+    order: list[str] = []
+    for folder in _visited(root, ""):
+        if folder == PACKAGE:
+            order += [f"{PACKAGE}/{name}" for name in _visited(root, PACKAGE)]
+        if any((root / folder).glob("*.[fF]90")) or folder == PACKAGE:
+            order.append(folder)
+    return order
+
+
+def _visited(root: Path, folder: str) -> list[str]:
+    return _SUBDIR.findall(build_lines((root / folder / "meson.build").read_text("utf-8")))
+
+
+def top_folder(path: Path, order: Iterable[str]) -> str:
+    """Top folder that holds a file; the facade is one of its own, '' for what has none."""
+    folder = path.parent.as_posix()
+    if path.as_posix() == f"{PACKAGE}.f90":
+        return PACKAGE
+    inside = [top for top in order if f"{folder}/".startswith(f"{top}/") and top != PACKAGE]
+    return max(inside, key=len, default="")
+
+
+def wrong_names(tree: Tree) -> list[str]:
+    """Modules that are not named by their path, and variants that do more than add a suffix."""
+    found = []
+    for source in tree.sources:
+        expected = _module_name(source.path)
+        if source.module != expected and not source.is_program:
+            found.append(f"{source.path}: contains {source.module}, not {expected}")
+        found += [
+            f"{source.path}: is compiled as {name}"
+            for name in sorted(source.variants)
+            if not re.match(rf"{source.module}(_\w+)?$", name)
+        ]
+    return found
+
+
+def _module_name(path: Path) -> str:
+    parts = path.with_suffix("").parts
+    return "_".join(parts if parts[0] == PACKAGE else (PACKAGE, *parts)).lower()
+
+
+def unknown_targets(tree: Tree) -> list[str]:
+    """Arrows to modules that no file contains and that are not the compiler's; included files."""
+    known = tree.owners.keys()
+    found = [
+        f"{source.path}:{line}: uses {name}, which no source contains"
+        for source in tree.sources
+        for name, line in source.used.items()
+        if name not in known and not INTRINSIC.match(name) and not SUNDIALS.match(name)
+    ]
+    return found + [
+        f"{source.path}:{line}: includes a file"
+        for source in tree.sources
+        for line in source.includes
+    ]
+
+
+def against_order(
+    tree: Tree, order: list[str], allowed: Mapping[tuple[str, str], str] | None = None
+) -> list[str]:
+    """Arrows to a folder that comes later, permissions without an arrow, files in no folder."""
+    place = {name: number for number, name in enumerate(order)}
+    found = []
+    arrows = {}
+    for source in tree.sources:
+        own = top_folder(source.path, order)
+        if own not in place:
+            found.append(f"{source.path}: lies in no folder that meson.build visits")
+            continue
+        for name, line in source.used.items():
+            target = tree.owners.get(name)
+            folder = top_folder(target.path, order) if target else own
+            if folder in place and place[folder] > place[own]:
+                text = f"{source.path}:{line}: {own} uses {name} of {folder}"
+                arrows[source.module, name] = text
+    return found + _not_allowed(arrows, allowed or {})
+
+
+def _not_allowed(
+    arrows: Mapping[tuple[str, str], str], allowed: Mapping[tuple[str, str], str]
+) -> list[str]:
+    unused = [f"{a} -> {b}: is allowed, but not used" for a, b in allowed if (a, b) not in arrows]
+    return [text for pair, text in arrows.items() if pair not in allowed] + unused
+
+
+def between_effects(tree: Tree, allowed: Mapping[tuple[str, str], str]) -> list[str]:
+    """Arrows from one effect to another that are not allowed, and permissions without an arrow."""
+    arrows = {}
+    for source in tree.sources:
+        own = _effect(source.path)
+        for name, line in source.used.items():
+            target = _effect(tree.owners[name].path) if name in tree.owners else ""
+            if own and target and target != own and own != "list" and target != "effect":
+                arrows[own, target] = f"{source.path}:{line}: {own} uses {name} of {target}"
+    return _not_allowed(arrows, allowed)
+
+
+def _effect(path: Path) -> str:
+    """Effect that a file belongs to: its own name, or that of its folder below `effects`."""
+    pure = PurePosixPath(path.as_posix())
+    if not pure.is_relative_to(EFFECTS):
+        return ""
+    return pure.relative_to(EFFECTS).with_suffix("").parts[0]
+
+
+def foreign_sundials(tree: Tree) -> list[str]:
+    """Files that use SUNDIALS outside its folder."""
+    return [
+        f"{source.path}:{line}: uses {name}"
+        for source in tree.sources
+        if PurePosixPath(source.path.parent.as_posix()) != SUNDIALS_FOLDER
+        for name, line in source.used.items()
+        if SUNDIALS.match(name)
+    ]
+
+
+def noise(tree: Tree, free: Iterable[str]) -> list[str]:
+    """Statements that print or stop, except in the folders that are free to."""
+    return [
+        f"{source.path}:{statement.line}: {statement.text}"
+        for source in tree.sources
+        if not source.path.as_posix().startswith(tuple(f"{name}/" for name in free))
+        for statement in source.statements
+        if _NOISE.match(_without_condition(statement.text))
+    ]
+
+
+def _without_condition(text: str) -> str:
+    """Rest of a statement behind `if (...)`."""
+    if not re.match(r"if\s*\(", text, re.IGNORECASE):
+        return text
+    depth = 0
+    for position, character in enumerate(text):
+        depth += (character == "(") - (character == ")")
+        if depth == 0 and character == ")":
+            return text[position + 1 :].lstrip()
+    return text
+
+
+def kept_state(tree: Tree, allowed: Mapping[str, str]) -> list[str]:
+    """Variables that live longer than a call: of modules, saved, or given a value as declared."""
+    found = []
+    for source in tree.sources:
+        statements = [] if source.module in allowed else _kept_by(source)
+        found += [f"{source.path}:{statement.line}: {statement.text}" for statement in statements]
+    return found
+
+
+def _kept_by(source: Source) -> list[Statement]:
+    head = [] if source.is_program else source.head
+    kept = [part for part in head if _DECLARATION.match(part.text) and not _is_constant(part.text)]
+    kept += [part for part in source.statements if _KEPT.match(part.text) or _is_saved(part.text)]
+    for procedure in source.procedures:
+        kept += [part for part in procedure.statements if _has_value(part.text)]
+    return kept
+
+
+def _is_constant(text: str) -> bool:
+    return bool(re.search(r",\s*parameter\b.*::", text, re.IGNORECASE))
+
+
+def _is_saved(text: str) -> bool:
+    return bool(_DECLARATION.match(text) and re.search(r",\s*save\b[^:]*::", text, re.IGNORECASE))
+
+
+def _has_value(text: str) -> bool:
+    """Tell whether a declaration gives a local variable a value, which makes it a saved one."""
+    if not _DECLARATION.match(text) or "::" not in text or _is_constant(text):
+        return False
+    entities = re.sub(r"\([^()]*\)", "", text.split("::", 1)[1])
+    return bool(re.search(r"(?<![=/<>])=(?!=)", entities))
+
+
+def too_large(tree: Tree) -> dict[str, str]:
+    """Procedures with more lines or arguments than they may have: `module:procedure` and why."""
+    found = {}
+    for source in tree.sources:
+        for procedure in source.procedures:
+            reasons = []
+            if procedure.code_lines > MOST_LINES:
+                reasons.append(f"{procedure.code_lines} lines")
+            if procedure.arguments > MOST_ARGUMENTS:
+                reasons.append(f"{procedure.arguments} arguments")
+            if reasons:
+                found[f"{source.module}:{procedure.name}"] = ", ".join(reasons)
+    return found
+
+
+def long_files(tree: Tree) -> list[str]:
+    """Files with more lines than a file may have."""
+    return [
+        f"{source.path}: {len(source.lines)} lines"
+        for source in tree.sources
+        if len(source.lines) > LONGEST_FILE
+    ]
+
+
+def build_lists(root: Path) -> list[str]:
+    """Find sources that the meson.build beside them does not list, and what it lists in vain."""
+    found = []
+    folders = {path.parent for path in root.rglob("*") if path.suffix in (".f90", ".F90", ".c")}
+    for folder in sorted(folders):
+        build = folder / "meson.build"
+        beside = {path.name for path in folder.iterdir() if path.suffix in (".f90", ".F90", ".c")}
+        text = build_lines(build.read_text(encoding="utf-8")) if build.is_file() else ""
+        made = re.findall(r"(?:custom_target\(|output:\s*)'([^']+)'", text)
+        listed = set(_SOURCE_NAME.findall(text)) - set(made)
+        relative = folder.relative_to(root)
+        found += [f"{relative}: {name} is not in meson.build" for name in sorted(beside - listed)]
+        found += [f"{relative}: meson.build lists {name}" for name in sorted(listed - beside)]
+    return found

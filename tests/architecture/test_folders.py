@@ -1,0 +1,134 @@
+"""The folders of `src` show the architecture (docs/architecture.md); these rules keep it so.
+
+The order of the folders is written once: it is that in which the `meson.build` files visit them
+(`src/meson.build` and `src/rwmf/meson.build`), which is also the order in which they are built. A
+folder uses itself and those before it.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import rules
+from fortran import Tree, read_tree
+
+ROOT = Path(__file__).resolve().parents[2]
+SRC = ROOT / "src"
+
+# The folder whose files may print and stop: the program's.
+MAY_PRINT = ("app",)
+
+# Arrows to a folder that comes later, until they are cut.
+AGAINST_ORDER: dict[tuple[str, str], str] = {}
+
+# One effect that uses another, and why.
+EFFECTS_TOGETHER: dict[tuple[str, str], str] = {}
+
+STATE_ALLOWED = {
+    "rwmf_app_signals": "a signal handler receives nothing but the number of the signal",
+}
+
+# Procedures over the bounds, and why they may be. Whoever shortens one removes its line.
+_CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, no types"
+_ONE_LANE = "part of a vectorised loop: what is passed stays in registers"
+LARGE: dict[str, str] = {
+    "rwmf_spectrum_fast_step_kernel:take_three": "a vectorised loop, its stages written out",
+    "rwmf_spectrum_fast_stage_kernel:state": _ONE_LANE,
+    "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
+    "rwmf_spectrum_fast_simd_dispatch:advance_frames": _ONE_LANE,
+    "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
+    "rwmf_model_right_hand_sides:move_floors": "a loop over floors on plain arrays",
+    "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_kernel:describe": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_kernel:inventory": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_kernel:spectrum": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_reference:solve": _CALLER_IS_NO_FORTRAN,
+}
+
+
+@pytest.fixture(scope="module")
+def tree() -> Tree:
+    return read_tree(SRC)
+
+
+@pytest.fixture(scope="module")
+def order() -> list[str]:
+    return rules.order_of_folders(SRC)
+
+
+def _none(found: list[str]) -> None:
+    assert not found, "\n" + "\n".join(found)
+
+
+def test_a_module_is_named_by_its_path(tree: Tree) -> None:
+    _none(rules.wrong_names(tree))
+
+
+def test_every_arrow_has_a_known_target(tree: Tree) -> None:
+    _none(rules.unknown_targets(tree))
+
+
+def test_arrows_through_macros_are_seen(tree: Tree) -> None:
+    """The loops of `fast` name each other's modules by macros only."""
+    seen = {name for used in tree.arrows.values() for name in used}
+    variants = {source.module for source in tree.sources if len(source.variants) > 1}
+    assert variants and variants <= seen
+
+
+def test_a_folder_uses_itself_and_those_before(tree: Tree, order: list[str]) -> None:
+    _none(rules.against_order(tree, order, AGAINST_ORDER))
+
+
+def test_an_effect_uses_no_other(tree: Tree) -> None:
+    _none(rules.between_effects(tree, EFFECTS_TOGETHER))
+
+
+def test_no_circles(tree: Tree) -> None:
+    _none(tree.cycle)
+
+
+def test_only_its_own_folder_names_sundials(tree: Tree) -> None:
+    _none(rules.foreign_sundials(tree))
+
+
+def test_the_library_neither_prints_nor_stops(tree: Tree) -> None:
+    _none(rules.noise(tree, MAY_PRINT))
+
+
+def test_nothing_is_kept_between_calls(tree: Tree) -> None:
+    _none(rules.kept_state(tree, STATE_ALLOWED))
+
+
+def test_procedures_stay_small(tree: Tree) -> None:
+    over = rules.too_large(tree)
+    for name, size in over.items():
+        print(f"{name}: {size} ({LARGE.get(name, 'NOT ALLOWED')})")
+    _none([f"{name}: {size}" for name, size in over.items() if name not in LARGE])
+    _none([f"{name}: is small, its line in LARGE can go" for name in LARGE if name not in over])
+
+
+def test_files_stay_readable(tree: Tree) -> None:
+    _none(rules.long_files(tree))
+
+
+def test_every_build_file_lists_the_sources_beside_it() -> None:
+    _none(rules.build_lists(SRC))
+
+
+def test_the_page_names_the_folders_in_their_order(order: list[str]) -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = re.findall(r"^\| `(?:src/)?([\w/.]+?)/?` \|", page, re.MULTILINE)
+    assert [name.removesuffix(".f90") for name in named] == [
+        name.removeprefix("rwmf/") for name in order
+    ]
+
+
+def test_the_page_names_files_that_exist() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    paths = re.findall(r"`([\w/]+\.(?:[fF]90|py|h|build))`", page)
+    places = [ROOT, SRC, SRC / "rwmf"]
+    _none([path for path in paths if not any((place / path).is_file() for place in places)])

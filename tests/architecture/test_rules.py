@@ -1,0 +1,271 @@
+"""Every rule of the architecture objects to a small tree that breaks it, and to no other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import rules
+from fortran import Tree, build_macros, read_tree
+
+BUILD = {
+    "meson.build": "subdir('rwmf')\nsubdir('app')\nfiles('rwmf.f90')",
+    "rwmf/meson.build": "# subdir('motion')\nsubdir('core')\nsubdir('model')",
+    "rwmf/core/meson.build": "files('kinds.f90')",
+    "rwmf/model/meson.build": "files('cable.f90', 'wall.F90')",
+    "app/meson.build": "executable('x', 'main.f90')",
+}
+SOURCES = {
+    "rwmf.f90": "module rwmf\nuse rwmf_model_cable, only: f\nend module rwmf",
+    "rwmf/core/kinds.f90": (
+        "module rwmf_core_kinds\nuse, intrinsic :: iso_fortran_env, only: real64\n"
+        "integer, parameter :: wp = real64\nend module rwmf_core_kinds"
+    ),
+    "rwmf/model/cable.f90": """
+module rwmf_model_cable
+   use rwmf_core_kinds, only: &
+      wp ! use rwmf_model_wall
+   implicit none
+   type :: cable_t
+      real(wp) :: force = 0.0_wp
+   contains
+      procedure :: f
+   end type cable_t
+contains
+   function f(x, &
+         y) result(text)
+      real(wp), intent(in) :: x, y
+      character(:), allocatable :: text
+      text = 'stop'' use &
+         &print'
+   end function f
+end module rwmf_model_cable""",
+    "rwmf/model/wall.F90": (
+        "module rwmf_model_wall\nuse rwmf_model_cable\nend module rwmf_model_wall"
+    ),
+    "app/main.f90": "program p\nuse rwmf\ninteger :: i\nprint *, i\nend program p",
+}
+
+
+def _write(folder: Path, changes: dict[str, str]) -> tuple[Tree, list[str]]:
+    for name, text in (BUILD | SOURCES | changes).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return read_tree(folder), rules.order_of_folders(folder)
+
+
+def _all_rules(tree: Tree, order: list[str]) -> dict[str, list[str]]:
+    return {
+        "name": rules.wrong_names(tree),
+        "target": rules.unknown_targets(tree),
+        "order": rules.against_order(tree, order),
+        "effects": rules.between_effects(tree, {}),
+        "circle": tree.cycle,
+        "sundials": rules.foreign_sundials(tree),
+        "noise": rules.noise(tree, ["app"]),
+        "state": rules.kept_state(tree, {}),
+        "size": list(rules.too_large(tree)),
+        "file": rules.long_files(tree),
+        "build": rules.build_lists(tree.root),
+    }
+
+
+def _module(name: str, text: str) -> str:
+    return f"module rwmf_{name}\n{text}\nend module rwmf_{name}"
+
+
+def _body(text: str) -> str:
+    return f"contains\nsubroutine s()\n{text}\nend subroutine s"
+
+
+KINDS = "rwmf/core/kinds.f90"
+CABLE = "rwmf/model/cable.f90"
+WALL = "rwmf/model/wall.F90"
+
+
+def _kinds(text: str) -> dict[str, str]:
+    return {KINDS: _module("core_kinds", text)}
+
+
+def _wall(text: str) -> dict[str, str]:
+    return {WALL: _module("model_wall", text)}
+
+
+def test_the_order_is_that_of_the_build(tmp_path: Path) -> None:
+    _, order = _write(tmp_path, {})
+    assert order == ["rwmf/core", "rwmf/model", "rwmf", "app"]
+
+
+def test_a_good_tree_breaks_nothing(tmp_path: Path) -> None:
+    tree, order = _write(tmp_path, {})
+    assert not any(_all_rules(tree, order).values())
+    assert tree.longest_chain == ["p", "rwmf", "rwmf_model_cable", "rwmf_core_kinds"]
+    assert tree.closure("rwmf_model_wall") == {
+        "rwmf_model_wall",
+        "rwmf_model_cable",
+        "rwmf_core_kinds",
+    }
+
+
+BREACHES: dict[str, tuple[set[str], dict[str, str]]] = {
+    "another name": ({"name"}, {WALL: "module rwmf_model_door\nend module rwmf_model_door"}),
+    "an unknown module": ({"target"}, _wall("use rwmf_model_door, only: knob")),
+    "an unknown macro": ({"target"}, _wall("use DOOR, only: knob")),
+    "an included file": ({"target"}, _wall("include 'door.inc'")),
+    "a later folder": ({"order", "circle"}, _kinds("use rwmf_model_cable, only: f")),
+    "a later folder, continued": ({"order", "circle"}, _kinds("use &\n\n   rwmf_model_cable")),
+    "a later folder, in #ifdef": (
+        {"order", "circle"},
+        _kinds("#ifdef NEVER\nuse, non_intrinsic :: rwmf_model_cable\n#endif"),
+    ),
+    "a later folder, by macro": (
+        {"order", "circle"},
+        _kinds("#define CABLE rwmf_model_cable\nuse CABLE, only: f"),
+    ),
+    "a later folder, from the build": (
+        {"order", "circle"},
+        {
+            **_kinds("use CABLE_V3, only: f"),
+            "rwmf/core/meson.build": "files('kinds.f90')\nforeach l, w : {'v3': '256'}\n"
+            "args += '-DCABLE_' + l.to_upper() + '=' + 'rwmf_model_cable'\nendforeach",
+        },
+    ),
+    "the facade": ({"order", "circle"}, {CABLE: _module("model_cable", "use rwmf")}),
+    "no folder": (
+        {"order", "build"},
+        {"other/door.f90": "module rwmf_other_door\nend module rwmf_other_door"},
+    ),
+    "a circle in a folder": ({"circle"}, {CABLE: _module("model_cable", "use rwmf_model_wall")}),
+    "sundials": ({"sundials"}, _wall("use fcvode_mod, only: FCVode")),
+    "print": ({"noise"}, _wall(_body("print *, 'a'"))),
+    "print on a condition": ({"noise"}, _wall(_body("if (is_bad(1, (2))) write (*, *) 1"))),
+    "write to unit 6": ({"noise"}, _wall(_body("write(unit=*, fmt=*) 1"))),
+    "stop": ({"noise"}, _wall(_body("if (a) then; error stop 'b'; end if"))),
+    "a variable of a module": ({"state"}, _wall("integer :: counter")),
+    "a pointer of a module": ({"state"}, _wall("procedure(f), pointer :: law => null()")),
+    "save": ({"state"}, _wall(_body("integer, save :: counter"))),
+    "a value as declared": ({"state"}, _wall(_body("integer :: counter = 0"))),
+    "data": ({"state"}, _wall(_body("integer :: counter\ndata counter /0/"))),
+    "a long procedure": ({"size"}, _wall(_body("x = 1\n" * 61))),
+    "many arguments": (
+        {"size"},
+        _wall("contains\npure real(wp) function f(a,b,c,d,e,g,h, &\n i,j)\nend function f"),
+    ),
+    "a long file": ({"file"}, _wall("! comment\n" * 900)),
+    "a source that is not built": ({"build"}, {"rwmf/model/cable.c": "int cable;"}),
+    "a source that is not there": (
+        {"build"},
+        {"rwmf/core/meson.build": "files('kinds.f90', 'a.f90')"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(BREACHES))
+def test_a_breach_is_found(name: str, tmp_path: Path) -> None:
+    expected, changes = BREACHES[name]
+    tree, order = _write(tmp_path, changes)
+    broken = {rule for rule, found in _all_rules(tree, order).items() if found}
+    assert broken == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        _body("integer, parameter :: n = 1"),
+        _body("real :: a(merge(1, 2, n == 1))"),
+        _body("! integer :: n = 1\nx = 'integer :: n = 1; stop'"),
+        _body("write (unit, *) 1\nif (is_bad) write (text, '(a)') 'stop'"),
+        _body("contains\nsubroutine t()\n" + "x = 1\n" * 60 + "end subroutine t"),
+        "interface\nsubroutine s(a,b,c,d,e,f,g,h,i) bind(c)\ninteger :: a\nend subroutine s\n"
+        "end interface",
+        "type, abstract :: wall_t\ninteger :: n = 0\nend type wall_t",
+    ],
+)
+def test_what_is_allowed_is_not_found(text: str, tmp_path: Path) -> None:
+    tree, order = _write(tmp_path, _wall(text))
+    assert not any(_all_rules(tree, order).values())
+
+
+def _effects(folder: Path) -> tuple[Tree, list[str]]:
+    effects = {
+        "effect": "",
+        "damper": "use rwmf_model_effects_effect",
+        "storeys/yielding": "use rwmf_model_effects_storeys_building",
+        "storeys/building": "use rwmf_model_effects_damper",
+        "list": "use rwmf_model_effects_damper\nuse rwmf_model_effects_storeys_building",
+    }
+    return _write(
+        folder,
+        {
+            f"rwmf/model/effects/{name}.f90": _module(
+                "model_effects_" + name.replace("/", "_"), text
+            )
+            for name, text in effects.items()
+        },
+    )
+
+
+def test_an_effect_that_uses_another_is_found(tmp_path: Path) -> None:
+    tree, _ = _effects(tmp_path)
+    (found,) = rules.between_effects(tree, {})
+    assert "storeys uses rwmf_model_effects_damper of damper" in found
+
+
+def test_a_permission_without_an_arrow_is_found(tmp_path: Path) -> None:
+    tree, _ = _effects(tmp_path)
+    assert not rules.between_effects(tree, {("storeys", "damper"): "shares its law"})
+    found = rules.between_effects(tree, {("storeys", "damper"): "", ("damper", "storeys"): ""})
+    assert found == ["damper -> storeys: is allowed, but not used"]
+
+
+def test_a_file_that_is_compiled_twice_is_one_module(tmp_path: Path) -> None:
+    """Its second name adds a suffix to the first, and arrows to it lead to the file."""
+    wall = "#ifndef WALL\n#define WALL rwmf_model_wall\n#endif\nmodule WALL\nend module WALL"
+    build = "files('cable.f90', 'wall.F90')\nnames = '-DWALL=' + 'rwmf_model_wall_v3'"
+    changes = {
+        WALL: wall,
+        "rwmf/model/meson.build": build,
+        "rwmf.f90": "module rwmf\nuse rwmf_model_wall_v3\nend module rwmf",
+    }
+    tree, order = _write(tmp_path, changes)
+    assert not any(_all_rules(tree, order).values())
+    assert tree.arrows["rwmf"] == {"rwmf_model_wall"}
+    tree, _ = _write(
+        tmp_path, {**changes, "rwmf/model/meson.build": build.replace("wall_", "door_")}
+    )
+    assert rules.wrong_names(tree) == ["rwmf/model/wall.F90: is compiled as rwmf_model_door_v3"]
+
+
+def _lists(values: dict[str, set[str]]) -> dict[str, list[str]]:
+    return {name: sorted(value) for name, value in values.items()}
+
+
+BUILD_TEXTS: dict[str, tuple[str, dict[str, list[str]]]] = {
+    "a comment": ("# a = '-DA=b'", {}),
+    "a list": ("args = ['-O3',\n  '-DA=b']  # '-DA=c'", {"A": ["b"]}),
+    "no module": ("args += '-DA'\nargs += '-DB=\"1\"'", {}),
+    "what is not understood": (
+        "x = declare_dependency(\n  a: 1)\ny = x + '-DA=b'\nz = '-DC=d'",
+        {"C": ["d"]},
+    ),
+    "loops": (
+        "kernels = {'STEP': 'step',\n  'NODE': 'stage'}\nforeach level, width : {'v3': 1, 'v4': 2}"
+        "\nforeach macro, kernel : kernels\nmodule = 'm_' + kernel + '_' + level\n"
+        "names += '-D' + macro + '=' + module\nendforeach\nif x\n  y = z()\nendif\nendforeach",
+        {"STEP": ["m_step_v3", "m_step_v4"], "NODE": ["m_stage_v3", "m_stage_v4"]},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(BUILD_TEXTS))
+def test_names_that_the_build_defines(name: str) -> None:
+    text, expected = BUILD_TEXTS[name]
+    assert _lists(build_macros(text)) == expected
+
+
+def test_text_functions_are_counted(tmp_path: Path) -> None:
+    tree, _ = _write(tmp_path, {})
+    (procedure,) = tree.owners["rwmf_model_cable"].procedures
+    assert procedure.returns_deferred_text
+    assert (procedure.arguments, procedure.code_lines) == (2, 4)

@@ -1,0 +1,190 @@
+"""Rows of the batch program: every input and scene, what it refuses, its options."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+from bitwise import scenes
+from bitwise.clean import csv_text, without_times
+from bitwise.rows import Row
+from bitwise.scenes import METHODS, Scene
+from bitwise.tree import Tree
+
+_THREADS = (1, 2)
+# every so many of the inputs and scenes are in the quick part
+_QUICK_INPUT, _QUICK_SCENE = 4, 5
+_COARSE = "0.05"  # interval of histories that are there for the state inside a step [s]
+_FEW = 24  # periods of a spectrum with a method that runs one after the other
+
+
+def rows(tree: Tree) -> Iterator[Row]:
+    """List the rows of the batch program.
+
+    Parameters
+    ----------
+    tree : Tree
+        The checkout.
+
+    Yields
+    ------
+    Row
+        One for each input or scene and method.
+    """
+    batch = tree.batch
+    for i, path in enumerate(tree.inputs):
+        yield from _of_input(batch, path, i % _QUICK_INPUT == 0)
+    for i, scene in enumerate(scenes.read_scenes()):
+        yield from _of_scene(batch, scene, i)
+    for scene in scenes.read_refused():
+        yield Row(f"batch/refused/{scene.name}", partial(run_scene, batch, scene, scene.text))
+    for name, words in _COMMAND_LINES.items():
+        yield Row(f"batch/options/{name}", partial(run_words, batch, words))
+    yield Row("batch/options/parts", partial(run_parts, batch))
+
+
+def _of_input(batch: Path, path: Path, is_quick: bool) -> Iterator[Row]:
+    scene = scenes.from_input(path)
+    key = f"batch/input/{scene.name}"
+    for threads in _THREADS if scene.has_spectrum else (1,):
+        given = partial(run_input, batch, path, threads)
+        yield Row(f"{key}/given/threads-{threads}", given, is_quick)
+    if scenes.has_period(scene.text):
+        alone = scenes.with_interval(scenes.without_spectrum(scene.text), _COARSE)
+        for i, method in enumerate(METHODS):
+            text = scenes.with_solver(alone, method)
+            yield Row(
+                f"{key}/{method}", partial(run_scene, batch, scene, text), is_quick and i == 3
+            )
+    if scene.has_spectrum:
+        few = scenes.with_fewer_periods(scenes.without_output(scene.text), _FEW)
+        for method in ("dop853", "adams"):
+            text = scenes.with_solver(few, method, "1.0e-6")
+            yield Row(f"{key}/spectrum/{method}", partial(run_scene, batch, scene, text, 2), False)
+
+
+def _of_scene(batch: Path, scene: Scene, number: int) -> Iterator[Row]:
+    key = f"batch/scene/{scene.name}"
+    is_quick = number % _QUICK_SCENE == 0
+    is_special = scene.name.startswith("special-")
+    yield Row(f"{key}/given", partial(run_scene, batch, scene, scene.text, 2), is_special)
+    if scene.has_spectrum:
+        for threads in _THREADS:
+            text = scenes.with_solver(scene.text, "fast", None)
+            ask = partial(run_scene, batch, scene, text, threads)
+            yield Row(f"{key}/fast/threads-{threads}", ask, is_quick)
+    methods = METHODS if is_special else (METHODS[number % 4], METHODS[4])
+    for method in methods:
+        text = scenes.with_solver(scene.text, method, None)
+        yield Row(f"{key}/{method}", partial(run_scene, batch, scene, text, 2), is_quick)
+
+
+_COMMAND_LINES = {
+    "none": (),
+    "help": ("--help",),
+    "unknown": ("--fast", "x.nml"),
+    "no-folder": ("--out",),
+    "missing-folder": ("--out", "nowhere", "x.nml"),
+    "bad-part": ("--part", "3/2", "x.nml"),
+    "no-part": ("--part",),
+    "same-name": ("a/x.nml", "b/x.nml"),
+}
+
+
+def run_words(batch: Path, words: tuple[str, ...], threads: int = 1) -> str:
+    """Run the batch program.
+
+    Parameters
+    ----------
+    batch : Path
+        The program.
+    words : tuple of str
+        Its arguments.
+    threads : int
+        Threads of OpenMP.
+
+    Returns
+    -------
+    str
+        Exit status and both outputs.
+    """
+    found = subprocess.run(
+        [batch, *words],
+        capture_output=True,
+        encoding="utf-8",
+        errors="surrogateescape",
+        env=os.environ | {"OMP_NUM_THREADS": str(threads)},
+        check=False,
+    )
+    return f"status {found.returncode}\n{without_times(found.stdout + found.stderr)}"
+
+
+def run_scene(batch: Path, scene: Scene, text: str, threads: int = 1) -> str:
+    """Run a scene in the current folder.
+
+    Parameters
+    ----------
+    batch : Path
+        The program.
+    scene : Scene
+        Where the records come from.
+    text : str
+        Text of the case.
+    threads : int
+        Threads of OpenMP.
+
+    Returns
+    -------
+    str
+        Exit status, outputs and files.
+    """
+    said = run_words(batch, (str(scene.put(text)),), threads)
+    return said + _files(with_case=True)
+
+
+def run_input(batch: Path, path: Path, threads: int) -> str:
+    """Run a shipped input as it is.
+
+    Parameters
+    ----------
+    batch : Path
+        The program.
+    path : Path
+        The input.
+    threads : int
+        Threads of OpenMP.
+
+    Returns
+    -------
+    str
+        Exit status, outputs and files.
+    """
+    said = run_words(batch, ("--out", ".", str(path)), threads)
+    return said.replace(f"{path.parent}/", "") + _files(with_case=False)
+
+
+def run_parts(batch: Path) -> str:
+    """Run two parts of a spectrum.
+
+    Parameters
+    ----------
+    batch : Path
+        The program.
+
+    Returns
+    -------
+    str
+        Exit status, outputs and files.
+    """
+    scene = next(s for s in scenes.read_scenes() if s.name == "special-spectrum-linear")
+    path = str(scene.put())
+    said = [run_words(batch, ("--part", part, path)) for part in ("1/2", "2/2", "8/8")]
+    return "".join(said) + _files(with_case=True)
+
+
+def _files(*, with_case: bool) -> str:
+    found = sorted(Path().glob("*.csv"))
+    return "".join(csv_text(path, with_case=with_case) for path in found)

@@ -1,0 +1,83 @@
+"""Rows of hosts in Fortran and C: whole cases, spectra, stepping, the wall as an element."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
+
+from bitwise import scenes
+from bitwise.rows import Row
+from bitwise.scenes import CASE, METHODS, Scene
+
+_WHOLE, _QUICK = 6, 5  # every so many scenes
+
+
+def rows(programs: Mapping[str, Path]) -> Iterator[Row]:
+    """List the rows of the hosts.
+
+    Parameters
+    ----------
+    programs : mapping
+        Compiled hosts by language.
+
+    Yields
+    ------
+    Row
+        One for each language, way of use, scene and method.
+    """
+    for language, program in programs.items():
+        for i, scene in enumerate(scenes.read_scenes()):
+            for kind, method in _questions(language, scene, i):
+                text = scene.text if method is None else _with_method(scene, method)
+                key = "/".join(filter(None, (language, kind, scene.name, method)))
+                yield Row(key, partial(ask, program, kind, scene, text), i % _QUICK == 0)
+        for scene in scenes.read_refused()[::_WHOLE]:
+            key = f"{language}/refused/{scene.name}"
+            yield Row(key, partial(ask, program, "simulate", scene, scene.text))
+        plain = next(s for s in scenes.read_scenes() if s.name == "special-mass-given")
+        yield Row(f"{language}/bad-calls", partial(ask, program, "bad-calls", plain, plain.text))
+
+
+def _questions(language: str, scene: Scene, number: int) -> Iterator[tuple[str, str | None]]:
+    """Ways of use and methods of a scene; a spectrum is a host's in Fortran only."""
+    if scene.has_spectrum:
+        if language == "fortran":
+            yield from (("spectrum-1", None), ("spectrum-2", None))
+        return
+    yield "element", None
+    yield "stepping", "dop853"
+    yield "stepping", METHODS[number % 5 if number % 5 != 3 else 4]
+    if number % _WHOLE == 0 or scene.has_accuracy:
+        yield "simulate", None
+
+
+def _with_method(scene: Scene, method: str) -> str:
+    return scenes.with_solver(scene.text, method, None)
+
+
+def ask(program: Path, kind: str, scene: Scene, text: str) -> str:
+    """Run a host on a scene.
+
+    Parameters
+    ----------
+    program : Path
+        The host.
+    kind : str
+        What it is to do.
+    scene : Scene
+        Where the records come from.
+    text : str
+        Text of the case.
+
+    Returns
+    -------
+    str
+        Exit status and both outputs.
+    """
+    scene.put(text)
+    found = subprocess.run(
+        [program, kind, CASE], capture_output=True, encoding="utf-8", errors="replace", check=False
+    )
+    return f"status {found.returncode}\n{found.stdout}{found.stderr}"

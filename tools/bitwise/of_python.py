@@ -1,0 +1,260 @@
+"""Rows of the Python package: runs, spectra, loops, cases, errors, quadruple precision."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import rwmf
+from rwmf import studies
+
+from bitwise import scenes
+from bitwise.dump import dump_dataset, dump_value
+from bitwise.rows import Row
+from bitwise.scenes import Scene
+from bitwise.tree import Tree
+
+# every so many of the scenes are run from Python too; the batch program runs all
+_SOME, _QUICK = 4, 20
+_LOOPS = ("tendon-yields", "fuses", "bare-yields", "everything", "published")
+# short runs: quadruple precision is a hundred times as slow
+_QUAD = (
+    "block",
+    "coupled",
+    "bare-bouc-wen",
+    "storeys-full",
+    "everything",
+    "vertical-record",
+    "overturns",
+    "housner",
+    "pushed",
+    "tendon-breaks",
+)
+_QUAD_END = 1.0  # end of those runs [s]
+_QUAD_RTOL = (1e-18, 1e-20)
+
+
+def rows(tree: Tree) -> Iterator[Row]:
+    """List the rows of the Python package, but for sweeps and studies.
+
+    Parameters
+    ----------
+    tree : Tree
+        The checkout.
+
+    Yields
+    ------
+    Row
+        One for each question and scene.
+    """
+    every = scenes.read_scenes()
+    by_name = {scene.name.removeprefix("special-"): scene for scene in every}
+    yield Row("python/names", list_names)
+    for i, scene in enumerate(every):
+        key = f"python/case/{scene.name}"
+        yield Row(key, partial(describe, scene), i % _QUICK == 0)
+        if scene.has_spectrum:
+            yield from _of_spectrum(scene, is_quick=i % _SOME == 0)
+        elif i % _SOME == 0 or scene.has_accuracy:
+            key = f"python/simulate/{scene.name}"
+            yield Row(key, partial(simulate, scene), i % _QUICK == 0)
+    for path in tree.inputs:
+        scene = scenes.from_input(path)
+        yield Row(f"python/case/input-{scene.name}", partial(describe, scene), False)
+    for scene in scenes.read_refused():
+        yield Row(f"python/refused/{scene.name}", partial(refuse, scene), False)
+    for name in _LOOPS:
+        yield Row(f"python/loops/{name}", partial(find_loops, by_name[name]))
+    for i, name in enumerate(_QUAD):
+        ask = partial(solve_in_quadruple, by_name[name])
+        yield Row(f"python/quadruple/{name}", ask, i < 3)
+    for name in ("block", "coupled"):
+        yield Row(f"python/cost/{name}", partial(measure_cost, by_name[name]), False)
+
+
+def _of_spectrum(scene: Scene, *, is_quick: bool) -> Iterator[Row]:
+    for method in ("fast", "dop853"):
+        for threads in (1, 2):
+            key = f"python/spectrum/{scene.name}/{method}/threads-{threads}"
+            yield Row(key, partial(spectrum, scene, method, threads), is_quick)
+
+
+def list_names() -> str:
+    """List what the package and its studies offer.
+
+    Returns
+    -------
+    str
+        Names, one a line.
+    """
+    return "\n".join([*rwmf.__all__, *studies.__all__]) + "\n"
+
+
+def describe(scene: Scene) -> str:
+    """Give the namelist text and all values of a case, defaults included.
+
+    Parameters
+    ----------
+    scene : Scene
+        The case.
+
+    Returns
+    -------
+    str
+        Namelist text and values.
+    """
+    return _answer_of(scene, lambda case: f"{case.to_namelist()}\n{case!r}\n")
+
+
+def simulate(scene: Scene) -> str:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    str
+        The dataset.
+    """
+    return _answer_of(scene, lambda case: dump_dataset(rwmf.simulate(case, dt=0.025)))
+
+
+def spectrum(scene: Scene, method: str, threads: int) -> str:
+    """Compute a spectrum, once as the scene asks and once on a grid of the call.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    method : str
+        Name of the method.
+    threads : int
+        Threads.
+
+    Returns
+    -------
+    str
+        Both datasets.
+    """
+
+    def compute(case: rwmf.Case) -> str:
+        case = case.replace(solver={"method": method})
+        grid: dict[str, list[float]] = {"T_s": [0.3, 0.9, 1.7]}
+        if case.wall and not case.storeys:
+            grid |= {"gamma": [3.0, 300.0], "b": [0.45, 0.55]}
+        given = rwmf.spectrum(case, threads=threads)
+        return dump_dataset(given) + dump_dataset(rwmf.spectrum(case, **grid, threads=threads))
+
+    return _answer_of(scene, compute)
+
+
+def refuse(scene: Scene) -> str:
+    """Give the error of a case that is not acceptable.
+
+    Parameters
+    ----------
+    scene : Scene
+        The case.
+
+    Returns
+    -------
+    str
+        Type and text of the error.
+    """
+    return _answer_of(scene, lambda case: f"accepted\n{case!r}\n")
+
+
+def find_loops(scene: Scene) -> str:
+    """Find the loops of a scene's springs.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    str
+        Displacements, forces and work of each spring.
+    """
+
+    def find(case: rwmf.Case) -> str:
+        parts = []
+        for loop in rwmf.loops.find_loops(rwmf.simulate(case, dt=0.01), case):
+            parts += [loop.spring, loop.label, dump_value(loop.work)]
+            parts += [dump_value(loop.displacement), dump_value(loop.force)]
+        return "\n".join(parts) + "\n"
+
+    return _answer_of(scene, find)
+
+
+def measure_cost(scene: Scene) -> str:
+    """Measure what accuracy costs: everything but the times, and what depends on them.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    str
+        Reference, and errors and counts of every method.
+    """
+
+    def measure(case: rwmf.Case) -> str:
+        found = rwmf.cost(_shortened(case)).to_dict()
+        parts = [dump_value(found["reference"])]
+        parts += [dump_value(row) for row in (*found["rows"], *found["practices"])]
+        return "\n".join(parts) + "\n"
+
+    return _answer_of(scene, measure)
+
+
+def solve_in_quadruple(scene: Scene) -> str:
+    """Run a scene in quadruple precision.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    str
+        Values, and their differences between two tolerances.
+    """
+
+    def solve(case: rwmf.Case) -> str:
+        case = _shortened(case)
+        found = _private_reference()(case, *_QUAD_RTOL)
+        return dump_value(vars(found)) + "\n"
+
+    return _answer_of(scene, solve)
+
+
+def _private_reference() -> Callable[..., object]:
+    """Find the reference in quadruple precision: the only private name that the digest uses.
+
+    `rwmf.cost` is the public way to it, but takes seconds for all that it measures beside. The
+    module is looked for by what it holds, so that it may move.
+    """
+    name = "solve_reference"
+    holders = [m for key, m in sorted(sys.modules.items()) if key.startswith("rwmf.")]
+    return next(getattr(module, name) for module in holders if hasattr(module, name))
+
+
+def _shortened(case: rwmf.Case) -> rwmf.Case:
+    return case.replace(solver={"t_end": _QUAD_END})
+
+
+def _answer_of(scene: Scene, question: Callable[[rwmf.Case], str]) -> str:
+    """Answer to a question about a scene; an error of the package is an answer too."""
+    try:
+        return question(rwmf.Case.from_namelist(scene.put()))
+    except rwmf.RwmfError as error:
+        return f"{type(error).__name__}: {error}\n"

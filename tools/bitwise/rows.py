@@ -1,0 +1,92 @@
+"""What a row of the digest is, and how a list of them is computed."""
+
+from __future__ import annotations
+
+import hashlib
+import multiprocessing
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+from bitwise.clean import without_places
+from bitwise.tree import Tree
+
+_WORKERS = 2
+_DIGITS = 16
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of the digest.
+
+    Attributes
+    ----------
+    key : str
+        Its name: way in, kind of question, scene, method, parted by slashes.
+    answer : callable
+        Gives the text that is hashed. It is called in an empty current folder of its own, in
+        another process, so it must be picklable: a `functools.partial` of a public function.
+    is_quick : bool
+        Whether it belongs to the representative part of ``--quick``.
+    """
+
+    key: str
+    answer: Callable[[], str]
+    is_quick: bool = True
+
+
+def digest_of(text: str) -> str:
+    """Hash a text.
+
+    Parameters
+    ----------
+    text : str
+        What a row's `answer` gave.
+
+    Returns
+    -------
+    str
+        The first digits of its SHA-256.
+    """
+    return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:_DIGITS]
+
+
+def compute(rows: Iterable[Row], tree: Tree) -> Iterator[tuple[str, str]]:
+    """Compute rows in two processes, in the order in which they become ready.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+        What to compute.
+    tree : Tree
+        The checkout; its path is taken out of the texts.
+
+    Yields
+    ------
+    (str, str)
+        Key and text of a row. A row that failed unexpectedly has the exception as its text.
+    """
+    # spawn, never fork: a forked child hangs once OpenMP has run
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(_WORKERS, mp_context=context) as pool:
+        waiting = {pool.submit(_answer, row.answer, tree.root): row.key for row in rows}
+        for done in as_completed(waiting):
+            yield waiting[done], done.result()
+
+
+def _answer(answer: Callable[[], str], root: Path) -> str:
+    """Text of a row, asked for in a folder of its own."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name).resolve()
+        os.chdir(folder)
+        try:
+            text = answer()
+        except Exception as error:
+            text = f"unexpected {type(error).__name__}: {error}\n"
+        finally:
+            os.chdir(before)
+    return without_places(text, folder, root)
