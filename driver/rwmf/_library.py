@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import (
-    rwmf_bindings_python_kernel as _kernel,
+    rwmf_bindings_python_cost as cost_kernel,  # noqa: F401 (for _measure)
 )
 from rwmf._kernel import (
-    rwmf_bindings_python_cost as cost_kernel,  # noqa: F401 (for _measure)
+    rwmf_bindings_python_kernel as _kernel,
 )
 from rwmf._reference import (
     rwmf_bindings_python_reference as reference_kernel,  # noqa: F401 (for _measure)
@@ -39,6 +39,7 @@ __all__ = [
     "Run",
     "Sweep",
     "instruction_set",
+    "quantities",
     "read_case",
     "schema",
     "start_simulation",
@@ -86,6 +87,17 @@ def schema() -> list[list[str]]:
         One row a key: group, key, type, unit, default, what is allowed, help.
     """
     return split_table(fetch_text(_kernel.schema))
+
+
+def quantities() -> list[list[str]]:
+    """Return the kernel's table of output quantities.
+
+    Returns
+    -------
+    list of list of str
+        One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
+    """
+    return split_table(fetch_text(_kernel.quantities))
 
 
 class _Memory:
@@ -287,19 +299,19 @@ class Sweep(_Result):
     def facts(self) -> dict[str, Any]:
         """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds."""
         names = ("n_T", "n_gamma", "n_b", "bare", "threads", "rhs_evaluations", "seconds")
-        return dict(zip(names, _kernel.spectrum_shape(self.handle)[1:], strict=True))
+        return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:
         """T_s [s], gamma [-], b [m], u_s_max [m] and status, the last two (b, gamma, T_s)."""
-        address, *shape = _kernel.spectrum_shape(self.handle)[:4]
+        shape = _kernel.spectrum_shape(self.handle)[:3]
         axes = [np.zeros(n) for n in shape]
-        _kernel.spectrum_axes(self.handle, *axes)
+        address = _kernel.spectrum_values(self.handle, *axes)
         status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
         return {
             "T_s": axes[0],
             "gamma": axes[1],
             "b": axes[2],
-            "u_s_max": np.asarray(_Array(self.memory, address, tuple(shape[::-1]))),
+            "u_s_max": np.asarray(_Array(self.memory, address, shape[::-1])),
             "status": status.reshape(shape[::-1]),
         }
 

@@ -13,7 +13,7 @@ from rwmf import _library
 from rwmf._wire import encode, fetch_text, message_buffer
 from rwmf.case import Case
 
-__all__ = ["Measurement", "Reference", "measure_method", "measure_baseline", "solve_reference"]
+__all__ = ["Measurement", "Reference", "measure_baseline", "measure_method", "solve_reference"]
 
 # impacts beyond are counted, their times left out: only chatter has so many
 _ROOM = 20000

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -11,7 +10,7 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf.case import Case
-from rwmf.quantities import QUANTITIES
+from rwmf.quantities import find
 
 __all__ = ["simulate", "start", "to_dataset", "with_history"]
 
@@ -110,16 +109,16 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
     variables: dict[str, Any] = {}
     columns, values = run.history()
     for i, column in enumerate(columns):
-        name, attributes = _label(column)
-        variables[name] = ("time", values[i], attributes)
+        quantity = find(column)
+        variables[quantity.name] = ("time", values[i], quantity.attributes)
     coordinates: dict[str, Any] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
     facts: dict[str, Any] = {"version": _library.version()}
     for key, value in summary.items():
-        if key in QUANTITIES:
-            name, attributes = _label(key)
-            variables[name] = ((), value, attributes)
+        quantity = find(key)
+        if quantity.name:
+            variables[quantity.name] = ((), value, quantity.attributes)
         else:
             facts[key] = value
     # all at once: xarray aligns everything anew for each variable that is added
@@ -141,20 +140,3 @@ def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, 
             {"units": units[1], "long_name": "rate at the event, at an impact the one before it"},
         ),
     }
-
-
-def _label(key: str) -> tuple[str, dict[str, str]]:
-    """Name and attributes of a quantity; one that is not in the table keeps its key."""
-    numbered = re.fullmatch(r"(floor|storey)_(\d+)_(m|drift|shear_over_m_w_g)", key)
-    if numbered:
-        part, number, what = numbered.groups()
-        if part == "floor":
-            return f"floor_{number}", {"units": "m", "long_name": f"displacement of floor {number}"}
-        meaning = f"drift of storey {number} over its height"
-        if what != "drift":
-            meaning = f"shear of storey {number} over the weight that its mass is over"
-        return key, {"units": "1", "long_name": meaning}
-    if key not in QUANTITIES:
-        return key, {}
-    quantity = QUANTITIES[key]
-    return quantity.name, {"units": quantity.unit, "long_name": quantity.meaning}

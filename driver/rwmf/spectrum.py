@@ -11,6 +11,7 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf.case import Case
+from rwmf.quantities import AXES, QUANTITIES
 
 __all__ = ["count_ordinates", "spectrum", "start", "to_dataset", "with_grid"]
 
@@ -164,16 +165,12 @@ def to_dataset(sweep: _library.Sweep) -> xr.Dataset:
     values = sweep.values()
     facts = sweep.facts()
     dims: tuple[str, ...] = ("b", "gamma", "T_s")
-    coordinates = {
-        "b": ("b", values["b"], {"units": "m", "long_name": "half width of the wall"}),
-        "gamma": ("gamma", values["gamma"], {"units": "1", "long_name": "mass ratio"}),
-        "T_s": ("T_s", values["T_s"], {"units": "s", "long_name": "period of the frame"}),
-    }
+    coordinates = {name: (name, values[name], item.attributes) for name, item in AXES.items()}
     u_s_max, status = values["u_s_max"], values["status"]
     if facts["bare"]:
         dims, u_s_max, status = ("T_s",), u_s_max[0, 0], status[0, 0]
         coordinates = {"T_s": coordinates["T_s"]}
-    attributes = {"units": "m", "long_name": "largest displacement of the frame"}
+    attributes = QUANTITIES["u_s_max_m"].attributes
     return xr.Dataset(
         {"u_s_max": (dims, u_s_max, attributes), "status": (dims, status)},
         coords=coordinates,

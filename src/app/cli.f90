@@ -1,10 +1,11 @@
 !> The arguments of the batch program.
 module rwmf_app_cli
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_text_strings, only: string_t
    implicit none
    private
 
-   public :: path_t, command_line_t, read_command_line, usage
+   public :: command_line_t, read_command_line, usage
 
    character(1), parameter :: nl = new_line('a')
    character(*), parameter :: usage = &
@@ -27,14 +28,9 @@ module rwmf_app_cli
       //'   2 input or output not acceptable, 130 interrupted'
    !! what `--help` prints
 
-   !> A path of any length.
-   type :: path_t
-      character(:), allocatable :: text
-   end type path_t
-
    !> What the user asks for.
    type :: command_line_t
-      type(path_t), allocatable :: cases(:)
+      type(string_t), allocatable :: cases(:)
       !! (files) namelists in the order given
       character(:), allocatable :: folder
       !! where the results go; '' is the current folder
@@ -52,7 +48,7 @@ contains
    subroutine read_command_line(command_line, error)
       type(command_line_t), intent(out) :: command_line
       type(error_t), allocatable, intent(out) :: error
-      type(path_t) :: given
+      character(:), allocatable :: given
       logical :: options_end
       integer :: i
 
@@ -65,14 +61,13 @@ contains
       options_end = .false.
       i = 0
       do while (i < command_argument_count())
-         i = i + 1
-         given = argument(i)
-         if (options_end .or. index(given%text, '-') /= 1) then
-            command_line%cases = [command_line%cases, given]
-         else if (given%text == '--') then
+         call take_argument(i, given)
+         if (options_end .or. index(given, '-') /= 1) then
+            command_line%cases = [command_line%cases, string_t(given)]
+         else if (given == '--') then
             options_end = .true.
          else
-            call read_option(command_line, given%text, i, error)
+            call read_option(command_line, given, i, error)
             if (allocated(error)) return
          end if
       end do
@@ -115,18 +110,18 @@ contains
       end select
    end subroutine read_option
 
-   !> The word that follows an option; empty when it is the last one.
+   !> The next argument in its full length; empty behind the last one.
    subroutine take_argument(position, text)
       integer, intent(inout) :: position
-      !! of the option; on return of its value
+      !! of the argument before; on return of this one
       character(:), allocatable, intent(out) :: text
-      type(path_t) :: value
+      integer :: length
+      integer :: status
 
-      text = ''
       position = position + 1
-      if (position > command_argument_count()) return
-      value = argument(position)
-      call move_alloc(value%text, text)
+      call get_command_argument(position, length=length, status=status)
+      allocate (character(length) :: text)
+      if (status == 0 .and. length > 0) call get_command_argument(position, text)
    end subroutine take_argument
 
    !> The value of `--part`: K/N with 1 <= K <= N.
@@ -150,18 +145,5 @@ contains
       end if
       call fail(error, err_input, '--part '//text//': must be K/N with 1 <= K <= N, as in 3/16')
    end subroutine read_part
-
-   !> One argument in its full length.
-   function argument(position) result(value)
-      integer, intent(in) :: position
-      !! 1 is the first
-      type(path_t) :: value
-      integer :: length
-      integer :: status
-
-      call get_command_argument(position, length=length, status=status)
-      allocate (character(length) :: value%text)
-      if (status == 0 .and. length > 0) call get_command_argument(position, value%text)
-   end function argument
 
 end module rwmf_app_cli

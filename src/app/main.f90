@@ -4,29 +4,28 @@ program rwmf_batch
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
       error_t, instruction_set, read_case_file, result_t, simulate, spectrum_t, version, &
       write_result, write_spectrum
-   use rwmf_app_cli, only: command_line_t, path_t, read_command_line, usage
+   use rwmf_app_cli, only: command_line_t, read_command_line, usage
    use rwmf_app_signals, only: is_interrupted, watch_interrupts
    use rwmf_core_error, only: add_context, fail
    use rwmf_core_kinds, only: wp
    use rwmf_output_csv, only: case_name
    use rwmf_spectrum_spectrum, only: spectrum_periods
    use rwmf_text_atomic_file, only: check_folder, join_path
+   use rwmf_text_strings, only: string_t
    implicit none
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
    integer :: status
 
+   status = 0
    call read_command_line(command_line, error)
    if (allocated(error)) then
-      call report(error)
-      status = error%stat
+      call report(error, status)
    else if (command_line%help) then
       write (output_unit, '(a)') usage
-      status = 0
    else if (command_line%version) then
       write (output_unit, '(a)') 'rwmf '//version//' ('//trim(instruction_set())//')'
-      status = 0
    else
       call run_batch(command_line, status)
    end if
@@ -69,21 +68,15 @@ contains
          call read_case_file(command_line%cases(i)%text, cases(i), error)
          if (.not. allocated(error)) call check_name(command_line%cases(:i), error)
          if (.not. allocated(error)) call take_part(command_line, i, cases(i), error)
-         if (allocated(error)) then
-            call report(error)
-            status = error%stat
-         end if
+         call report(error, status)
       end do
       call check_folder(command_line%folder, error)
-      if (allocated(error)) then
-         call report(error)
-         status = error%stat
-      end if
+      call report(error, status)
    end subroutine read_cases
 
    !> Would the last of these files write to the names of an earlier one?
    subroutine check_name(paths, error)
-      type(path_t), intent(in) :: paths(:)
+      type(string_t), intent(in) :: paths(:)
       !! (files up to the one that is checked)
       type(error_t), allocatable, intent(out) :: error
       integer :: i
@@ -149,11 +142,8 @@ contains
       if (.not. allocated(error) .and. allocated(case%spectrum)) then
          call run_spectrum(case, path, command_line, control, error)
       end if
-      if (allocated(error)) then
-         call add_context(error, path)
-         call report(error)
-         status = error%stat
-      end if
+      if (allocated(error)) call add_context(error, path)
+      call report(error, status)
    end subroutine run_case
 
    !> Does the case describe one structure? A frame without T_s takes its periods from `&spectrum`.
@@ -242,10 +232,14 @@ contains
       end do
    end subroutine report_warnings
 
-   !> Tell the user what went wrong.
-   subroutine report(error)
-      type(error_t), intent(in) :: error
+   !> Tell the user what went wrong, if anything did.
+   subroutine report(error, status)
+      type(error_t), allocatable, intent(in) :: error
+      integer, intent(inout) :: status
+      !! unchanged when all went well
 
+      if (.not. allocated(error)) return
+      status = error%stat
       write (error_unit, '(a)') 'rwmf-batch: '//error%message
    end subroutine report
 

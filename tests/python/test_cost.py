@@ -12,6 +12,7 @@ import rwmf
 from conftest import ROOT
 from rwmf import _measure, cli
 from rwmf.cost import METHODS, PRACTICES, TOLERANCES, Cost, Row, cheapest
+from rwmf.quantities import QUANTITIES
 
 PULSE = """&wall h = 2.0, b = 0.5 /
 &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
@@ -43,6 +44,11 @@ def test_the_reference_knows_its_own_error(found: Cost) -> None:
     # rtol 1e-18 amplified by some impacts, far below double precision
     assert found.reference["relative_error"] < 1e-18
     assert found.reference["good_enough"]
+
+
+def test_the_table_of_quantities_names_what_is_reported(found: Cost) -> None:
+    keys = found.rows[0].to_dict().keys() | found.reference.keys()
+    assert keys == {key for key, row in QUANTITIES.items() if "cost" in row.outputs.split()}
 
 
 def test_every_method_and_tolerance_has_a_row(found: Cost) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from rwmf import quantities
 from rwmf.errors import InputError, OutputError
 from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import QUANTITIES
@@ -190,7 +191,7 @@ def _fill(file: File, layout: Layout, source: Source) -> None:
 def status_attributes(names: list[str]) -> dict[str, object]:
     """Say what the numbers of ``status`` mean, in the way of the CF conventions."""
     return {
-        "long_name": "how the run ended",
+        "long_name": quantities.QUANTITIES["status"].meaning,
         "flag_values": np.arange(len(names), dtype="u1"),
         "flag_meanings": " ".join(names),
     }
@@ -219,8 +220,7 @@ def _new_variable(file: File, layout: Layout, name: str) -> Variable:
         **(_compression(layout.shape) if layout.dims else {}),
     )
     if whole:
-        variable.attrs["units"] = QUANTITIES[name].unit
-        variable.attrs["long_name"] = QUANTITIES[name].meaning
+        variable.attrs.update(QUANTITIES[name].attributes)
     labels = [item.name for item in layout.coordinates if item.name != item.dimension]
     if labels:
         variable.attrs["coordinates"] = " ".join(labels)

@@ -13,6 +13,7 @@ from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.namelist import compose
+from rwmf.quantities import AXES
 from rwmf.sweep.axes import Axis, Coordinate, Entries, RecordAxis, key_axis
 from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import DISPLACEMENT, find_quantities
@@ -25,11 +26,6 @@ __all__ = ["Plan", "make_plan"]
 _CHUNK_RUNS = 4096
 # the same where each run is a call of the kernel
 _CHUNK_POINTS = 128
-_INNER = {
-    "b": ("wall", "m", "half width of the wall"),
-    "gamma": ("frame", "1", "mass ratio"),
-    "T_s": ("frame", "s", "period of the frame"),
-}
 
 
 @dataclass(frozen=True)
@@ -159,7 +155,7 @@ def make_plan(
     """
     wanted = find_quantities(quantities)
     axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
-    axes += [key_axis(name, values) for name, values in grid.items() if name not in _INNER]
+    axes += [key_axis(name, values) for name, values in grid.items() if name not in AXES]
     names = [axis.name for axis in axes]
     if len(set(names)) < len(names):
         raise InputError(f"grid: two axes have the same name: {', '.join(names)}")
@@ -185,8 +181,7 @@ def _make_layout(
 ) -> Layout:
     coordinates = [coordinate for axis in axes for coordinate in axis.coordinates()]
     for name, values in inner:
-        _, unit, meaning = _INNER[name]
-        coordinates.append(Coordinate(name, name, values, unit, meaning))
+        coordinates.append(Coordinate(name, name, values, AXES[name].unit, AXES[name].meaning))
     sizes = [len(values) for _, values in inner]
     block = max(1, size // max(1, int(np.prod(sizes[:-1], dtype=int)))) if sizes else 1
     return Layout(
@@ -226,7 +221,8 @@ def _inner_axes(
     """Axes that the kernel loops over, as far as the scene has them."""
     groups = case.groups
     found = []
-    for name, (group, _, _) in _INNER.items():
+    for name, quantity in AXES.items():
+        group = quantity.group
         missing = group not in groups or (name == "gamma" and "wall" not in groups)
         if missing and name in grid:
             raise InputError(f"grid: {name}: the case has no such effect to vary")

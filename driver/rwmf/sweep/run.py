@@ -256,8 +256,6 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
         labels["long_name"] = item.meaning
         dataset.coords[item.name] = (item.dimension, np.array(item.values), labels)
     for name in layout.quantities:
-        quantity = netcdf.QUANTITIES[name]
-        labels = {"units": quantity.unit, "long_name": quantity.meaning}
-        dataset[name] = (layout.dims, arrays[name], labels)
+        dataset[name] = (layout.dims, arrays[name], netcdf.QUANTITIES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
     return dataset

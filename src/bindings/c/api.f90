@@ -20,8 +20,9 @@ module rwmf_bindings_c_api
    implicit none
    private
 
-   public :: c_version, c_run, c_run_case, c_create, c_create_from_case, c_destroy, c_advance, c_advance_samples
-   public :: c_advance_ground, c_query_state, c_query_forces, c_query_events
+   public :: c_version, c_run, c_run_case, c_create, c_create_from_case, c_destroy
+   public :: c_advance, c_advance_samples, c_advance_ground
+   public :: c_query_state, c_query_forces, c_query_events
    public :: c_save, c_restore, c_destroy_snapshot
 
    !> `rwmf_result` of the header.
@@ -340,7 +341,7 @@ contains
 
       call query_events(wall_of(handle), found, error)
       if (.not. allocated(error)) then
-         count = storage_count(found)
+         count = ubound(found, 1, c_size_t)
          do i = 1, min(capacity, count)
             events(i) = c_event_t(found(i)%t, found(i)%theta, found(i)%theta_dot, &
                int(found(i)%kind, c_int32_t))
@@ -348,12 +349,6 @@ contains
       end if
       c_query_events = put_message(error, message, size)
    end function c_query_events
-
-   pure integer(c_size_t) function storage_count(events)
-      type(event_t), intent(in) :: events(:)
-
-      storage_count = size(events, kind=c_size_t)
-   end function storage_count
 
    !> `rwmf_save`.
    integer(c_int) function c_save(handle, snapshot, message, size) bind(c, name='rwmf_save')

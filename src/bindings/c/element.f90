@@ -13,8 +13,8 @@ module rwmf_bindings_c_element
    implicit none
    private
 
-   public :: c_create_element, c_create_element_from_case, c_destroy_element, c_respond, c_velocity_factor
-   public :: c_next_impact, c_next_lift_off, c_settles
+   public :: c_create_element, c_create_element_from_case, c_destroy_element, c_respond
+   public :: c_velocity_factor, c_next_impact, c_next_lift_off, c_settles
 
    !> `rwmf_response` of the header.
    type, bind(c) :: c_response_t

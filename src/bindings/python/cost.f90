@@ -3,20 +3,18 @@
 module rwmf_bindings_python_cost
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_baseline_run, only: usual_interval
-   use rwmf_baseline_timed_run, only: empty_measured, measure_method, &
-      names_of_values => value_names, put_measured, repeat_baseline, timed_run_t
+   use rwmf_baseline_timed_run, only: measure_method, names_of_values => value_names, &
+      put_measured, repeat_baseline, timed_run_t
    use rwmf_bindings_python_handles, only: find, kept_t, make_control, put_error, put_text
    use rwmf_core_error, only: error_t
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    implicit none
    public
 
 contains
 
    !> Names of the values of a measurement, one a line.
-   subroutine value_names(n, buffer, length)
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+   subroutine value_names(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       ! f2py declares the C type of int8 only when it is written this way at least once
       !f2py integer*1 :: buffer
       integer(c_int), intent(out) :: length
@@ -28,64 +26,53 @@ contains
    !>
    !> `counts` is (steps, right-hand sides, impacts, overturned, repeats); impact times beyond the
    !> room for them are left out.
-   subroutine measure(handle, method, rtol, budget, control, n, values, seconds, counts, n_room, &
-      impact_times, status, n_message, message, message_length)
+   subroutine measure(handle, method, rtol, budget, control, values, seconds, counts, &
+      impact_times, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: method
       real(c_double), intent(in) :: rtol
       real(c_double), intent(in) :: budget
       integer(c_int64_t), intent(inout), target :: control(2)
-      integer(c_int), intent(in) :: n
-      real(c_double), intent(inout) :: values(n)
+      real(c_double), intent(inout) :: values(:)
       real(c_double), intent(out) :: seconds
       integer(c_int64_t), intent(out) :: counts(5)
-      integer(c_int), intent(in) :: n_room
-      real(c_double), intent(inout) :: impact_times(n_room)
+      real(c_double), intent(inout) :: impact_times(:)
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
-      type(motion_t) :: motion
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
-      measured = empty_measured()
       kept => find(handle)
-      motion = motion_from_case(kept%case)
-      call measure_method(kept%case, motion, method, rtol, budget, make_control(control), &
-         measured, error)
+      call measure_method(kept%case, method, rtol, budget, make_control(control), measured, error)
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)
    end subroutine measure
 
-   !> The same with one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
-   !> interval of such a case over a divisor; `dt` returns it (s).
-   subroutine measure_baseline(handle, name, divisor, budget, n, values, seconds, dt, counts, &
-      n_room, impact_times, status, n_message, message, message_length)
+   !> Run a case by one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
+   !> interval of such a case over a divisor; `dt` returns it (s). The rest is as in `measure`.
+   subroutine measure_baseline(handle, name, divisor, budget, values, seconds, dt, counts, &
+      impact_times, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: name
       real(c_double), intent(in) :: divisor
       real(c_double), intent(in) :: budget
-      integer(c_int), intent(in) :: n
-      real(c_double), intent(inout) :: values(n)
+      real(c_double), intent(inout) :: values(:)
       real(c_double), intent(out) :: seconds
       real(c_double), intent(out) :: dt
       integer(c_int64_t), intent(out) :: counts(5)
-      integer(c_int), intent(in) :: n_room
-      real(c_double), intent(inout) :: impact_times(n_room)
+      real(c_double), intent(inout) :: impact_times(:)
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
-      measured = empty_measured()
       kept => find(handle)
       dt = usual_interval(kept%case)/divisor
       call repeat_baseline(kept%case, name, dt, budget, measured, error)

@@ -86,26 +86,20 @@ contains
    pure subroutine join_status(spectrum, text)
       type(spectrum_t), intent(in) :: spectrum
       character(:), allocatable, intent(out) :: text
+      character(len(spectrum%status)) :: status(size(spectrum%status))
       integer :: length
       integer :: i
-      integer :: j
-      integer :: k
       integer :: n
 
+      status = reshape(spectrum%status, shape(status))
       ! the room is taken once: a text that grows a line at a time is copied as often
-      associate (status => spectrum%status)
-         allocate (character(sum(len_trim(status) + 1)) :: text)
-         length = 0
-         do k = 1, size(status, 3)
-            do j = 1, size(status, 2)
-               do i = 1, size(status, 1)
-                  n = len_trim(status(i, j, k)) + 1
-                  text(length + 1:length + n) = trim(status(i, j, k))//new_line('a')
-                  length = length + n
-               end do
-            end do
-         end do
-      end associate
+      allocate (character(sum(len_trim(status) + 1)) :: text)
+      length = 0
+      do i = 1, size(status)
+         n = len_trim(status(i)) + 1
+         text(length + 1:length + n) = trim(status(i))//new_line('a')
+         length = length + n
+      end do
    end subroutine join_status
 
    !> Read and validate a case; messages begin with the name of its file.

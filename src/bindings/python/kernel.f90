@@ -10,7 +10,7 @@
 !>   a case at once, for it never changes; a result is used by one thread at a time.
 !> * The large arrays are not copied: the caller gets their address, good until the handle is freed.
 !>
-!> f2py reads this file: kinds of iso_c_binding, plain `implicit none`, explicit shapes.
+!> f2py reads this file: kinds of iso_c_binding, plain `implicit none`.
 module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -24,6 +24,7 @@ module rwmf_bindings_python_kernel
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: summarise, summary_item_t, summary_text
+   use rwmf_simulation_quantities, only: quantities_text
    use rwmf_simulation_result, only: event_impact, event_name, event_rupture
    use rwmf_simulation_simulate, only: run_simulation => simulate
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
@@ -34,9 +35,8 @@ module rwmf_bindings_python_kernel
 contains
 
    !> Version of the package.
-   subroutine version(n, buffer, length)
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+   subroutine version(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       ! f2py declares the C type of int8 only when it is written this way at least once
       !f2py integer*1 :: buffer
       integer(c_int), intent(out) :: length
@@ -45,18 +45,16 @@ contains
    end subroutine version
 
    !> Instructions that method 'fast' uses on this processor.
-   subroutine instruction_set(n, buffer, length)
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+   subroutine instruction_set(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
 
       call put_text(trim(kernel_instructions()), buffer, length)
    end subroutine instruction_set
 
    !> The table of groups and keys, one key a line.
-   subroutine schema(n, buffer, length)
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+   subroutine schema(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       character(:), allocatable :: text
 
@@ -64,10 +62,19 @@ contains
       call put_text(text, buffer, length)
    end subroutine schema
 
+   !> The table of output quantities, one a line.
+   subroutine quantities(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      character(:), allocatable :: text
+
+      call quantities_text(text)
+      call put_text(text, buffer, length)
+   end subroutine quantities
+
    !> Names of the kinds of events 1, 2, ..., one a line.
-   subroutine event_names(n, buffer, length)
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+   subroutine event_names(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       character(:), allocatable :: names
       integer :: kind_number
@@ -81,14 +88,13 @@ contains
 
    !> Read and validate a case. `known` is the handle of a case whose records are not read again
    !> where both name the same, or 0.
-   subroutine case_read(text, source, known, handle, status, n_message, message, message_length)
+   subroutine case_read(text, source, known, handle, status, message, message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
       integer(c_int64_t), intent(in) :: known
       integer(c_int64_t), intent(out) :: handle
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(kept_t), pointer :: other
@@ -117,10 +123,9 @@ contains
    end subroutine release
 
    !> All values of a case with those that were not given.
-   subroutine describe(handle, n, buffer, length)
+   subroutine describe(handle, buffer, length)
       integer(c_int64_t), intent(in) :: handle
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
       character(:), allocatable :: lines
@@ -141,14 +146,12 @@ contains
    end subroutine end_of_motion
 
    !> What a case will simulate and report: see `preview_text`.
-   subroutine inventory(handle, n, buffer, length, status, n_message, message, message_length)
+   subroutine inventory(handle, buffer, length, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
@@ -162,13 +165,12 @@ contains
    end subroutine inventory
 
    !> Run one simulation. `control` is (finished, cancel), read and set while this runs.
-   subroutine simulate(handle, control, run, status, n_message, message, message_length)
+   subroutine simulate(handle, control, run, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(inout), target :: control(2)
       integer(c_int64_t), intent(out) :: run
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
@@ -185,14 +187,12 @@ contains
 
    !> The named scalars of a run: a line each as in `summary_text`, and beside it, as far as there
    !> is room, its number in `reals` (kind 'real') or `counts` ('int', 'logical').
-   subroutine result_summary(handle, run, room, reals, counts, n, buffer, length)
+   subroutine result_summary(handle, run, reals, counts, buffer, length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: run
-      integer(c_int), intent(in) :: room
-      real(c_double), intent(inout) :: reals(room)
-      integer(c_int64_t), intent(inout) :: counts(room)
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+      real(c_double), intent(inout) :: reals(:)
+      integer(c_int64_t), intent(inout) :: counts(:)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
@@ -203,7 +203,7 @@ contains
       from => find(handle)
       kept => find(run)
       call summarise(from%case, kept%result, items)
-      m = min(int(room), size(items))
+      m = min(size(reals), size(counts), size(items))
       reals(:m) = real(items(:m)%number, c_double)
       counts(:m) = int(items(:m)%count, c_int64_t)
       call summary_text(items, lines)
@@ -234,10 +234,9 @@ contains
    end subroutine result_history
 
    !> Names of the columns of the history, one a line.
-   subroutine result_columns(run, n, buffer, length)
+   subroutine result_columns(run, buffer, length)
       integer(c_int64_t), intent(in) :: run
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
       character(:), allocatable :: names
@@ -254,13 +253,12 @@ contains
    end subroutine result_columns
 
    !> The events, in the number of `result_history`.
-   subroutine result_events(run, n, kinds, t, theta, theta_dot)
+   subroutine result_events(run, kinds, t, theta, theta_dot)
       integer(c_int64_t), intent(in) :: run
-      integer(c_int), intent(in) :: n
-      integer(c_int), intent(inout) :: kinds(n)
-      real(c_double), intent(inout) :: t(n)
-      real(c_double), intent(inout) :: theta(n)
-      real(c_double), intent(inout) :: theta_dot(n)
+      integer(c_int), intent(inout) :: kinds(:)
+      real(c_double), intent(inout) :: t(:)
+      real(c_double), intent(inout) :: theta(:)
+      real(c_double), intent(inout) :: theta_dot(:)
       type(kept_t), pointer :: kept
 
       kept => find(run)
@@ -272,15 +270,13 @@ contains
    end subroutine result_events
 
    !> Write the files of a run, named after `source`, as the batch program does.
-   subroutine result_write(handle, run, source, folder, status, n_message, message, &
-      message_length)
+   subroutine result_write(handle, run, source, folder, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: run
       character(*), intent(in) :: source
       character(*), intent(in) :: folder
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
@@ -293,15 +289,13 @@ contains
    end subroutine result_write
 
    !> Compute a spectrum with so many threads (0: all). `control` is (finished, cancel).
-   subroutine spectrum(handle, threads, control, sweep, status, n_message, message, &
-      message_length)
+   subroutine spectrum(handle, threads, control, sweep, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int), intent(in) :: threads
       integer(c_int64_t), intent(inout), target :: control(2)
       integer(c_int64_t), intent(out) :: sweep
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
@@ -316,12 +310,9 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine spectrum
 
-   !> Sizes and cost of a spectrum, and the address of its displacements (n_T, n_gamma, n_b), T_s
-   !> running fastest; `bare` is 1 for a frame without wall (no gamma, no b).
-   subroutine spectrum_shape(sweep, address, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, &
-      seconds)
+   !> Sizes and cost of a spectrum; `bare` is 1 for a frame without wall (no gamma, no b).
+   subroutine spectrum_shape(sweep, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds)
       integer(c_int64_t), intent(in) :: sweep
-      integer(c_int64_t), intent(out) :: address
       integer(c_int), intent(out) :: n_T
       integer(c_int), intent(out) :: n_gamma
       integer(c_int), intent(out) :: n_b
@@ -332,7 +323,6 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
-      address = transfer(c_loc(kept%spectrum%u_s_max), address)
       n_T = size(kept%spectrum%u_s_max, 1, c_int)
       n_gamma = size(kept%spectrum%u_s_max, 2, c_int)
       n_b = size(kept%spectrum%u_s_max, 3, c_int)
@@ -342,15 +332,14 @@ contains
       seconds = real(kept%spectrum%seconds, c_double)
    end subroutine spectrum_shape
 
-   !> The axes, in the sizes of `spectrum_shape`; gamma and b of a bare frame are NaN.
-   subroutine spectrum_axes(sweep, n_T, n_gamma, n_b, T_s, gamma, b)
+   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, and the address
+   !> of the displacements (n_T, n_gamma, n_b), T_s running fastest.
+   subroutine spectrum_values(sweep, T_s, gamma, b, address)
       integer(c_int64_t), intent(in) :: sweep
-      integer(c_int), intent(in) :: n_T
-      integer(c_int), intent(in) :: n_gamma
-      integer(c_int), intent(in) :: n_b
-      real(c_double), intent(inout) :: T_s(n_T)
-      real(c_double), intent(inout) :: gamma(n_gamma)
-      real(c_double), intent(inout) :: b(n_b)
+      real(c_double), intent(inout) :: T_s(:)
+      real(c_double), intent(inout) :: gamma(:)
+      real(c_double), intent(inout) :: b(:)
+      integer(c_int64_t), intent(out) :: address
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
@@ -359,13 +348,13 @@ contains
       b = ieee_value(1.0_c_double, ieee_quiet_nan)
       if (allocated(kept%spectrum%gamma)) gamma = real(kept%spectrum%gamma, c_double)
       if (allocated(kept%spectrum%b)) b = real(kept%spectrum%b, c_double)
-   end subroutine spectrum_axes
+      address = transfer(c_loc(kept%spectrum%u_s_max), address)
+   end subroutine spectrum_values
 
    !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   subroutine spectrum_status(sweep, n, buffer, length)
+   subroutine spectrum_status(sweep, buffer, length)
       integer(c_int64_t), intent(in) :: sweep
-      integer(c_int), intent(in) :: n
-      integer(c_int8_t), intent(inout) :: buffer(n)
+      integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
       character(:), allocatable :: lines
@@ -376,13 +365,12 @@ contains
    end subroutine spectrum_status
 
    !> Write a spectrum as the batch program does.
-   subroutine spectrum_write(handle, sweep, path, status, n_message, message, message_length)
+   subroutine spectrum_write(handle, sweep, path, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: sweep
       character(*), intent(in) :: path
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept

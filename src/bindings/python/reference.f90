@@ -11,7 +11,6 @@ module rwmf_bindings_python_reference
    use rwmf_bindings_python_handles, only: make_control, put_error, read_source
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    implicit none
    public
@@ -24,25 +23,21 @@ contains
    !>
    !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
    !> `control` is (finished runs, cancel).
-   subroutine solve(text, source, rtol_loose, rtol, control, n, values, differences, seconds, &
-      counts, n_room, impact_times, impact_differences, status, n_message, message, &
-      message_length)
+   subroutine solve(text, source, rtol_loose, rtol, control, values, differences, seconds, &
+      counts, impact_times, impact_differences, status, message, message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
       real(c_double), intent(in) :: rtol_loose
       real(c_double), intent(in) :: rtol
       integer(c_int64_t), intent(inout), target :: control(2)
-      integer(c_int), intent(in) :: n
-      real(c_double), intent(inout) :: values(n)
-      real(c_double), intent(inout) :: differences(n)
+      real(c_double), intent(inout) :: values(:)
+      real(c_double), intent(inout) :: differences(:)
       real(c_double), intent(out) :: seconds
       integer(c_int64_t), intent(out) :: counts(5)
-      integer(c_int), intent(in) :: n_room
-      real(c_double), intent(inout) :: impact_times(n_room)
-      real(c_double), intent(inout) :: impact_differences(n_room)
+      real(c_double), intent(inout) :: impact_times(:)
+      real(c_double), intent(inout) :: impact_differences(:)
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(in) :: n_message
-      integer(c_int8_t), intent(inout) :: message(n_message)
+      integer(c_int8_t), intent(inout) :: message(:)
       ! f2py declares the C types of int8 and int64 only when they are written this way
       !f2py integer*1 :: message
       !f2py integer*8 :: control
@@ -50,7 +45,6 @@ contains
       character(*), parameter :: method = 'extrapolation'
       real(wp), parameter :: once = 0
       type(case_t) :: case
-      type(motion_t) :: motion
       type(timed_run_t) :: loose
       type(timed_run_t) :: tight
       type(error_t), allocatable :: error
@@ -60,16 +54,14 @@ contains
       tight = empty_measured()
       call read_source(text, source, case, error)
       if (.not. allocated(error)) then
-         motion = motion_from_case(case)
-         call measure_method(case, motion, method, real(rtol_loose, wp), once, &
+         call measure_method(case, method, real(rtol_loose, wp), once, &
             make_control(control), loose, error)
          control(1) = control(1) + 1_c_int64_t
       end if
       if (.not. allocated(error)) then
          if (allocated(case%record)) call halve_intervals(case%record)
          if (allocated(case%vertical_record)) call halve_intervals(case%vertical_record)
-         motion = motion_from_case(case)
-         call measure_method(case, motion, method, real(rtol, wp), once, &
+         call measure_method(case, method, real(rtol, wp), once, &
             make_control(control), tight, error)
          control(1) = control(1) + 1_c_int64_t
       end if

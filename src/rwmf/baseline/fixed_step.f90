@@ -3,7 +3,7 @@
 !> The impact is applied at the end of the step in which theta changes its sign; theta stays where
 !> the step left it.
 module rwmf_baseline_fixed_step
-   use rwmf_baseline_problem, only: apply_impact, evaluate, lifting_side, observe, problem_t
+   use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_jacobian, only: jacobian
@@ -42,17 +42,6 @@ contains
          if (scene%equation%has_wall .and. .not. scene%rests) call end_step(scene, dt)
       end do
    end subroutine follow_with_fixed_steps
-
-   !> Does the ground motion lift the wall at this sample?
-   subroutine try_lift_off(scene)
-      type(problem_t), intent(inout) :: scene
-      integer :: side
-
-      side = lifting_side(scene, scene%t)
-      if (side == 0) return
-      scene%equation%side = side
-      scene%rests = .false.
-   end subroutine try_lift_off
 
    !> Go to the next sample.
    subroutine take_step(scene, is_newmark, t_new, error)

@@ -5,7 +5,7 @@
 !> points a step that Shampine and Reichelt describe (The MATLAB ODE Suite, SIAM J. Sci. Comput. 18,
 !> 1997). It integrates straight over the samples of a record.
 module rwmf_baseline_ode45
-   use rwmf_baseline_problem, only: apply_impact, evaluate, lifting_side, observe, problem_t
+   use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
@@ -87,18 +87,13 @@ contains
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: dt
       integer(i8) :: k
-      integer :: side
 
       k = ceiling(scene%t/dt, i8)
       do
          scene%t = max(scene%t, k*dt)
          if (scene%t >= scene%t_end) exit
-         side = lifting_side(scene, scene%t)
-         if (side /= 0) then
-            scene%equation%side = side
-            scene%rests = .false.
-            return
-         end if
+         call try_lift_off(scene)
+         if (.not. scene%rests) return
          k = k + 1_i8
       end do
       scene%t = scene%t_end

@@ -16,7 +16,7 @@ module rwmf_baseline_problem
    private
 
    public :: baseline_t, problem_t
-   public :: create_problem, evaluate, observe, apply_impact, lifting_side, finish_problem, &
+   public :: create_problem, evaluate, observe, apply_impact, try_lift_off, finish_problem, &
       usual_interval
 
    real(wp), parameter :: small_velocity = 1.0e-6_wp
@@ -153,21 +153,8 @@ contains
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: least_flight
       !! a flight that would be shorter ends in rest; 0 for no such limit [s]
-      real(wp) :: slope(2)
-
-      call remember_impact(scene)
-      scene%equation%side = -scene%equation%side
-      scene%y(2) = factor_at(scene%restitution, abs(scene%y(2)))*scene%y(2)
-      if (lifting_side(scene, scene%t) /= 0) return
-      call evaluate(scene, scene%t, scene%y, slope)
-      if (abs(scene%y(2)) > max(small_velocity, abs(slope(2))*least_flight/2)) return
-      scene%y = 0
-      scene%rests = .true.
-   end subroutine apply_impact
-
-   subroutine remember_impact(scene)
-      type(problem_t), intent(inout) :: scene
       real(wp), allocatable :: grown(:)
+      real(wp) :: slope(2)
 
       if (scene%impacts == size(scene%impact_times)) then
          allocate (grown(2*scene%impacts))
@@ -176,7 +163,14 @@ contains
       end if
       scene%impacts = scene%impacts + 1
       scene%impact_times(scene%impacts) = scene%t
-   end subroutine remember_impact
+      scene%equation%side = -scene%equation%side
+      scene%y(2) = factor_at(scene%restitution, abs(scene%y(2)))*scene%y(2)
+      if (lifting_side(scene, scene%t) /= 0) return
+      call evaluate(scene, scene%t, scene%y, slope)
+      if (abs(scene%y(2)) > max(small_velocity, abs(slope(2))*least_flight/2)) return
+      scene%y = 0
+      scene%rests = .true.
+   end subroutine apply_impact
 
    !> Side on which the ground motion lifts the wall at an instant, 0 for none.
    pure integer function lifting_side(scene, t) result(side)
@@ -190,6 +184,17 @@ contains
       if (lift_off_drive(scene%equation, 1, interval, t) > 0) side = 1
       if (lift_off_drive(scene%equation, -1, interval, t) > 0) side = -1
    end function lifting_side
+
+   !> Does the ground motion lift the resting wall at the present time?
+   subroutine try_lift_off(scene)
+      type(problem_t), intent(inout) :: scene
+      integer :: side
+
+      side = lifting_side(scene, scene%t)
+      if (side == 0) return
+      scene%equation%side = side
+      scene%rests = .false.
+   end subroutine try_lift_off
 
    !> What applies to the scene.
    subroutine finish_problem(scene, baseline)

@@ -6,7 +6,7 @@ module rwmf_baseline_timed_run
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: dp, i8, wp
-   use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t
    use rwmf_simulation_result, only: event_impact, result_t
@@ -16,7 +16,6 @@ module rwmf_baseline_timed_run
 
    public :: timed_run_t, measure_method, value_names, empty_measured
    public :: put_measured, put_differences, halve_intervals
-   public :: n_values, at_u_s_max, at_theta_max, at_theta_end, at_theta_dot_end, at_t_end
    public :: repeat_baseline
 
    integer, parameter :: n_values = 7
@@ -64,10 +63,8 @@ contains
    !> Run a case with another method and tolerance.
    !>
    !> Errors: those of `run_once`.
-   subroutine measure_method(case, motion, method, rtol, budget, control, measured, error)
+   subroutine measure_method(case, method, rtol, budget, control, measured, error)
       type(case_t), intent(in) :: case
-      type(motion_t), intent(in) :: motion
-      !! of the case
       character(*), intent(in) :: method
       !! as `&solver method`
       real(wp), intent(in) :: rtol
@@ -79,10 +76,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_repeats = 1000, least_repeats = 3
       type(case_t) :: trial
+      type(motion_t), target :: motion
       type(result_t) :: result
       real(wp) :: spent
 
       measured = empty_measured()
+      motion = motion_from_case(case)
       trial = plain_case(case, method, rtol)
       ! two rows of history: events are kept together with a history
       allocate (trial%output)

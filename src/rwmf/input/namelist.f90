@@ -57,20 +57,20 @@ contains
       type(token_t) :: token
       integer :: n
 
-      allocate (groups(4))
       n = 0
       call start_scanner(text, scanner, error)
+      allocate (groups(min(scanner%ampersands, most_keys) + 1))
       do while (.not. allocated(error))
          call next_token(text, scanner, token, error)
          if (allocated(error)) exit
          if (token%kind == token_end) exit
          if (token%kind /= token_group .or. .not. is_name(token%text)) then
-            call fail(error, err_input, 'line '//trim(integer_to_text(token%line))//": '" &
-               //shown(token%text)//"' stands outside a group (&name ... /)")
+            call fail_at(token, 'stands outside a group (&name ... /)', error)
             exit
          end if
          call read_group(text, scanner, token, group, error)
-         call append_group(groups, n, group)
+         n = n + 1
+         groups(n) = group
          if (n > most_keys) call fail_at(token, 'follows too many groups', error)
       end do
       groups = groups(:n)
@@ -89,7 +89,7 @@ contains
 
       group%name = name%text
       group%line = name%line
-      allocate (group%entries(4))
+      allocate (group%entries(min(scanner%equals_signs, most_keys) + 1))
       n = 0
       call next_token(text, scanner, token, error)
       do while (.not. allocated(error))
@@ -103,7 +103,8 @@ contains
          case (token_word)
             call read_entry(text, scanner, token, entry, error)
             if (allocated(error)) call add_context(error, '&'//shown(group%name))
-            call append_entry(group%entries, n, entry)
+            n = n + 1
+            group%entries(n) = entry
             if (n > most_keys) call fail_at(token, 'follows too many keys', error)
          case default
             call fail_at(token, 'stands where a key or / is expected', error)
@@ -254,37 +255,5 @@ contains
       call fail(error, err_input, 'line '//trim(integer_to_text(token%line))//": '" &
          //shown(token%text)//"' "//problem)
    end subroutine fail_at
-
-   !> Append a group, doubling the room when it is full.
-   subroutine append_group(groups, n, group)
-      type(group_t), allocatable, intent(inout) :: groups(:)
-      integer, intent(inout) :: n
-      type(group_t), intent(in) :: group
-      type(group_t), allocatable :: grown(:)
-
-      if (n == size(groups)) then
-         allocate (grown(2*n))
-         grown(:n) = groups
-         call move_alloc(grown, groups)
-      end if
-      n = n + 1
-      groups(n) = group
-   end subroutine append_group
-
-   !> Append an entry, doubling the room when it is full.
-   subroutine append_entry(entries, n, entry)
-      type(entry_t), allocatable, intent(inout) :: entries(:)
-      integer, intent(inout) :: n
-      type(entry_t), intent(in) :: entry
-      type(entry_t), allocatable :: grown(:)
-
-      if (n == size(entries)) then
-         allocate (grown(2*n))
-         grown(:n) = entries
-         call move_alloc(grown, entries)
-      end if
-      n = n + 1
-      entries(n) = entry
-   end subroutine append_entry
 
 end module rwmf_input_namelist

@@ -10,6 +10,7 @@ module rwmf_input_reader
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: has_group, has_key, key_line
    use rwmf_problem_record, only: record_source_t, record_t
+   use rwmf_text_atomic_file, only: join_path
    use rwmf_text_file, only: read_file
    use rwmf_text_strings, only: integer_to_text, real_to_text, shown
    implicit none
@@ -103,7 +104,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
 
-      source%path = resolved(folder, source%file)
+      source%path = join_path(folder, source%file)
+      if (index(source%file, '/') == 1) source%path = source%file
       if (present(known)) call take_record(known, source, case%model%g, record)
       if (.not. allocated(record)) then
          allocate (record)
@@ -165,31 +167,5 @@ contains
       call fail(error, err_input, 'the record ends at '//trim(real_to_text(t_last)) &
          //' s, before t = 0: &solver t_end must be given')
    end subroutine check_last_sample
-
-   !> Letters before the name in the resolved path: those of the folder and a missing slash.
-   pure integer function prefix_length(folder, name) result(length)
-      character(*), intent(in) :: folder
-      character(*), intent(in) :: name
-
-      length = 0
-      if (len(folder) == 0 .or. index(name, '/') == 1) return
-      length = len(folder)
-      if (folder(len(folder):) /= '/') length = length + 1
-   end function prefix_length
-
-   !> A path of the case, seen from the current folder.
-   pure function resolved(folder, name) result(path)
-      character(*), intent(in) :: folder
-      character(*), intent(in) :: name
-      character(prefix_length(folder, name) + len(name)) :: path
-
-      if (prefix_length(folder, name) > len(folder)) then
-         path = folder//'/'//name
-      else if (prefix_length(folder, name) > 0) then
-         path = folder//name
-      else
-         path = name
-      end if
-   end function resolved
 
 end module rwmf_input_reader

@@ -14,8 +14,8 @@ module rwmf_input_scanner
    integer, parameter :: token_word = 1
    integer, parameter :: token_string = 2
    integer, parameter :: token_equals = 3
-   integer, parameter :: token_comma = 4
-   integer, parameter :: token_slash = 5
+   integer, parameter :: token_comma = token_equals + 1
+   integer, parameter :: token_slash = token_equals + 2
    integer, parameter :: token_group = 6
    !! an ampersand with the name behind it
 
@@ -28,6 +28,10 @@ module rwmf_input_scanner
       !! of the next character
       integer :: line
       !! its line
+      integer :: ampersands
+      !! in the whole text: no text has more groups
+      integer :: equals_signs
+      !! and no group more keys
    end type scanner_t
 
    !> A piece of the text.
@@ -54,23 +58,20 @@ contains
 
       scanner%position = 1
       scanner%line = 1
+      scanner%ampersands = 0
+      scanner%equals_signs = 0
       if (index(text(:min(len(text), 3)), byte_order_mark) == 1) scanner%position = 4
       do i = 1, len(text)
-         if (is_control(text(i:i))) then
+         if (text(i:i) == '&') scanner%ampersands = scanner%ampersands + 1
+         if (text(i:i) == '=') scanner%equals_signs = scanner%equals_signs + 1
+         if ((iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) &
+            .and. scan(text(i:i), tab//line_feed//carriage_return) == 0) then
             call fail(error, err_input, 'byte '//trim(integer_to_text(i)) &
                //' is a control character: this is not a text file')
             return
          end if
       end do
    end subroutine start_scanner
-
-   !> A character that does not belong to a text.
-   elemental logical function is_control(letter)
-      character(1), intent(in) :: letter
-
-      is_control = (iachar(letter) < 32 .or. iachar(letter) == 127) &
-         .and. letter /= tab .and. letter /= line_feed .and. letter /= carriage_return
-   end function is_control
 
    !> The next piece of the text.
    !>
@@ -90,12 +91,10 @@ contains
       case ("'", '"')
          token%kind = token_string
          call take_string(text, scanner, token, error)
-      case ('=')
-         call take_sign(text, scanner, token_equals, token)
-      case (',')
-         call take_sign(text, scanner, token_comma, token)
-      case ('/')
-         call take_sign(text, scanner, token_slash, token)
+      case ('=', ',', '/')
+         token%text = text(scanner%position:scanner%position)
+         token%kind = token_equals + index('=,/', token%text) - 1
+         scanner%position = scanner%position + 1
       case ('&')
          scanner%position = scanner%position + 1
          call take_word(text, scanner, token)
@@ -131,18 +130,6 @@ contains
          scanner%position = scanner%position + 1
       end do
    end subroutine skip_blanks
-
-   !> One character that stands for itself.
-   pure subroutine take_sign(text, scanner, kind, token)
-      character(*), intent(in) :: text
-      type(scanner_t), intent(inout) :: scanner
-      integer, intent(in) :: kind
-      type(token_t), intent(inout) :: token
-
-      token%kind = kind
-      token%text = text(scanner%position:scanner%position)
-      scanner%position = scanner%position + 1
-   end subroutine take_sign
 
    !> Everything up to a blank or a sign.
    pure subroutine take_word(text, scanner, token)

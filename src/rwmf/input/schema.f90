@@ -26,14 +26,33 @@ contains
       type(case_group_t), allocatable :: groups(:)
       type(case_group_t), allocatable :: basic(:)
       type(case_group_t), allocatable :: effects(:)
+      integer :: n
       integer :: i
+      integer :: j
 
-      basic = [wall_group(), frame_group(), cable_group(), impact_group(), motion_group(), &
-         initial_group(), model_group(), solver_group(), output_group(), spectrum_group()]
+      ! one by one: gfortran 12 loses the keys of what stands in an array constructor
+      allocate (basic(10))
+      basic(1) = wall_group()
+      basic(2) = frame_group()
+      basic(3) = cable_group()
+      basic(4) = impact_group()
+      basic(5) = motion_group()
+      basic(6) = initial_group()
+      basic(7) = model_group()
+      basic(8) = solver_group()
+      basic(9) = output_group()
+      basic(10) = spectrum_group()
       effects = all_effects()
-      allocate (groups(0))
+      allocate (groups(size(basic) + size(effects)))
+      n = 0
       do i = 1, size(basic)
-         groups = [groups, basic(i), pack(effects, effects%after == basic(i)%name)]
+         n = n + 1
+         groups(n) = basic(i)
+         do j = 1, size(effects)
+            if (effects(j)%after /= basic(i)%name) cycle
+            n = n + 1
+            groups(n) = effects(j)
+         end do
       end do
    end function all_groups
 

@@ -1,5 +1,5 @@
-!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values? Then
-!> it becomes values by group and key.
+!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values?
+!> Then it becomes values by group and key.
 module rwmf_input_schema_check
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
@@ -90,14 +90,15 @@ contains
       length = 0
       do i = 1, size(groups)
          do j = 1, size(groups(i)%entries)
-            n = n + size(groups(i)%entries(j)%values)
-            do k = 1, size(groups(i)%entries(j)%values)
-               length = length + len(groups(i)%entries(j)%values(k)%text)
-            end do
+            associate (given => groups(i)%entries(j)%values)
+               n = n + size(given)
+               length = length + sum([(len(given(k)%text), k=1, size(given))])
+            end associate
          end do
       end do
-      allocate (values%numbers(n + size(keys)), values%ends(n + size(keys)))
+      allocate (values%numbers(n + size(keys)), values%ends(0:n + size(keys)))
       allocate (character(2*length + len(keys%default)*size(keys)) :: values%texts)
+      values%ends(0) = 0
       names = group_names()
       allocate (values%groups(size(names)), values%keys(size(keys)))
       values%groups(:) = [(group_place_t(names(i), .false., 0), i=1, size(names))]
@@ -113,7 +114,6 @@ contains
       type(group_values_t), intent(inout) :: values
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: known
-      character(len(values%groups%name)) :: near
       integer :: i
 
       do i = 1, size(values%groups)
@@ -126,15 +126,29 @@ contains
          values%groups(i)%line = group%line
          return
       end do
-      near = trim(nearest_name(group%name, values%groups%name))
-      known = ''
-      if (near /= '') known = ', did you mean &'//trim(near)//'?'
-      known = known//'; allowed:'
-      do i = 1, size(values%groups)
-         known = known//' &'//trim(values%groups(i)%name)
-      end do
+      call suggest(group%name, '&', values%groups%name, known)
       call fail_at_group(group%name, group%line, 'unknown group'//known, error)
    end subroutine enter_group
+
+   !> What a name that is not known may have been meant for, and what is allowed, for a message.
+   pure subroutine suggest(name, sign, names, text)
+      character(*), intent(in) :: name
+      character(*), intent(in) :: sign
+      !! before each name: '&' or ''
+      character(*), intent(in) :: names(:)
+      !! (n) allowed, padded with blanks
+      character(:), allocatable, intent(out) :: text
+      character(len(names)) :: near
+      integer :: i
+
+      near = nearest_name(name, names)
+      text = ''
+      if (near /= '') text = ', did you mean '//sign//trim(near)//'?'
+      text = text//'; allowed:'
+      do i = 1, size(names)
+         text = text//' '//sign//trim(names(i))
+      end do
+   end subroutine suggest
 
    !> Check the keys of a group and keep their values.
    subroutine enter_entries(group, keys, values, n, error)
@@ -173,19 +187,9 @@ contains
       type(entry_t), intent(in) :: entry
       type(key_t), intent(in) :: keys(:)
       type(error_t), allocatable, intent(out) :: error
-      character(len(keys%key)), allocatable :: names(:)
-      character(len(keys%key)) :: near
       character(:), allocatable :: known
-      integer :: i
 
-      names = pack(keys%key, keys%group == group%name)
-      near = trim(nearest_name(entry%key, names))
-      known = ''
-      if (near /= '') known = ', did you mean '//trim(near)//'?'
-      known = known//'; allowed:'
-      do i = 1, size(names)
-         known = known//' '//trim(names(i))
-      end do
+      call suggest(entry%key, '', pack(keys%key, keys%group == group%name), known)
       call fail_at_entry(group, entry, shown(entry%key), 'unknown key'//known, error)
    end subroutine fail_unknown_key
 
@@ -274,8 +278,7 @@ contains
       character(*), intent(in) :: text
       integer :: start
 
-      start = 0
-      if (n > 0) start = values%ends(n)
+      start = values%ends(n)
       n = n + 1
       values%numbers(n) = number
       values%ends(n) = start + len(text)

@@ -23,6 +23,7 @@ contains
       character(:), allocatable, intent(out) :: problem
       logical :: ok
       logical :: truth
+      integer :: whole
 
       ok = .false.
       number = 0
@@ -35,10 +36,13 @@ contains
          call parse_logical(value, truth, ok)
          number = merge(1, 0, truth)
          ok = ok .and. .not. is_quoted
+      case ('integer')
+         call parse_integer(value, whole, ok)
+         number = whole
+         ok = ok .and. .not. is_quoted .and. is_within(trim(key%allowed), number)
       case default
-         call parse_number(trim(key%type), value, number, ok)
-         ok = ok .and. .not. is_quoted
-         if (ok) ok = is_within(trim(key%allowed), number)
+         call parse_real(value, number, ok)
+         ok = ok .and. .not. is_quoted .and. is_within(trim(key%allowed), number)
       end select
       if (ok) return
       problem = 'must be '//trim(requirement(key))
@@ -129,24 +133,6 @@ contains
          .and. index(' '//names//' ', ' '//to_lower(trim(value))//' ') > 0
    end function is_choice
 
-   !> Read an integer or a real.
-   pure subroutine parse_number(type, text, value, ok)
-      character(*), intent(in) :: type
-      !! 'integer', 'real' or 'real list'
-      character(*), intent(in) :: text
-      real(dp), intent(out) :: value
-      !! [any]
-      logical, intent(out) :: ok
-      integer :: whole
-
-      if (type == 'integer') then
-         call parse_integer(text, whole, ok)
-         value = real(whole, dp)
-      else
-         call parse_real(text, value, ok)
-      end if
-   end subroutine parse_number
-
    !> Read `.true.`, `T` and the like.
    pure subroutine parse_logical(text, value, ok)
       character(*), intent(in) :: text
@@ -170,6 +156,8 @@ contains
       character(*), intent(in) :: allowed
       real(dp), intent(in) :: x
       !! [any]
+      real(dp) :: low
+      real(dp) :: high
       integer :: comma
       integer :: last
 
@@ -182,19 +170,12 @@ contains
       else if (comma == 0) then
          is_within = .true.
       else
-         is_within = is_above(allowed(1:1) == '[', x, parse_bound(allowed(2:comma - 1))) &
-            .and. is_above(allowed(last:) == ']', parse_bound(allowed(comma + 1:last - 1)), x)
+         low = parse_bound(allowed(2:comma - 1))
+         high = parse_bound(allowed(comma + 1:last - 1))
+         is_within = (x > low .or. (allowed(1:1) == '[' .and. x >= low)) &
+            .and. (x < high .or. (allowed(last:) == ']' .and. x <= high))
       end if
    end function is_within
-
-   !> x > y, or x >= y.
-   pure logical function is_above(or_equal, x, y)
-      logical, intent(in) :: or_equal
-      real(dp), intent(in) :: x
-      real(dp), intent(in) :: y
-
-      is_above = x > y .or. (or_equal .and. x >= y)
-   end function is_above
 
    !> A number of the schema, which may be `pi/2`.
    pure real(dp) function parse_bound(text)

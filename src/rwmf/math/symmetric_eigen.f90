@@ -5,6 +5,7 @@
 module rwmf_math_symmetric_eigen
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: dp, wp
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
@@ -41,7 +42,6 @@ contains
       real(dp) :: w(size(omega))
       real(dp) :: work(34*size(omega))
       !! (NB + 2) n with a usual block size
-      character(12) :: number
       integer :: info
       integer :: i
 
@@ -50,11 +50,9 @@ contains
       call dsygv(1, 'V', 'U', size(w), a, size(w), b, size(w), w, work, size(work), info)
       if (info == 0 .and. .not. w(1) > 0) info = -1
       if (info /= 0) then
-         ! A case is read inside the critical section for texts: none may be entered here.
-         write (number, '(i0)') info
          call fail(error, err_numerical, 'the modes of the frame cannot be found: LAPACK DSYGV, ' &
-            //'info = '//trim(number)//'; masses or stiffnesses differ by too many powers of ten', &
-            'no_modes')
+            //'info = '//trim(integer_to_text(info)) &
+            //'; masses or stiffnesses differ by too many powers of ten', 'no_modes')
          return
       end if
       omega = sqrt(real(w, wp))

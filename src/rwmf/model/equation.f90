@@ -17,7 +17,7 @@ module rwmf_model_equation
    public :: enter_interval, interval_of
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
-   public :: frame_velocity, frame_travel, frame_mass
+   public :: frame_velocity, frame_motion, frame_travel, frame_mass
 
    !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
    !> states, energy, power and force on the wall that belong to it. One file brings its
@@ -430,6 +430,25 @@ contains
       kin = kinematics_at(equation, y(1))
       u_s_dot = equation%p%R*kin%j*y(2)
    end function frame_velocity
+
+   !> Both.
+   subroutine frame_motion(equation, y, u_s, u_s_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: u_s
+      !! [m]
+      real(wp), intent(out) :: u_s_dot
+      !! [m/s]
+      type(kinematics_t) :: kin
+
+      u_s = y(1)
+      u_s_dot = y(2)
+      if (.not. equation%has_wall) return
+      kin = kinematics_at(equation, y(1))
+      u_s = equation%side*equation%p%R*kin%u
+      u_s_dot = equation%p%R*kin%j*y(2)
+   end subroutine frame_motion
 
    !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
    pure real(wp) function frame_travel(equation) result(travel)

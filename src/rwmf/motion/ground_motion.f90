@@ -10,7 +10,6 @@ module rwmf_motion_ground_motion
       next_eighth, on_knots
    use rwmf_motion_pulse_curve, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
       knots_with_bends, steep_time
-   use rwmf_motion_pulse_shape, only: pulse_shape
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -23,14 +22,10 @@ module rwmf_motion_ground_motion
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
-   integer, parameter :: shape_harmonic = 2
-   !! amplitude*sin(omega*(t - t_0) + phase) in interval 1
-   integer, parameter :: shape_given = 3
+   integer, parameter :: shape_given = 2
    !! what a host computes in interval 1, then constant
-   integer, parameter :: shape_pulse = 4
-   !! amplitude*pulse_shape(pulse, t) in all intervals between the knots
-   integer, parameter :: shape_joined = 5
-   !! `curve` between two of the knots of a vertical record
+   integer, parameter :: shape_pulse = 3
+   !! `curve` between its knots, which may be two among those of a vertical record
 
    !> Ground acceleration.
    type :: motion_t
@@ -90,14 +85,13 @@ contains
       motion%slope = lines%slope
    end subroutine join_lines
 
-   !> The same for a pulse beside straight lines of the vertical motion.
+   !> One sequence of knots for a pulse and straight lines of the vertical motion.
    pure subroutine join_curve(motion)
       type(motion_t), intent(inout) :: motion
       real(wp), allocatable :: own(:)
       !! knots of the pulse [s]
 
       own = knots_with_bends(motion%curve)
-      motion%shape = shape_joined
       motion%knot = merged_times(own, motion%vertical%knot)
       motion%vertical = on_knots(motion%vertical, motion%knot)
       motion%curve%first = last_until(motion%knot, own(1))
@@ -110,10 +104,8 @@ contains
       type(case_t), intent(in) :: case
       type(motion_t) :: motion
 
-      if (.not. allocated(case%motion)) then
-         motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
-         return
-      end if
+      motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+      if (.not. allocated(case%motion)) return
       select case (case%motion%kind)
       case ('record')
          motion = piecewise_linear_motion(case%record%t, case%record%a)
@@ -121,7 +113,7 @@ contains
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
       case default
-         motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
+         continue
       end select
    end function horizontal_motion
 
@@ -234,9 +226,10 @@ contains
       type(curve_t), intent(in) :: curve
 
       motion%shape = shape_pulse
-      if (curve%is_harmonic) motion%shape = shape_harmonic
       motion%curve = curve
       motion%knot = curve%knot
+      motion%curve%first = 1
+      motion%curve%last = size(curve%knot)
       allocate (motion%a(0), motion%slope(0))
    end function pulse_motion
 
@@ -252,12 +245,7 @@ contains
          acceleration = 0
       else if (motion%shape == shape_linear) then
          acceleration = motion%a(interval) + motion%slope(interval)*(t - motion%knot(interval))
-      else if (motion%shape == shape_harmonic) then
-         acceleration = motion%curve%amplitude*sin(motion%curve%omega*(t - motion%knot(1)) &
-            + motion%curve%phase)
       else if (motion%shape == shape_pulse) then
-         acceleration = motion%curve%amplitude*pulse_shape(motion%curve%pulse, t)
-      else if (motion%shape == shape_joined) then
          acceleration = 0
          if (is_curved(motion, interval)) acceleration = curve_value(motion%curve, t)
       else if (interval == 1) then
@@ -267,13 +255,13 @@ contains
       end if
    end function acceleration
 
-   !> Does the pulse beside a vertical record act in an interval?
+   !> Does a pulse act in an interval?
    pure logical function is_curved(motion, interval)
       type(motion_t), intent(in) :: motion
-      !! of `shape_joined`
       integer, intent(in) :: interval
 
-      is_curved = interval >= motion%curve%first .and. interval < motion%curve%last
+      is_curved = motion%shape == shape_pulse .and. interval >= motion%curve%first &
+         .and. interval < motion%curve%last
    end function is_curved
 
    !> The line of an interval, if it is one: what `acceleration` looks up, once for all times.
@@ -371,7 +359,7 @@ contains
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
 
-      if (motion%shape == shape_harmonic .or. motion%shape >= shape_pulse) then
+      if (motion%shape == shape_pulse) then
          peak_near = abs(motion%curve%amplitude)
       else
          peak_near = maxval(abs(motion%a(max(1, interval - 1):interval)))
@@ -381,8 +369,8 @@ contains
    !> First time after t at which the acceleration is extremal inside the interval, else its end
    !> [s].
    !>
-   !> Between t and that time the acceleration is monotone. (`shape_pulse` has knots at its
-   !> extrema.)
+   !> Between t and that time the acceleration is monotone. (A pulse that is no harmonic has knots
+   !> at its extrema.)
    pure real(wp) function turning_point(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
@@ -393,11 +381,8 @@ contains
       if (interval > motion%last_turning .or. interval < 1) return
       if (motion%shape == shape_given) then
          turning_point = next_eighth(motion%knot(1), motion%knot(2), t)
-      else if (motion%shape == shape_harmonic) then
+      else if (is_curved(motion, interval)) then
          turning_point = min(curve_turn(motion%curve, t), turning_point)
-      else if (motion%shape == shape_joined) then
-         if (is_curved(motion, interval)) turning_point = min(curve_turn(motion%curve, t), &
-            turning_point)
       end if
    end function turning_point
 
@@ -412,7 +397,7 @@ contains
       !! [-]
 
       steep_point = interval_end(motion, interval)
-      if (motion%shape /= shape_joined) return
+      if (.not. allocated(motion%vertical)) return
       if (is_curved(motion, interval)) steep_point = steep_time(motion%curve, &
          abs(share*motion%vertical%slope(interval)), t, steep_point)
    end function steep_point
@@ -430,9 +415,7 @@ contains
       type(motion_t), intent(in) :: motion
 
       fastest_rate = 0
-      if (any(motion%shape == [shape_harmonic, shape_pulse, shape_joined])) then
-         fastest_rate = curve_rate(motion%curve)
-      end if
+      if (motion%shape == shape_pulse) fastest_rate = curve_rate(motion%curve)
    end function fastest_rate
 
    !> The last knot, after which the ground is still; 0 without any [s].

@@ -59,6 +59,7 @@ contains
       !! (m) likewise [s]
       real(wp), allocatable :: times(:)
       !! (at most n + m)
+      logical :: is_first
       integer :: i, j, n
 
       allocate (times(size(first) + size(second)))
@@ -72,20 +73,15 @@ contains
                cycle
             end if
          end if
+         is_first = j > size(second)
+         if (.not. is_first .and. i <= size(first)) is_first = first(i) < second(j)
          n = n + 1
-         if (j > size(second)) then
+         if (is_first) then
             times(n) = first(i)
             i = i + 1
-         else if (i > size(first)) then
+         else
             times(n) = second(j)
             j = j + 1
-         else
-            times(n) = min(first(i), second(j))
-            if (first(i) < second(j)) then
-               i = i + 1
-            else
-               j = j + 1
-            end if
          end if
       end do
       times = times(:n)

@@ -22,7 +22,10 @@ module rwmf_motion_pulse_shape
    !! round-off of double precision (3e-17 of its peak); the same in every precision
    real(wp), parameter :: beta = sqrt(6*(3 - sqrt(6.0_wp)))*exp((sqrt(6.0_wp) - 3)/2)
    !! largest magnitude of (x**2 - 3) x exp(-x**2/2), 1.3801... [-]
-
+   real(wp), parameter :: hermite_4(4) = [-1, -1, 1, 1]*sqrt(3 + [1, -1, -1, 1]*sqrt(6.0_wp))
+   !! zeros of the Hermite polynomial of order 4 [-]
+   real(wp), parameter :: hermite_5(4) = [-1, -1, 1, 1]*sqrt(5 + [1, -1, -1, 1]*sqrt(10.0_wp))
+   !! zeros of the one of order 5 but for x = 0 [-]
    real(wp), parameter :: most_of_hermite_6 = 15
    !! largest magnitude of the sixth derivative of exp(-x**2/2), which is at x = 0 [-]
    real(wp), parameter :: most_of_hermite_7 = 36
@@ -198,25 +201,18 @@ contains
       t = pulse%centre + [x(:n), pulse%half]/pulse%rate
    end function cut_times
 
-   !> The same as positions; some may coincide.
+   !> Positions of begin, extrema, zeros and end; some may coincide.
    pure function all_cuts(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
       !! (cuts)
-      real(wp) :: inner
-      real(wp) :: outer
 
       select case (pulse%shape)
       case (shape_ricker)
-         ! zeros of the Hermite polynomials of order 2 and 3
-         x = [1.0_wp, sqrt(3.0_wp)]
-         x = [-x(2:1:-1), 0.0_wp, x]
+         x = [-sqrt(3.0_wp), -1.0_wp, 0.0_wp, 1.0_wp, sqrt(3.0_wp)]
       case (shape_ricker_antisymmetric)
-         ! zeros of the Hermite polynomials of order 3 and 4
-         inner = sqrt(3 - sqrt(6.0_wp))
-         outer = sqrt(3 + sqrt(6.0_wp))
-         x = [inner, sqrt(3.0_wp), outer]
-         x = [-x(3:1:-1), 0.0_wp, x]
+         x = [hermite_4(1), -sqrt(3.0_wp), hermite_4(2), 0.0_wp, hermite_4(3), sqrt(3.0_wp), &
+            hermite_4(4)]
       case default
          x = cycles_cuts(pulse)
       end select
@@ -227,26 +223,19 @@ contains
    pure function bends(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
-      real(wp) :: inner
-      real(wp) :: outer
 
       select case (pulse%shape)
       case (shape_ricker)
-         ! zeros of the Hermite polynomial of order 4
-         inner = sqrt(3 - sqrt(6.0_wp))
-         outer = sqrt(3 + sqrt(6.0_wp))
-         x = [-outer, -inner, inner, outer]
+         x = hermite_4
       case (shape_ricker_antisymmetric)
-         ! and of order 5; its zero at x = 0 is a cut already
-         inner = sqrt(5 - sqrt(10.0_wp))
-         outer = sqrt(5 + sqrt(10.0_wp))
-         x = [-outer, -inner, inner, outer]
+         ! that at x = 0 is a cut already
+         x = hermite_5
       case default
          x = bends_of_cycles(pulse)
       end select
    end function bends
 
-   !> The same for a pulse of Mavroeidis and Papageorgiou. Its second derivative is the imaginary
+   !> Those of a pulse of Mavroeidis and Papageorgiou. Its second derivative is the imaginary
    !> part of what `cycles_cuts` explains, with p = 1 + 3/gamma**2, q = (3 + 1/gamma**2)/gamma.
    pure function bends_of_cycles(pulse) result(x)
       type(pulse_t), intent(in) :: pulse

@@ -131,11 +131,11 @@ contains
       call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case)
-      names = trim(history%names(1))
-      do i = 2, size(history%names)
+      names = ''
+      do i = 1, size(history%names)
          names = names//','//trim(history%names(i))
       end do
-      call write_line(file, names)
+      call write_line(file, names(2:))
       do i = 1, size(history%values, 1)
          call write_line(file, trim(csv_numbers(history%values(i, :))))
       end do
@@ -170,6 +170,9 @@ contains
       type(atomic_file_t), intent(in) :: file
       type(case_t), intent(in) :: case
       character(*), intent(in), optional :: part
+      integer :: position
+      integer :: first
+      integer :: last
 
       call write_line(file, '# rwmf '//version)
       if (present(part)) call write_line(file, '# part '//part)
@@ -180,7 +183,12 @@ contains
          call write_record(file, '# vertical record: '//case%vertical%file, case%vertical_record)
       end if
       call write_line(file, '# case:')
-      if (allocated(case%text)) call write_comment(file, case%text)
+      if (.not. allocated(case%text)) return
+      position = 1
+      do while (position <= len(case%text))
+         call next_line(case%text, position, first, last)
+         call write_line(file, trim('# '//case%text(first:last)))
+      end do
    end subroutine write_header
 
    !> Which record it was: copies of "the same" earthquake differ.
@@ -198,21 +206,6 @@ contains
          //trim(real_to_text(record%t_peak))//' s'
       call write_line(file, line)
    end subroutine write_record
-
-   !> A text of several lines as comment lines.
-   subroutine write_comment(file, text)
-      type(atomic_file_t), intent(in) :: file
-      character(*), intent(in) :: text
-      integer :: position
-      integer :: first
-      integer :: last
-
-      position = 1
-      do while (position <= len(text))
-         call next_line(text, position, first, last)
-         call write_line(file, trim('# '//text(first:last)))
-      end do
-   end subroutine write_comment
 
    !> Numbers with commas between them, and blanks behind.
    pure function csv_numbers(values) result(line)
@@ -248,20 +241,21 @@ contains
          line = line//trim(merge('true ', 'false', item%count == 1))
       case ('text')
          line = line//item%text
+      case default
+         ! a list
+         line = line//'"'
+         do i = 1, len(item%text)
+            select case (item%text(i:i))
+            case (achar(9))
+               line = line//'; '
+            case ('"')
+               line = line//'""'
+            case default
+               line = line//item%text(i:i)
+            end select
+         end do
+         line = line//'"'
       end select
-      if (item%kind /= 'list') return
-      line = line//'"'
-      do i = 1, len(item%text)
-         select case (item%text(i:i))
-         case (achar(9))
-            line = line//'; '
-         case ('"')
-            line = line//'""'
-         case default
-            line = line//item%text(i:i)
-         end select
-      end do
-      line = line//'"'
    end subroutine append_value
 
 end module rwmf_output_csv

@@ -1,15 +1,17 @@
-!> The named scalars of one simulation: the one place that defines the keys of `rwmf run --json`,
-!> of the Python results and of `CASE.summary.csv`, and their order.
+!> The named scalars of one simulation: what `rwmf run --json`, the Python results and
+!> `CASE.summary.csv` hold. Here they get their values; which there are, of what kind and in which
+!> order says the table of `rwmf_simulation_quantities`.
 !>
 !> A key that does not apply to the effects in the scene is absent.
 module rwmf_output_summary
    use rwmf_core_kinds, only: i8, wp
    use rwmf_input_schema, only: all_groups
+   use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_simulation_quantities, only: all_quantities, find_quantity
    use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
-   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
@@ -27,6 +29,8 @@ module rwmf_output_summary
       !! of an 'int'; of a 'logical' 1 for yes
       character(:), allocatable :: text
       !! of a 'text'; of a 'list' its items with a tab between them; '' of the others
+      integer :: place
+      !! of its quantity in the table
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
@@ -48,11 +52,11 @@ contains
       call add_work(items, result)
       ! not within the call below, where gfortran 12 takes the length from memory given back
       effects = list_effects(case)
-      call add_item(items, 'effects', 'list', text=joined(effects))
+      call add_item(items, 'effects', text=joined(effects))
       if (allocated(result%warnings)) then
-         call add_item(items, 'warnings', 'list', text=joined(result%warnings))
+         call add_item(items, 'warnings', text=joined(result%warnings))
       else
-         call add_item(items, 'warnings', 'list')
+         call add_item(items, 'warnings')
       end if
       if (allocated(result%energy)) call add_energy(items, result%energy)
    end subroutine summarise
@@ -115,31 +119,13 @@ contains
       call add_real(items, 'theta_dot_max_rad_s', result%theta_dot_max)
       call add_real(items, 'cable_force_increment_max_over_m_w_g', result%cable_increment_max)
       call add_real(items, 'cable_prestress_loss_over_m_w_g', result%prestress_loss)
-      if (allocated(result%has_ruptured)) then
-         call add_logical(items, 'cable_ruptured', result%has_ruptured)
-      end if
+      call add_logical(items, 'cable_ruptured', result%has_ruptured)
       call add_real(items, 'ductility', result%ductility)
       call add_real(items, 'residual_displacement_m', result%residual_displacement)
       call add_real(items, 'theta_end_over_alpha', result%theta_end_over_alpha)
-      if (.not. allocated(result%storey_ductility)) return
-      call add_numbered(items, 'storey_', '_ductility', result%storey_ductility)
-      call add_numbered(items, 'storey_', '_residual_drift', result%storey_residual_drift)
+      call add_reals(items, 'storey_{i}_ductility', result%storey_ductility)
+      call add_reals(items, 'storey_{i}_residual_drift', result%storey_residual_drift)
    end subroutine add_maxima
-
-   !> One real for each storey, from the ground up.
-   pure subroutine add_numbered(items, before, after, values)
-      type(summary_item_t), allocatable, intent(inout) :: items(:)
-      character(*), intent(in) :: before
-      !! the number, in the key
-      character(*), intent(in) :: after
-      real(wp), intent(in) :: values(:)
-      !! (storeys)
-      integer :: i
-
-      do i = 1, size(values)
-         call add_real(items, before//trim(integer_to_text(i))//after, values(i))
-      end do
-   end subroutine add_numbered
 
    !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
    pure subroutine add_storeys(items, case)
@@ -207,7 +193,7 @@ contains
       call add_count(items, 'steps', result%steps)
       call add_count(items, 'rhs_evaluations', result%rhs_evaluations)
       call add_real(items, 'seconds', result%seconds)
-      call add_item(items, 'method', 'text', text=result%method)
+      call add_item(items, 'method', text=result%method)
       call add_real(items, 'rtol', result%rtol)
       call add_real(items, 'estimated_relative_error', result%estimated_relative_error)
       call add_real(items, 'estimate_seconds', result%estimate_seconds)
@@ -233,8 +219,23 @@ contains
       character(*), intent(in) :: key
       real(wp), intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'real', number=value)
+      if (present(value)) call add_item(items, key, number=value)
    end subroutine add_real
+
+   !> Add one real for each storey from the ground up, unless they are absent.
+   pure subroutine add_reals(items, pattern, values)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      character(*), intent(in) :: pattern
+      !! key with '{i}' in the place of the number
+      real(wp), intent(in), optional :: values(:)
+      !! (storeys)
+      integer :: i
+
+      if (.not. present(values)) return
+      do i = 1, size(values)
+         call add_item(items, pattern, number=values(i), storey=i)
+      end do
+   end subroutine add_reals
 
    !> Add a counter.
    pure subroutine add_count(items, key, value)
@@ -242,7 +243,7 @@ contains
       character(*), intent(in) :: key
       integer(i8), intent(in) :: value
 
-      call add_item(items, key, 'int', count=value)
+      call add_item(items, key, count=value)
    end subroutine add_count
 
    !> Add a yes or no, unless it is absent.
@@ -251,26 +252,37 @@ contains
       character(*), intent(in) :: key
       logical, intent(in), optional :: value
 
-      if (present(value)) call add_item(items, key, 'logical', count=merge(1_i8, 0_i8, value))
+      if (present(value)) call add_item(items, key, count=merge(1_i8, 0_i8, value))
    end subroutine add_logical
 
-   !> Add one item at the end.
-   pure subroutine add_item(items, key, kind, number, count, text)
+   !> Add one item behind those that come before it in the table; a key that is not in the table is
+   !> not added.
+   pure subroutine add_item(items, key, number, count, text, storey)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       character(*), intent(in) :: key
-      character(*), intent(in) :: kind
       real(wp), intent(in), optional :: number
       !! [unit of the key]
       integer(i8), intent(in), optional :: count
       character(*), intent(in), optional :: text
+      integer, intent(in), optional :: storey
+      !! its number, for a key with '{i}'
       type(summary_item_t), allocatable :: grown(:)
+      integer :: place
       integer :: n
 
-      n = size(items)
-      allocate (grown(n + 1))
-      grown(:n) = items
+      place = 1
+      if (size(items) > 0) place = items(size(items))%place
+      place = find_quantity(key, near=place)
+      if (place == 0) return
+      n = findloc(items%place > place, .true., dim=1) - 1
+      if (n < 0) n = size(items)
+      allocate (grown(size(items) + 1))
+      grown(:n) = items(:n)
+      grown(n + 2:) = items(n + 1:)
+      grown(n + 1)%place = place
       grown(n + 1)%key = key
-      grown(n + 1)%kind = kind
+      if (present(storey)) grown(n + 1)%key = trim(numbered(key, storey))
+      grown(n + 1)%kind = trim(all_quantities(place)%kind)
       grown(n + 1)%text = ''
       if (present(number)) grown(n + 1)%number = number
       if (present(count)) grown(n + 1)%count = count

@@ -49,7 +49,7 @@ module rwmf_problem_group_values
       real(dp), allocatable :: numbers(:)
       !! (values) [unit of the key]; of a logical 1 or 0, of texts 0
       integer, allocatable :: ends(:)
-      !! (values) where the text of each ends
+      !! (0:values) where the text of each ends; 0 where the first begins
       character(:), allocatable :: texts
       !! one after the other, as they stand in the case, names of choices in small letters
    end type group_values_t
@@ -120,28 +120,14 @@ contains
       if (place > 0) line = values%keys(place)%line
    end function key_line
 
-   !> First and last letter of a value among all texts.
-   pure function letters_of(values, number) result(range)
-      type(group_values_t), intent(in) :: values
-      integer, intent(in) :: number
-      !! of the value among all
-      integer :: range(2)
-
-      range = [1, values%ends(number)]
-      if (number > 1) range(1) = values%ends(number - 1) + 1
-   end function letters_of
-
    !> Length of the text of a value.
    pure integer function value_length(values, number) result(length)
       type(group_values_t), intent(in) :: values
       integer, intent(in) :: number
       !! of the value among all; 0 for none
-      integer :: range(2)
 
       length = 0
-      if (number == 0) return
-      range = letters_of(values, number)
-      length = range(2) - range(1) + 1
+      if (number > 0) length = values%ends(number) - values%ends(number - 1)
    end function value_length
 
    !> The text of a value.
@@ -150,12 +136,8 @@ contains
       integer, intent(in) :: number
       !! of the value among all; 0 for none
       character(value_length(values, number)) :: text
-      integer :: range(2)
 
-      text = ''
-      if (number == 0) return
-      range = letters_of(values, number)
-      text = values%texts(range(1):range(2))
+      if (number > 0) text = values%texts(values%ends(number - 1) + 1:values%ends(number))
    end function value_text
 
    !> Number of the first value of a key among all; 0 when it has none.

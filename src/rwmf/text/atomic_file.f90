@@ -9,11 +9,12 @@ module rwmf_text_atomic_file
       c_ptr, c_size_t
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: i8
+   use rwmf_text_file, only: c_fclose, c_fopen
    implicit none
    private
 
    public :: atomic_file_t, open_atomic, write_line, finish, publish, discard
-   public :: check_folder, join_path, folder_of
+   public :: check_folder, join_path
 
    !> A file that is being written.
    type :: atomic_file_t
@@ -28,14 +29,6 @@ module rwmf_text_atomic_file
 
    ! allow(assumed-size): that is what a C string is
    interface
-      function c_fopen(path, mode) bind(c, name='fopen') result(stream)
-         import :: c_char, c_ptr
-         implicit none
-         character(kind=c_char), intent(in) :: path(*)
-         character(kind=c_char), intent(in) :: mode(*)
-         type(c_ptr) :: stream
-      end function c_fopen
-
       function c_fwrite(bytes, size, count, stream) bind(c, name='fwrite') result(written)
          import :: c_char, c_ptr, c_size_t
          implicit none
@@ -46,26 +39,12 @@ module rwmf_text_atomic_file
          integer(c_size_t) :: written
       end function c_fwrite
 
-      function c_fflush(stream) bind(c, name='fflush') result(status)
-         import :: c_int, c_ptr
-         implicit none
-         type(c_ptr), intent(in), value :: stream
-         integer(c_int) :: status
-      end function c_fflush
-
       function c_ferror(stream) bind(c, name='ferror') result(status)
          import :: c_int, c_ptr
          implicit none
          type(c_ptr), intent(in), value :: stream
          integer(c_int) :: status
       end function c_ferror
-
-      function c_fclose(stream) bind(c, name='fclose') result(status)
-         import :: c_int, c_ptr
-         implicit none
-         type(c_ptr), intent(in), value :: stream
-         integer(c_int) :: status
-      end function c_fclose
 
       function c_rename(old, new) bind(c, name='rename') result(status)
          import :: c_char, c_int
@@ -145,8 +124,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       logical :: failed
 
-      failed = c_fflush(file%stream) /= 0_c_int
-      failed = c_ferror(file%stream) /= 0_c_int .or. failed
+      ! an error before, or that of writing what `fclose` still finds in the buffer
+      failed = c_ferror(file%stream) /= 0_c_int
       failed = c_fclose(file%stream) /= 0_c_int .or. failed
       file%stream = c_null_ptr
       if (failed) then
@@ -224,12 +203,10 @@ contains
       character(:), allocatable, intent(out) :: name
       character(48) :: unique
       integer(i8) :: ticks
-      integer :: slash
 
       call system_clock(ticks)
       write (unique, '(i0, "-", i0, "-", i0)') c_getpid(), ticks, attempt
-      slash = index(path, '/', back=.true.)
-      name = path(:slash)//'.'//path(slash + 1:)//'.'//trim(unique)//'.tmp'
+      name = folder_of(path)//'.'//path(len(folder_of(path)) + 1:)//'.'//trim(unique)//'.tmp'
    end subroutine name_temporary
 
 end module rwmf_text_atomic_file

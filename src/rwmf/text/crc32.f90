@@ -1,6 +1,7 @@
 !> CRC-32 of a sequence of bytes: the short name by which an output file identifies its record.
 module rwmf_text_crc32
    use, intrinsic :: iso_fortran_env, only: int32
+   use rwmf_text_strings, only: to_lower
    implicit none
    private
 
@@ -27,7 +28,8 @@ contains
          low = iand(ieor(crc, int(ichar(bytes(i:i)), int32)), 255_int32)
          crc = ieor(table(low), ishft(crc, -8))
       end do
-      digits = hexadecimal(not(crc))
+      write (digits, '(z8.8)') not(crc)
+      digits = to_lower(digits)
    end function crc32
 
    !> What each value of a byte contributes.
@@ -40,27 +42,10 @@ contains
       do byte = 0, 255
          value = int(byte, int32)
          do bit = 1, 8
-            if (btest(value, 0)) then
-               value = ieor(ishft(value, -1), polynomial)
-            else
-               value = ishft(value, -1)
-            end if
+            value = ieor(ishft(value, -1), merge(polynomial, 0_int32, btest(value, 0)))
          end do
          table(byte) = value
       end do
    end function remainders
-
-   pure function hexadecimal(value) result(digits)
-      integer(int32), intent(in) :: value
-      character(8) :: digits
-      character(16), parameter :: all_digits = '0123456789abcdef'
-      integer :: digit
-      integer :: i
-
-      do i = 1, 8
-         digit = ibits(value, 32 - 4*i, 4) + 1
-         digits(i:i) = all_digits(digit:digit)
-      end do
-   end function hexadecimal
 
 end module rwmf_text_crc32

@@ -8,7 +8,7 @@ module rwmf_text_file
    implicit none
    private
 
-   public :: read_file
+   public :: read_file, c_fopen, c_fclose
 
    ! allow(assumed-size): that is what a C string is
    interface

@@ -145,8 +145,10 @@ contains
       integer, intent(out) :: exponent
       !! decimal exponent of the last digit
       logical, intent(out) :: ok
+      integer, parameter :: most_shift = 100000
       logical :: has_digit
       logical :: has_point
+      integer :: shift
       integer :: i
 
       mantissa = 0
@@ -168,7 +170,9 @@ contains
             ok = ok .and. .not. has_point
             has_point = .true.
          case ('e', 'E', 'd', 'D')
-            call add_exponent(text(i + 1:), exponent, ok)
+            call parse_integer(text(i + 1:), shift, ok)
+            ! beyond the bound the result is zero or too large anyway
+            exponent = exponent + max(-most_shift, min(most_shift, shift))
             exit
          case default
             ok = .false.
@@ -177,19 +181,6 @@ contains
       end do
       ok = ok .and. has_digit
    end subroutine split_number
-
-   !> Add the number behind the letter of the exponent.
-   pure subroutine add_exponent(text, exponent, ok)
-      character(*), intent(in) :: text
-      integer, intent(inout) :: exponent
-      logical, intent(inout) :: ok
-      integer, parameter :: most = 100000
-      integer :: value
-
-      call parse_integer(text, value, ok)
-      ! beyond this bound the result is zero or too large anyway
-      exponent = exponent + max(-most, min(most, value))
-   end subroutine add_exponent
 
    !> Read an integer, and nothing else.
    pure subroutine parse_integer(text, value, ok)
@@ -284,8 +275,7 @@ contains
    elemental logical function is_separator(letter)
       character(1), intent(in) :: letter
 
-      is_separator = letter == ' ' .or. letter == ',' .or. letter == achar(9) &
-         .or. letter == achar(13)
+      is_separator = scan(letter, ' ,'//achar(9)//achar(13)) > 0
    end function is_separator
 
    !> The name that a mistyped one may have been meant for, with blanks behind; blank when none is

@@ -10,7 +10,7 @@
 module rwmf_input_record_at2
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
-   use rwmf_input_record_columns, only: append_real, fail_at_word
+   use rwmf_input_record_columns, only: fail_at_word
    use rwmf_text_strings, only: integer_to_text, is_separator, next_line, next_word, &
       parse_integer, parse_real, shown, to_lower
    implicit none
@@ -104,7 +104,7 @@ contains
       integer :: position
 
       position = index(to_lower(text), 'npts')
-      if (is_assigned(text, position + len('npts'))) then
+      if (index(adjustl(text(position + len('npts'):)), '=') == 1) then
          call find_value(text, position, first, last)
          call parse_integer(text(first:last), n, ok)
          position = position + index(to_lower(text(position + 1:)), 'dt')
@@ -122,14 +122,6 @@ contains
             //"' does not give NPTS > 0 and DT > 0")
       end if
    end subroutine read_header
-
-   !> Is an equals sign the next thing in the line?
-   pure logical function is_assigned(text, position)
-      character(*), intent(in) :: text
-      integer, intent(in) :: position
-
-      is_assigned = index(adjustl(text(position:)), '=') == 1
-   end function is_assigned
 
    !> The letters of the number behind the next equals sign.
    pure subroutine find_value(text, position, first, last)
@@ -166,7 +158,8 @@ contains
       integer :: line
       integer :: position
 
-      allocate (a(1024))
+      ! a number takes two bytes at least, whatever the header promises
+      allocate (a(min(n, len(bytes)/2 + 1)))
       found = 0
       position = start
       line = header_line
@@ -190,7 +183,7 @@ contains
       integer, intent(in) :: line
       integer, intent(in) :: n
       !! how many the header promises
-      real(dp), allocatable, intent(inout) :: a(:)
+      real(dp), intent(inout) :: a(:)
       !! (capacity) [g]
       integer, intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -215,7 +208,8 @@ contains
                //': more numbers than NPTS = '//trim(integer_to_text(n))//' of the header')
             return
          end if
-         call append_real(a, found, value)
+         found = found + 1
+         a(found) = value
       end do
    end subroutine read_row
 

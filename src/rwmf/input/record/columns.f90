@@ -7,7 +7,7 @@ module rwmf_input_record_columns
    implicit none
    private
 
-   public :: read_columns, append_real, fail_at_word
+   public :: read_columns, fail_at_word
 
 contains
 
@@ -43,7 +43,7 @@ contains
    subroutine read_table(bytes, table, n, n_columns, error)
       character(*), intent(in) :: bytes
       real(dp), allocatable, intent(out) :: table(:, :)
-      !! (2, capacity)
+      !! (2, lines of the file)
       integer, intent(out) :: n
       !! rows in use
       integer, intent(out) :: n_columns
@@ -53,9 +53,15 @@ contains
       integer :: first
       integer :: last
       integer :: line
+      integer :: lines
       integer :: position
+      integer :: i
 
-      allocate (table(2, 1024))
+      lines = 1
+      do i = 1, len(bytes)
+         if (bytes(i:i) == achar(10)) lines = lines + 1
+      end do
+      allocate (table(2, lines))
       n = 0
       n_columns = 0
       line = 0
@@ -69,12 +75,15 @@ contains
             header_seen = .true.
             cycle
          end if
-         call make_room(table, n)
          call read_row(bytes(first:last), line, table(:, n + 1), n_columns, error)
          if (allocated(error)) return
          n = n + 1
-         if (n_columns == 2 .and. n > 1) call check_order(table(1, n - 1), table(1, n), line, error)
-         if (allocated(error)) return
+         if (n_columns < 2 .or. n == 1) cycle
+         if (table(1, n) > table(1, n - 1)) cycle
+         call fail(error, err_input, 'line '//trim(integer_to_text(line))//': the time ' &
+            //trim(real_to_text(real(table(1, n), wp)))//' s follows ' &
+            //trim(real_to_text(real(table(1, n - 1), wp)))//' s: times must increase strictly')
+         return
       end do
    end subroutine read_table
 
@@ -129,21 +138,6 @@ contains
          //"' is not a finite number")
    end subroutine fail_at_word
 
-   !> Times must increase.
-   subroutine check_order(t_before, t, line, error)
-      real(dp), intent(in) :: t_before
-      !! time of the line before [s]
-      real(dp), intent(in) :: t
-      !! time of this line [s]
-      integer, intent(in) :: line
-      type(error_t), allocatable, intent(out) :: error
-
-      if (t > t_before) return
-      call fail(error, err_input, 'line '//trim(integer_to_text(line))//': the time ' &
-         //trim(real_to_text(real(t, wp)))//' s follows '//trim(real_to_text(real(t_before, wp))) &
-         //' s: times must increase strictly')
-   end subroutine check_order
-
    !> Nothing but blanks, or a comment.
    pure logical function is_empty(text)
       character(*), intent(in) :: text
@@ -183,38 +177,5 @@ contains
       if (len(bytes) < len(mark)) return
       if (bytes(:len(mark)) == mark) first_byte = 1 + len(mark)
    end function first_byte
-
-   !> Twice the room when the table is full, so that the work grows with the size only.
-   pure subroutine make_room(table, n)
-      real(dp), allocatable, intent(inout) :: table(:, :)
-      !! (2, capacity)
-      integer, intent(in) :: n
-      !! rows in use
-      real(dp), allocatable :: grown(:, :)
-
-      if (n < size(table, 2)) return
-      allocate (grown(size(table, 1), 2*n))
-      grown(:, :n) = table
-      call move_alloc(grown, table)
-   end subroutine make_room
-
-   !> Append to a list that doubles its room when full.
-   pure subroutine append_real(list, n, value)
-      real(dp), allocatable, intent(inout) :: list(:)
-      !! (capacity >= n)
-      integer, intent(inout) :: n
-      !! numbers in use
-      real(dp), intent(in) :: value
-      !! [any]
-      real(dp), allocatable :: grown(:)
-
-      if (n == size(list)) then
-         allocate (grown(2*n))
-         grown(:n) = list
-         call move_alloc(grown, list)
-      end if
-      n = n + 1
-      list(n) = value
-   end subroutine append_real
 
 end module rwmf_input_record_columns

@@ -58,6 +58,8 @@ contains
       real(dp), allocatable :: t(:)
       real(dp), allocatable :: a(:)
       real(dp) :: dt_at2
+      real(wp) :: factor
+      !! m/s2 per unit of the file
 
       if (has_at2_header(bytes)) then
          record%format = 'AT2'
@@ -72,7 +74,12 @@ contains
       if (allocated(error)) return
       if (record%format == 'one column') record%dt = dt
       call set_times(record, size(a), t)
-      call set_accelerations(record, a, factor(scale, g, unit), error)
+      factor = scale*g
+      if (present(unit)) then
+         if (unit == 'm/s2') factor = scale
+         if (unit == 'cm/s2') factor = scale/100
+      end if
+      call set_accelerations(record, a, factor, error)
       record%crc32 = crc32(bytes)
    end subroutine parse_record
 
@@ -147,20 +154,5 @@ contains
       record%peak = abs(record%a(at))
       record%t_peak = record%t(at)
    end subroutine set_accelerations
-
-   !> What one unit of the file is in m/s2, scale included.
-   pure real(wp) function factor(scale, g, unit)
-      real(wp), intent(in) :: scale
-      !! [-]
-      real(wp), intent(in) :: g
-      !! [m/s2]
-      character(*), intent(in), optional :: unit
-      !! absent: 'g'
-
-      factor = scale*g
-      if (.not. present(unit)) return
-      if (unit == 'm/s2') factor = scale
-      if (unit == 'cm/s2') factor = scale/100
-   end function factor
 
 end module rwmf_input_record_reader

@@ -24,9 +24,18 @@ contains
    function all_effects() result(effects)
       type(case_group_t), allocatable :: effects(:)
 
-      effects = [storeys_group(), link_group(), damper_group(), inerter_group(), fuse_group(), &
-         yielding_group(), vertical_group(), pinned_base_group(), impact_table_group(), &
-         tendon_group()]
+      ! one by one: gfortran 12 loses the keys of what stands in an array constructor
+      allocate (effects(10))
+      effects(1) = storeys_group()
+      effects(2) = link_group()
+      effects(3) = damper_group()
+      effects(4) = inerter_group()
+      effects(5) = fuse_group()
+      effects(6) = yielding_group()
+      effects(7) = vertical_group()
+      effects(8) = pinned_base_group()
+      effects(9) = impact_table_group()
+      effects(10) = tendon_group()
    end function all_effects
 
    !> Does the case call for any effect of the list?

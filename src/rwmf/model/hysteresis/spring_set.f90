@@ -9,6 +9,7 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: equation_t, frame_mass, frame_velocity, kinematics_at, &
       place_frame, place_left, place_right, sprung_t
+   use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_broken, is_yielding, new_spring, pass_limit, &
       reset_spring, spring_energy, spring_force, spring_limits, spring_plastic, spring_power, &
       spring_t, spring_tangent, turn_spring
@@ -22,7 +23,7 @@ module rwmf_model_hysteresis_spring_set
    public :: tendon_power
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, elongation_of, moves
-   public :: spring_forces, spring_columns, tendon_is_broken, prestress_loss, frame_residual
+   public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
    public :: frame_residuals, base_residual
    public :: frame_force_column, fuse_uplift
 
@@ -526,33 +527,53 @@ contains
       call follow_branches(equation)
    end subroutine turn_back
 
-   !> Forces of frame and fuses, over the weight of m_s and of m_w, in the order of
-   !> `spring_columns` [-].
+   !> Columns of the history: forces of the frame, all its springs together, and of the fuses.
+   subroutine put_spring_forces(row, equation, theta)
+      type(history_row_t), intent(inout) :: row
+      type(equation_t), intent(in) :: equation
+      !! with springs
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp) :: forces(size(equation%springs))
+      integer :: i
+
+      forces = spring_forces(equation, theta)
+      associate (of_frame => equation%springs%place == place_frame)
+         if (any(of_frame)) call put(row, frame_force_column, sum(forces, of_frame))
+      end associate
+      do i = 1, size(forces)
+         select case (equation%springs(i)%place)
+         case (place_left)
+            call put(row, 'fuse_left_force_over_m_w_g', forces(i))
+         case (place_right)
+            call put(row, 'fuse_right_force_over_m_w_g', forces(i))
+         case default
+            ! the frame's, which are in the row already
+         end select
+      end do
+   end subroutine put_spring_forces
+
+   !> Forces of frame and fuses, over the weight of m_s and of m_w [-].
    function spring_forces(equation, theta) result(forces)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp), allocatable :: forces(:)
-      real(wp) :: force(size(equation%springs))
+      real(wp) :: forces(size(equation%springs))
       real(wp) :: x
       integer :: i
 
-      do i = 1, size(force)
+      do i = 1, size(forces)
          x = 0
          if (moves(equation, equation%springs(i)%place)) then
             x = elongation_of(equation, i, equation%side*theta)
          end if
-         force(i) = spring_force(equation%springs(i)%spring, x)/equation%p%g
+         forces(i) = spring_force(equation%springs(i)%spring, x)/equation%p%g
       end do
       ! under a hinged wall the right fuse, which comes last, mirrors the left one
-      i = size(force)
+      i = size(forces)
       if (.not. equation%has_impacts .and. i > 1) then
-         if (equation%springs(i)%place == place_right) force(i) = -force(i - 1)
+         if (equation%springs(i)%place == place_right) forces(i) = -forces(i - 1)
       end if
-      associate (of_frame => equation%springs%place == place_frame)
-         forces = pack(force, .not. of_frame)
-         if (any(of_frame)) forces = [sum(force, of_frame), forces]
-      end associate
    end function spring_forces
 
    !> Force with which both fuses push a rocking wall up, over m_w g [-].
@@ -561,32 +582,12 @@ contains
       !! with fuses
       real(wp), intent(in) :: theta
       !! [rad]
-      real(wp), allocatable :: forces(:)
+      real(wp) :: forces(size(equation%springs))
 
       ! the fuses come last
       forces = spring_forces(equation, theta)
       push = -sum(forces(size(forces) - 1:))
    end function fuse_uplift
-
-   !> Names of the columns of these forces in a history; springs of the frame have one together.
-   pure function spring_columns(equation) result(names)
-      type(equation_t), intent(in) :: equation
-      character(32), allocatable :: names(:)
-      integer :: i
-
-      allocate (names(0))
-      if (any(equation%springs%place == place_frame)) names = [character(32) :: frame_force_column]
-      do i = 1, size(equation%springs)
-         select case (equation%springs(i)%place)
-         case (place_left)
-            names = [character(32) :: names, 'fuse_left_force_over_m_w_g']
-         case (place_right)
-            names = [character(32) :: names, 'fuse_right_force_over_m_w_g']
-         case default
-            ! the frame's, named above
-         end select
-      end do
-   end function spring_columns
 
    !> Has the tendon broken?
    pure logical function tendon_is_broken(equation)

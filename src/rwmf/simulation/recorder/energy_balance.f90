@@ -5,12 +5,13 @@ module rwmf_simulation_recorder_energy_balance
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_energy, only: dissipates_hysteretically, hysteretic_power, input_power, &
       stored_energy, stored_energy_t, viscous_power
+   use rwmf_model_history_row, only: history_row_t, put
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_result, only: energy_t
    implicit none
    private
 
-   public :: integrate_powers, energy_names, energy_values
+   public :: integrate_powers, put_energies
 
 contains
 
@@ -44,43 +45,31 @@ contains
       energy%input_max = max(energy%input_max, abs(energy%input))
    end subroutine integrate_powers
 
-   !> Parts of the ledger that apply to the scene: names of history columns and of scalars.
-   pure function energy_names(equation) result(names)
-      type(equation_t), intent(in) :: equation
-      character(32), allocatable :: names(:)
-
-      names = pack([character(32) :: 'energy_input_J_per_kg', 'energy_kinetic_J_per_kg', &
-         'energy_strain_J_per_kg', 'energy_gravity_J_per_kg', 'energy_cable_J_per_kg', &
-         'energy_effects_J_per_kg', 'energy_viscous_J_per_kg', 'energy_hysteretic_J_per_kg', &
-         'energy_impact_J_per_kg'], &
-         applies(equation))
-   end function energy_names
-
-   !> Their values with a state: work since t = 0, and what is stored.
-   function energy_values(energy, equation, y) result(values)
+   !> Parts of the ledger that apply to the scene, with a state: work since t = 0, and what is
+   !> stored. Columns of the history and scalars.
+   subroutine put_energies(row, energy, equation, y)
+      type(history_row_t), intent(inout) :: row
       type(energy_t), intent(in) :: energy
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), allocatable :: values(:)
-      !! (parts) [J/kg]
       type(stored_energy_t) :: stored
 
       stored = stored_energy(equation, y)
-      values = pack([energy%input, stored%kinetic, stored%strain, stored%gravity, stored%cable, &
-         stored%effects, energy%viscous, energy%hysteretic, energy%impact], applies(equation))
-   end function energy_values
-
-   pure function applies(equation) result(does)
-      type(equation_t), intent(in) :: equation
-      logical :: does(9)
-      !! the parts in their order
-
-      does = [.true., .true., equation%has_frame, equation%has_wall, equation%has_cable, &
-         stores_in_effects(equation), &
-         equation%has_frame .or. allocated(equation%effects), &
-         dissipates_hysteretically(equation), equation%has_impacts]
-   end function applies
+      call put(row, 'energy_input_J_per_kg', energy%input)
+      call put(row, 'energy_kinetic_J_per_kg', stored%kinetic)
+      if (equation%has_frame) call put(row, 'energy_strain_J_per_kg', stored%strain)
+      if (equation%has_wall) call put(row, 'energy_gravity_J_per_kg', stored%gravity)
+      if (equation%has_cable) call put(row, 'energy_cable_J_per_kg', stored%cable)
+      if (stores_in_effects(equation)) call put(row, 'energy_effects_J_per_kg', stored%effects)
+      if (equation%has_frame .or. allocated(equation%effects)) then
+         call put(row, 'energy_viscous_J_per_kg', energy%viscous)
+      end if
+      if (dissipates_hysteretically(equation)) then
+         call put(row, 'energy_hysteretic_J_per_kg', energy%hysteretic)
+      end if
+      if (equation%has_impacts) call put(row, 'energy_impact_J_per_kg', energy%impact)
+   end subroutine put_energies
 
    !> Do further effects store energy?
    pure logical function stores_in_effects(equation) result(does)

@@ -2,6 +2,7 @@
 module rwmf_simulation_recorder_reaction_columns
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
+   use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
    use rwmf_simulation_recorder_reaction_extremes, only: demand, low_normal, &
       reaction_extremes_recorder_t, shear
@@ -10,29 +11,16 @@ module rwmf_simulation_recorder_reaction_columns
    implicit none
    private
 
-   public :: force_columns, force_values, force_extremes
+   public :: put_reactions, force_extremes
 
 contains
 
-   !> Columns of the history that apply to the scene.
-   pure function force_columns(equation, m_w_g) result(names)
+   !> Columns of the history at one instant.
+   subroutine put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
+      type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: m_w_g
       !! weight of the wall, 0 when it is not known [N]
-      character(32), allocatable :: names(:)
-
-      names = [character(32) :: 'base_shear_over_weight']
-      if (.not. equation%has_wall) return
-      names = [character(32) :: names, 'pivot_normal_over_m_w_g', 'pivot_horizontal_over_m_w_g', &
-         'friction_demand', 'wall_drift']
-      if (equation%has_frame) names = [character(32) :: names, 'frame_drift']
-      if (m_w_g > 0) names = [character(32) :: names, 'pivot_normal_N', 'pivot_horizontal_N']
-   end function force_columns
-
-   !> Their values at one instant.
-   function force_values(equation, m_w_g, t, y, y_ddot, u_s) result(row)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: m_w_g
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -40,21 +28,24 @@ contains
       real(wp), intent(in) :: y_ddot
       !! theta'' or u''
       real(wp), intent(in) :: u_s
-      !! displacement of the frame [m]
-      real(wp), allocatable :: row(:)
-      !! (columns)
+      !! displacement of the frame, if there is one [m]
       type(reactions_t) :: reactions
 
       reactions = reactions_at(equation, t, y, y_ddot)
+      call put(row, 'base_shear_over_weight', reactions%base_shear/weight(equation))
+      if (.not. equation%has_wall) return
       associate (g => equation%p%g)
-         row = [reactions%base_shear/weight(equation)]
-         if (.not. equation%has_wall) return
-         row = [row, reactions%normal/g, reactions%horizontal/g, &
-            infinite_where_lifted(friction_demand(reactions)), wall_drift(equation, y(1))]
-         if (equation%has_frame) row = [row, u_s/roof_height(equation)]
-         if (m_w_g > 0) row = [row, [reactions%normal, reactions%horizontal]*m_w_g/g]
+         call put(row, 'pivot_normal_over_m_w_g', reactions%normal/g)
+         call put(row, 'pivot_horizontal_over_m_w_g', reactions%horizontal/g)
+         call put(row, 'friction_demand', infinite_where_lifted(friction_demand(reactions)))
+         call put(row, 'wall_drift', wall_drift(equation, y(1)))
+         if (equation%has_frame) call put(row, 'frame_drift', u_s/roof_height(equation))
+         if (m_w_g > 0) then
+            call put(row, 'pivot_normal_N', reactions%normal*m_w_g/g)
+            call put(row, 'pivot_horizontal_N', reactions%horizontal*m_w_g/g)
+         end if
       end associate
-   end function force_values
+   end subroutine put_reactions
 
    !> What the run has seen.
    function force_extremes(forces, equation, theta_min, theta_max, u_s_max) result(extremes)

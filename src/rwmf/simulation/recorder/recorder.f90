@@ -6,19 +6,20 @@ module rwmf_simulation_recorder_recorder
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: stationary_point
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
-      kinematics_at, second_derivative
+      second_derivative
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_effects_storeys_shear_building, only: floor_columns, floor_values
-   use rwmf_model_effects_storeys_yielding_storeys, only: shear_columns, shear_values
+   use rwmf_model_effects_storeys_shear_building, only: put_floors
+   use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
    use rwmf_model_energy, only: impact_loss, mechanical_energy
+   use rwmf_model_equation, only: frame_motion
+   use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
-   use rwmf_model_hysteresis_spring_set, only: frame_force_column, spring_columns, spring_forces
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_hysteresis_spring_set, only: frame_force_column, put_spring_forces
    use rwmf_motion_ground_motion, only: acceleration, vertical_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: accelerations, step_view_t
-   use rwmf_simulation_recorder_energy_balance, only: energy_names, energy_values, integrate_powers
-   use rwmf_simulation_recorder_reaction_columns, only: force_columns, force_values
+   use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
+   use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, observe_last, &
       observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
@@ -55,6 +56,8 @@ module rwmf_simulation_recorder_recorder
       logical :: keeps_events
       !! with a history, or for a host that steps
       type(history_t), allocatable :: history
+      type(history_row_t) :: row
+      !! that is written next
       real(wp) :: dt
       !! interval of the history [s]
       real(wp) :: m_w_g
@@ -97,18 +100,19 @@ contains
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case)
       if (allocated(case%output%dt)) then
-         call create_history(recorder, case, equation, case%output%dt, t_end, error)
+         call create_history(recorder, case, equation, t_end, y, error)
       end if
    end subroutine create_recorder
 
-   subroutine create_history(recorder, case, equation, dt, t_end, error)
+   subroutine create_history(recorder, case, equation, t_end, y, error)
       type(recorder_t), intent(inout) :: recorder
       type(case_t), intent(in) :: case
+      !! with an interval of the history
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: dt
-      !! [s]
       real(wp), intent(in) :: t_end
       !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) at t = 0
       type(error_t), allocatable, intent(out) :: error
       integer :: status
       real(wp) :: rows
@@ -116,14 +120,16 @@ contains
       recorder%keeps_history = .true.
       allocate (recorder%history)
       recorder%keeps_events = .true.
-      recorder%dt = dt
+      recorder%dt = case%output%dt
       recorder%next_row = 1
       recorder%m_w_g = 0
       if (equation%has_wall) then
          if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
       end if
-      call name_columns(recorder, equation)
-      rows = aint(t_end/dt*(1 + 8*epsilon(1.0_wp))) + 1
+      call create_row(recorder%row)
+      call put_columns(recorder, equation, 0.0_wp, y, 0.0_wp, recorder%energy)
+      call move_alloc(recorder%row%names, recorder%history%names)
+      rows = aint(t_end/recorder%dt*(1 + 8*epsilon(1.0_wp))) + 1
       status = 1
       if (rows < real(huge(1), wp)) then
          allocate (recorder%history%values(int(rows), size(recorder%history%names)), stat=status)
@@ -135,32 +141,6 @@ contains
       end if
       recorder%history%values = ieee_value(1.0_wp, ieee_quiet_nan)
    end subroutine create_history
-
-   !> Columns that apply to the scene.
-   subroutine name_columns(recorder, equation)
-      type(recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      character(32), allocatable :: names(:)
-
-      names = [character(32) :: 't_s']
-      if (equation%has_wall) names = [character(32) :: names, 'theta_rad', 'theta_dot_rad_s', &
-         'theta_ddot_rad_s2']
-      if (equation%has_frame) names = [character(32) :: names, 'u_s_m', 'u_s_dot_m_s']
-      names = [character(32) :: names, 'u_g_ddot_m_s2']
-      if (equation%has_vertical) names = [character(32) :: names, 'v_g_ddot_m_s2']
-      if (equation%has_cable) then
-         names = [character(32) :: names, 'cable_force_over_m_w_g']
-         if (recorder%m_w_g > 0) names = [character(32) :: names, 'cable_force_N']
-      end if
-      if (equation%has_loading_direction) names = [character(32) :: names, frame_force_column]
-      if (equation%has_bilinear_springs) names = [character(32) :: names, spring_columns(equation)]
-      names = [character(32) :: names, floor_columns(equation), shear_columns(equation)]
-      if (allocated(recorder%forces)) then
-         names = [character(32) :: names, force_columns(equation, recorder%m_w_g)]
-      end if
-      if (recorder%keeps_energy) names = [character(32) :: names, energy_names(equation)]
-      call move_alloc(names, recorder%history%names)
-   end subroutine name_columns
 
    !> Let a state take part in the maxima.
    subroutine observe_state(recorder, equation, t, y)
@@ -280,6 +260,7 @@ contains
       end do
    end subroutine observe_rest
 
+   !> The next row of the history.
    subroutine write_row(recorder, equation, t, y, y_ddot, energy)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -289,63 +270,61 @@ contains
       !! theta'' or u''
       type(energy_t), intent(in) :: energy
       !! with the work done up to t
-      real(wp) :: row(size(recorder%history%names))
-      type(kinematics_t) :: kin
-      type(cable_state_t) :: cable
-      integer :: i
 
-      i = 1
-      row(1) = t
-      if (equation%has_wall) then
-         row(2:4) = [y(1:2), y_ddot]
-         i = 4
-      end if
-      if (equation%has_frame) then
-         row(i + 1:i + 2) = y(1:2)
-         if (equation%has_wall) then
-            kin = kinematics_at(equation, y(1))
-            row(i + 1:i + 2) = [frame_displacement(equation, y(1)), equation%p%R*kin%j*y(2)]
-         end if
-         i = i + 2
-      end if
-      i = i + 1
-      row(i) = acceleration(equation%motion, interval_of(equation), t)
-      if (equation%has_vertical) then
-         i = i + 1
-         row(i) = vertical_acceleration(equation%motion, interval_of(equation), t)
-      end if
-      if (equation%has_cable) then
-         cable = cable_at(equation, y(1))
-         row(i + 1) = cable%force
-         i = i + 1
-         if (recorder%m_w_g > 0) then
-            row(i + 1) = cable%force*recorder%m_w_g
-            i = i + 1
-         end if
-      end if
-      if (equation%has_loading_direction) call put([bouc_wen_force(equation, y)/equation%p%g])
-      if (equation%has_bilinear_springs) call put(spring_forces(equation, y(1)))
-      if (allocated(equation%floors%m)) call put(floor_values(equation, y))
-      if (equation%floors%yields) call put(shear_values(equation, y))
-      if (allocated(recorder%forces)) call put(force_values(equation, recorder%m_w_g, t, y, &
-         y_ddot, frame_displacement(equation, y(1))))
-      if (recorder%keeps_energy) call put(energy_values(energy, equation, y))
+      recorder%row%n = 0
+      call put_columns(recorder, equation, t, y, y_ddot, energy)
       ! A wall at rest on its left side is at 0, not at -0.
-      recorder%history%values(recorder%next_row, :) = row + 0.0_wp
+      recorder%history%values(recorder%next_row, :) = recorder%row%values + 0.0_wp
       recorder%next_row = recorder%next_row + 1
-
-   contains
-
-      !> Fill the next columns.
-      subroutine put(values)
-         real(wp), intent(in) :: values(:)
-         !! (columns)
-
-         row(i + 1:i + size(values)) = values
-         i = i + size(values)
-      end subroutine put
-
    end subroutine write_row
+
+   !> The columns that apply to the scene, in their order.
+   subroutine put_columns(recorder, equation, t, y, y_ddot, energy)
+      type(recorder_t), intent(inout) :: recorder
+      !! gains a row
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      type(energy_t), intent(in) :: energy
+      type(cable_state_t) :: cable
+      real(wp) :: u_s
+      !! [m]
+      real(wp) :: u_s_dot
+      !! [m/s]
+
+      u_s = 0
+      associate (row => recorder%row, m_w_g => recorder%m_w_g)
+         call put(row, 't_s', t)
+         if (equation%has_wall) then
+            call put(row, 'theta_rad', y(1))
+            call put(row, 'theta_dot_rad_s', y(2))
+            call put(row, 'theta_ddot_rad_s2', y_ddot)
+         end if
+         if (equation%has_frame) then
+            call frame_motion(equation, y, u_s, u_s_dot)
+            call put(row, 'u_s_m', u_s)
+            call put(row, 'u_s_dot_m_s', u_s_dot)
+         end if
+         call put(row, 'u_g_ddot_m_s2', acceleration(equation%motion, interval_of(equation), t))
+         if (equation%has_vertical) call put(row, 'v_g_ddot_m_s2', &
+            vertical_acceleration(equation%motion, interval_of(equation), t))
+         if (equation%has_cable) then
+            cable = cable_at(equation, y(1))
+            call put(row, 'cable_force_over_m_w_g', cable%force)
+            if (m_w_g > 0) call put(row, 'cable_force_N', cable%force*m_w_g)
+         end if
+         if (equation%has_loading_direction) call put(row, frame_force_column, &
+            bouc_wen_force(equation, y)/equation%p%g)
+         if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
+         if (allocated(equation%floors%m)) call put_floors(row, equation, y)
+         if (equation%floors%yields) call put_shears(row, equation, y)
+         if (allocated(recorder%forces)) then
+            call put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
+         end if
+         if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
+      end associate
+   end subroutine put_columns
 
    !> An impact with the angular velocity before and after it.
    subroutine observe_impact(recorder, equation, before, after)
@@ -399,6 +378,8 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       logical, intent(in) :: is_at_rest
+      type(history_row_t) :: parts
+      !! of the energy
       real(wp) :: y_ddot
 
       call observe_state(recorder, equation, t, y)
@@ -407,8 +388,10 @@ contains
       if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
       if (recorder%keeps_energy) then
          recorder%energy%final = mechanical_energy(equation, y)
-         recorder%energy%names = energy_names(equation)
-         recorder%energy%values = energy_values(recorder%energy, equation, y)
+         call create_row(parts)
+         call put_energies(parts, recorder%energy, equation, y)
+         call move_alloc(parts%names, recorder%energy%names)
+         call move_alloc(parts%values, recorder%energy%values)
       end if
       if (.not. recorder%keeps_history) return
       call shorten_events(recorder%events, recorder%n_events)

@@ -11,8 +11,9 @@
 !> of the branches of `storey_springs.f90`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_travel, frame_velocity, &
-      ground, kinematics_at
+   use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_motion, frame_travel, &
+      frame_velocity, ground
+   use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: spring_energy
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_right_hand_sides, only: kept_part
@@ -23,7 +24,7 @@ module rwmf_model_effects_storeys_shear_building
 
    public :: prepare_storeys, add_excited_mass, excited_mass_input, add_storeys, storey_sizes
    public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
-   public :: fill_rows, floor_columns, floor_motion, floor_values
+   public :: fill_rows, floor_motion, put_floors
 
 contains
 
@@ -167,7 +168,7 @@ contains
       real(wp) :: u_roof
       real(wp) :: v_roof
 
-      call roof_motion(equation, y, u_roof, v_roof)
+      call frame_motion(equation, y, u_roof, v_roof)
       force = resistance_to(equation%floors, y, u_roof, v_roof)
    end function resistance
 
@@ -261,61 +262,26 @@ contains
       u(0) = 0
       u(1:n - 1) = y(equation%floors%first:equation%floors%first + n - 2)
       v(:n - 1) = velocities(equation, y)
-      call roof_motion(equation, y, u(n), v(n))
+      call frame_motion(equation, y, u(n), v(n))
    end subroutine floor_motion
 
-   !> Displacement and velocity of the roof.
-   subroutine roof_motion(equation, y, u, v)
+   !> Columns of the history: displacements of the floors below the roof relative to the ground [m],
+   !> and what each storey is displaced by over its height [-].
+   subroutine put_floors(row, equation, y)
+      type(history_row_t), intent(inout) :: row
       class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: u
-      !! [m]
-      real(wp), intent(out) :: v
-      !! [m/s]
-      type(kinematics_t) :: kin
-
-      u = y(1)
-      v = y(2)
-      if (.not. equation%has_wall) return
-      kin = kinematics_at(equation, y(1))
-      u = equation%side*equation%p%R*kin%u
-      v = equation%p%R*kin%j*y(2)
-   end subroutine roof_motion
-
-   !> Columns of the history of a frame with all its modes; none for others.
-   pure function floor_columns(equation) result(names)
-      class(equation_t), intent(in) :: equation
-      character(32), allocatable :: names(:)
-      integer :: n
-      integer :: i
-
-      allocate (names(0))
-      if (.not. allocated(equation%floors%m)) return
-      n = size(equation%floors%m)
-      deallocate (names)
-      allocate (names(2*n - 1))
-      do i = 1, n
-         if (i < n) write (names(i), '(a, i0, a)') 'floor_', i, '_m'
-         write (names(n - 1 + i), '(a, i0, a)') 'storey_', i, '_drift'
-      end do
-   end function floor_columns
-
-   !> Their values: displacements of the floors below the roof relative to the ground [m], and what
-   !> each storey is displaced by over its height [-].
-   function floor_values(equation, y) result(values)
-      class(equation_t), intent(in) :: equation
+      !! with all modes of the frame
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: values(2*size(equation%floors%m) - 1)
       real(wp) :: u(0:size(equation%floors%m))
       real(wp) :: v(size(equation%floors%m))
       integer :: n
 
       n = size(v)
       call floor_motion(equation, y, u, v)
-      values(:n - 1) = u(1:n - 1)
-      values(n:) = (u(1:) - u(:n - 1))/equation%floors%height
-   end function floor_values
+      call put(row, 'floor_{i}_m', u(1:n - 1))
+      call put(row, 'storey_{i}_drift', (u(1:) - u(:n - 1))/equation%floors%height)
+   end subroutine put_floors
 
    !> Of the floors below the roof [m/s].
    pure function velocities(equation, y) result(v)

@@ -8,6 +8,7 @@ module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_storeys_shear_building, only: fill_rows, floor_motion
    use rwmf_model_equation, only: equation_t, floors_t
+   use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_yielding, new_spring, pass_limit, reset_spring, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
@@ -21,7 +22,7 @@ module rwmf_model_effects_storeys_yielding_storeys
    public :: follow_storeys
    public :: storey_motion, branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
-   public :: shear_columns, shear_values, storey_residuals
+   public :: put_shears, storey_residuals
 
 contains
 
@@ -266,25 +267,12 @@ contains
       end if
    end function storeys_plastic_power
 
-   !> Columns of the history with the shears of storeys that yield; none for others.
-   pure function shear_columns(equation) result(names)
+   !> Columns of the history: shears of the columns of each storey, without dampers, over the mass
+   !> that the case's are over times g [-].
+   subroutine put_shears(row, equation, y)
+      type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      character(32), allocatable :: names(:)
-      integer :: i
-
-      allocate (names(0))
-      if (.not. equation%floors%yields) return
-      deallocate (names)
-      allocate (names(equation%floors%n))
-      do i = 1, size(names)
-         write (names(i), '(a, i0, a)') 'storey_', i, '_shear_over_m_w_g'
-      end do
-   end function shear_columns
-
-   !> Shears of the columns of each storey, without dampers, over the mass that the case's are over
-   !> times g [-].
-   function shear_values(equation, y) result(shears)
-      type(equation_t), intent(in) :: equation
+      !! with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: shears(equation%floors%n)
@@ -300,7 +288,8 @@ contains
          shears = spring_force(equation%floors%springs, d)
       end if
       shears = shears*(equation%floors%unit/equation%p%g)
-   end function shear_values
+      call put(row, 'storey_{i}_shear_over_m_w_g', shears)
+   end subroutine put_shears
 
    !> Displacement of each storey that elastic unloading to no shear would leave [m].
    function storey_residuals(equation, y) result(residuals)

@@ -1,0 +1,277 @@
+!> The table of output quantities: every column of a history, every scalar of a run, and what
+!> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
+!> `docs/outputs.md` read it.
+module rwmf_simulation_quantities
+   implicit none
+   private
+
+   public :: quantity_t, all_quantities, find_quantity, quantities_text
+
+   !> One quantity.
+   type :: quantity_t
+      character(40) :: key
+      !! name with unit suffix; '{i}' stands for the number of a floor or storey, from the ground up
+      character(40) :: name
+      !! variable of a run's dataset in Python; '' for an attribute of it, and where there is no run
+      character(8) :: unit
+      !! '1' for numbers without one, '' for texts
+      character(8) :: kind
+      !! 'real', 'int', 'logical', 'text' or 'list'
+      character(8) :: found
+      !! how: 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of a peak),
+      !! 'end' (value in the end), 'count', 'whether', 'before' (known before the run), 'axis' (of a
+      !! grid), 'work' (what the computation took) or 'error' (estimate or comparison)
+      character(24) :: outputs
+      !! where it stands: 'history', 'run', 'spectrum', 'sweep', 'cost'
+      character(8) :: group
+      !! of the case, without which it is absent; '' for none
+      character(12) :: asked_by
+      !! key of `&output` that asks for it; '' for what is always there
+      character(56) :: needs
+      !! what else it needs, in Markdown
+      character(80) :: meaning
+   end type quantity_t
+
+   !> Columns of the history.
+   type(quantity_t), parameter :: columns(*) = [ &
+      quantity_t('t_s', 'time', 's', 'real', 'row', 'history', '', '', '', 'time'), &
+      quantity_t('theta_rad', 'theta', 'rad', 'real', 'row', 'history', 'wall', '', '', &
+      'rotation of the wall'), &
+      quantity_t('theta_dot_rad_s', 'theta_dot', 'rad/s', 'real', 'row', 'history', 'wall', '', &
+      '', 'angular velocity of the wall'), &
+      quantity_t('theta_ddot_rad_s2', 'theta_ddot', 'rad/s2', 'real', 'row', 'history', 'wall', &
+      '', '', 'angular acceleration of the wall'), &
+      quantity_t('u_s_m', 'u_s', 'm', 'real', 'row', 'history', 'frame', '', '', &
+      'displacement of the frame'), &
+      quantity_t('u_s_dot_m_s', 'u_s_dot', 'm/s', 'real', 'row', 'history', 'frame', '', '', &
+      'velocity of the frame'), &
+      quantity_t('u_g_ddot_m_s2', 'u_g_ddot', 'm/s2', 'real', 'row', 'history', '', '', '', &
+      'ground acceleration'), &
+      quantity_t('v_g_ddot_m_s2', 'v_g_ddot', 'm/s2', 'real', 'row', 'history', 'vertical', '', &
+      '', 'vertical ground acceleration'), &
+      quantity_t('cable_force_over_m_w_g', 'cable_force_over_m_w_g', '1', 'real', 'row', &
+      'history', 'cable', '', '', 'cable force over weight of wall'), &
+      quantity_t('cable_force_N', 'cable_force', 'N', 'real', 'row', 'history', 'cable', '', &
+      '`m_w` of `&wall`', 'cable force'), &
+      quantity_t('frame_force_over_m_s_g', 'frame_force_over_m_s_g', '1', 'real', 'row', &
+      'history', 'yielding', '', 'not with `storey_u_y` and `coupling = ''full''`', &
+      'force of the yielding frame over weight of its mass'), &
+      quantity_t('fuse_left_force_over_m_w_g', 'fuse_left_force_over_m_w_g', '1', 'real', 'row', &
+      'history', 'fuse', '', '', 'force of the left fuse over weight of wall'), &
+      quantity_t('fuse_right_force_over_m_w_g', 'fuse_right_force_over_m_w_g', '1', 'real', 'row', &
+      'history', 'fuse', '', '', 'force of the right fuse over weight of wall'), &
+      quantity_t('floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', 'storeys', '', &
+      '`coupling = ''full''`', 'displacement of floor {i}'), &
+      quantity_t('storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', 'history', 'storeys', &
+      '', '`coupling = ''full''`', 'drift of storey {i} over its height'), &
+      quantity_t('storey_{i}_shear_over_m_w_g', 'storey_{i}_shear_over_m_w_g', '1', 'real', 'row', &
+      'history', 'yielding', '', '`storey_u_y` and `coupling = ''full''`', &
+      'shear of storey {i} over the weight that its mass is over'), &
+      quantity_t('base_shear_over_weight', 'base_shear_over_weight', '1', 'real', 'row', &
+      'history', '', 'reactions', '', 'base shear over weight of wall and frame'), &
+      quantity_t('pivot_normal_over_m_w_g', 'pivot_normal_over_m_w_g', '1', 'real', 'row', &
+      'history', 'wall', 'reactions', '', 'vertical reaction of the pivot over weight of wall'), &
+      quantity_t('pivot_horizontal_over_m_w_g', 'pivot_horizontal_over_m_w_g', '1', 'real', 'row', &
+      'history', 'wall', 'reactions', '', 'horizontal reaction of the pivot over weight of wall'), &
+      quantity_t('friction_demand', 'friction_demand', '1', 'real', 'row', 'history', 'wall', &
+      'reactions', '', 'horizontal over vertical reaction of the pivot'), &
+      quantity_t('wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', 'reactions', &
+      '', 'displacement of the wall''s top over its height'), &
+      quantity_t('frame_drift', 'frame_drift', '1', 'real', 'row', 'history', 'frame', &
+      'reactions', '`&wall`', 'displacement of the frame over the wall''s height'), &
+      quantity_t('pivot_normal_N', 'pivot_normal_N', 'N', 'real', 'row', 'history', 'wall', &
+      'reactions', '`m_w`', 'vertical reaction of the pivot'), &
+      quantity_t('pivot_horizontal_N', 'pivot_horizontal_N', 'N', 'real', 'row', 'history', &
+      'wall', 'reactions', '`m_w`', 'horizontal reaction of the pivot')]
+
+   !> Scalars of a run.
+   type(quantity_t), parameter :: scalars(*) = [ &
+      quantity_t('u_s_max_m', 'u_s_max', 'm', 'real', 'peak', 'run spectrum sweep cost', 'frame', &
+      '', '', 'largest displacement of the frame'), &
+      quantity_t('t_u_s_max_s', 't_u_s_max', 's', 'real', 'time', 'run cost', 'frame', '', '', &
+      'first time of the largest displacement'), &
+      quantity_t('theta_max_over_alpha', 'theta_max_over_alpha', '1', 'real', 'peak', 'run', &
+      'wall', '', '', 'largest rotation over slenderness'), &
+      quantity_t('theta_dot_max_rad_s', 'theta_dot_max', 'rad/s', 'real', 'peak', 'run cost', &
+      'wall', '', '', 'largest angular velocity'), &
+      quantity_t('cable_force_increment_max_over_m_w_g', 'cable_force_increment_max_over_m_w_g', &
+      '1', 'real', 'peak', 'run', 'cable', '', '', &
+      'largest increment of the cable force over weight of wall'), &
+      quantity_t('cable_prestress_loss_over_m_w_g', 'cable_prestress_loss_over_m_w_g', '1', &
+      'real', 'end', 'run', 'cable', '', '`eta_y` or `rupture_strain`', &
+      'cable force at theta = 0 that is lost in the end, over weight of wall'), &
+      quantity_t('cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', 'run', 'cable', &
+      '', '`eta_y` or `rupture_strain`', 'whether the cable broke'), &
+      quantity_t('ductility', 'ductility', '1', 'real', 'peak', 'run', 'yielding', '', '', &
+      'largest displacement over that at first yield'), &
+      quantity_t('residual_displacement_m', 'residual_displacement', 'm', 'real', 'end', 'run', &
+      'yielding', '', '', &
+      'displacement at which the frame alone would be without force in the end'), &
+      quantity_t('theta_end_over_alpha', 'theta_end_over_alpha', '1', 'real', 'end', 'run', &
+      'fuse', '', '', 'rotation in the end over alpha, at which fuses may hold the wall up'), &
+      quantity_t('storey_{i}_ductility', '', '1', 'real', 'peak', 'run', 'yielding', '', &
+      '`storey_u_y`', 'largest displacement of storey {i} over that at first yield'), &
+      quantity_t('storey_{i}_residual_drift', '', '1', 'real', 'end', 'run', 'yielding', '', &
+      '`storey_u_y`', 'drift of storey {i} that unloading would leave in the end'), &
+      quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run cost', 'wall', '', &
+      '`base = ''rocking''`', 'number of impacts'), &
+      quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run', 'wall', '', &
+      '`base = ''rocking''`', 'number of times that the wall lifts off from rest'), &
+      quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run cost', 'wall', '', &
+      '`base = ''rocking''`', 'whether the wall overturned'), &
+      quantity_t('e', 'e', '1', 'real', 'before', 'run', 'wall', '', '`base = ''rocking''`', &
+      'velocity factor at impact'), &
+      quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run', 'wall', '', &
+      '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
+      quantity_t('T_s_s', '', 's', 'real', 'before', 'run spectrum', 'frame', '', &
+      'in a run `&storeys`', 'period of the frame'), &
+      quantity_t('modal_mass_over_m_w', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
+      'mass of the first mode over that of the wall'), &
+      quantity_t('mass_participation', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
+      'mass of the first mode over that of all floors'), &
+      quantity_t('modal_height_m', '', 'm', 'real', 'before', 'run', 'storeys', '', '', &
+      'height at which the mass of the first mode acts'), &
+      quantity_t('roof_factor', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
+      'displacement of the roof over that of the first mode'), &
+      quantity_t('base_shear_max_over_weight', 'base_shear_max_over_weight', '1', 'real', 'peak', &
+      'run', '', 'reactions', '', 'largest base shear over weight of wall and frame'), &
+      quantity_t('t_base_shear_max_s', 't_base_shear_max_s', 's', 'real', 'time', 'run', '', &
+      'reactions', '', 'time of the largest base shear'), &
+      quantity_t('pivot_normal_min_over_m_w_g', 'pivot_normal_min_over_m_w_g', '1', 'real', &
+      'peak', 'run', 'wall', 'reactions', '', 'smallest pivot reaction over weight of wall'), &
+      quantity_t('t_pivot_normal_min_s', 't_pivot_normal_min_s', 's', 'real', 'time', 'run', &
+      'wall', 'reactions', '', 'time of the smallest pivot reaction'), &
+      quantity_t('pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', 'run', 'wall', &
+      'reactions', '', 'whether the pivot reaction was not positive at some time'), &
+      quantity_t('friction_demand_max', 'friction_demand_max', '1', 'real', 'peak', 'run', 'wall', &
+      'reactions', '', 'required coefficient of friction'), &
+      quantity_t('t_friction_demand_max_s', 't_friction_demand_max_s', 's', 'real', 'time', 'run', &
+      'wall', 'reactions', 'no lift of the pivot', 'time of the largest friction demand'), &
+      quantity_t('friction_exceeded', 'friction_exceeded', '1', 'logical', 'whether', 'run', &
+      'wall', 'reactions', '`friction_limit` of `&output`', &
+      'whether the friction demand exceeded the limit'), &
+      quantity_t('t_friction_exceeded_s', 't_friction_exceeded_s', 's', 'real', 'time', 'run', &
+      'wall', 'reactions', '`friction_limit` of `&output`, exceeded', &
+      'first time at which the demand exceeds the limit'), &
+      quantity_t('wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', 'run', 'wall', &
+      'reactions', '', 'largest drift of the wall'), &
+      quantity_t('frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', 'run', 'frame', &
+      'reactions', '`&wall`', 'largest drift of the frame'), &
+      quantity_t('steps', '', '1', 'int', 'work', 'run cost', '', '', '', &
+      'accepted steps of the integrator'), &
+      quantity_t('rhs_evaluations', '', '1', 'int', 'work', 'run spectrum cost', '', '', '', &
+      'evaluations of the right-hand side'), &
+      quantity_t('seconds', '', 's', 'real', 'work', 'run spectrum cost', '', '', '', &
+      'wall-clock time of the integration'), &
+      quantity_t('method', '', '', 'text', 'before', 'run cost', '', '', '', &
+      'integrator, or procedure that is compared'), &
+      quantity_t('rtol', '', '1', 'real', 'before', 'run cost', '', '', '', &
+      'its relative tolerance'), &
+      quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run', '', '', &
+      '`accuracy` or `verify` of `&solver`', &
+      'estimate for `u_s_max_m`, without a frame for the largest rotation'), &
+      quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', '', &
+      '`accuracy` or `verify` of `&solver`', &
+      'wall-clock time that the estimate took beyond `seconds`'), &
+      quantity_t('sensitivity', '', '1', 'real', 'error', 'run', '', '', '`verify` of `&solver`', &
+      'relative change of the same peak per relative change of the motion'), &
+      quantity_t('effects', '', '', 'list', 'before', 'run', '', '', '', &
+      'names of the effects that are simulated'), &
+      quantity_t('warnings', '', '', 'list', 'end', 'run', '', '', '', &
+      'what the user should know')]
+
+   !> Parts of the energy ledger, and its residual.
+   type(quantity_t), parameter :: energies(*) = [ &
+      quantity_t('energy_input_J_per_kg', 'energy_input_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', '', 'energy', '', 'work of the ground motion'), &
+      quantity_t('energy_kinetic_J_per_kg', 'energy_kinetic_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', '', 'energy', '', 'kinetic energy'), &
+      quantity_t('energy_strain_J_per_kg', 'energy_strain_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', 'frame', 'energy', '', 'strain energy of the frame'), &
+      quantity_t('energy_gravity_J_per_kg', 'energy_gravity_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', 'wall', 'energy', '', 'potential energy of the wall'), &
+      quantity_t('energy_cable_J_per_kg', 'energy_cable_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', 'cable', 'energy', '', 'work stored in the cable'), &
+      quantity_t('energy_effects_J_per_kg', 'energy_effects_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', '', 'energy', 'an effect that stores energy', &
+      'energy stored in fuses and other effects'), &
+      quantity_t('energy_viscous_J_per_kg', 'energy_viscous_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', '', 'energy', 'a frame or a further effect', 'energy dissipated by dampers'), &
+      quantity_t('energy_hysteretic_J_per_kg', 'energy_hysteretic_J_per_kg', 'J/kg', 'real', &
+      'end', 'history run', '', 'energy', 'springs that yield or break', &
+      'energy dissipated by yielding'), &
+      quantity_t('energy_impact_J_per_kg', 'energy_impact_J_per_kg', 'J/kg', 'real', 'end', &
+      'history run', 'wall', 'energy', '`base = ''rocking''`', 'energy dissipated by impacts'), &
+      quantity_t('energy_balance_relative', 'energy_balance_relative', '1', 'real', 'error', &
+      'run', '', 'energy', '', 'residual of the energy ledger')]
+
+   !> What spectra, sweeps and comparisons of methods report beyond these.
+   type(quantity_t), parameter :: others(*) = [ &
+      quantity_t('b_m', '', 'm', 'real', 'axis', 'spectrum', 'wall', '', '', &
+      'half width of the wall'), &
+      quantity_t('gamma', '', '1', 'real', 'axis', 'spectrum', 'frame', '', '`&wall`', &
+      'mass ratio'), &
+      quantity_t('status', '', '', 'text', 'end', 'spectrum sweep cost', '', '', '', &
+      'how the run ended'), &
+      quantity_t('threads', '', '1', 'int', 'work', 'spectrum', '', '', '', &
+      'threads of the kernel'), &
+      quantity_t('theta_max_rad', '', 'rad', 'real', 'peak', 'cost', 'wall', '', '', &
+      'largest rotation of the wall'), &
+      quantity_t('theta_end_rad', '', 'rad', 'real', 'end', 'cost', 'wall', '', '', &
+      'rotation of the wall in the end'), &
+      quantity_t('theta_dot_end_rad_s', '', 'rad/s', 'real', 'end', 'cost', 'wall', '', '', &
+      'angular velocity of the wall in the end'), &
+      quantity_t('t_end_s', '', 's', 'real', 'end', 'cost', '', '', '', 'end of the simulation'), &
+      quantity_t('relative_error', '', '1', 'real', 'error', 'cost', '', '', '', &
+      'of the peak, against the reference'), &
+      quantity_t('theta_max_relative_error', '', '1', 'real', 'error', 'cost', 'wall', '', '', &
+      'of the largest rotation, against the reference'), &
+      quantity_t('impact_time_error_s', '', 's', 'real', 'error', 'cost', 'wall', '', &
+      '`base = ''rocking''`', &
+      'largest distance of an impact from that of the reference, chatter left out'), &
+      quantity_t('end_state_relative_error', '', '1', 'real', 'error', 'cost', '', '', '', &
+      'of the state in the end, over the largest rotation and angular velocity'), &
+      quantity_t('error_estimate', '', '', 'text', 'before', 'cost', '', '', '', &
+      'how the error of the reference is estimated'), &
+      quantity_t('peak', '', '', 'text', 'before', 'cost', '', '', '', &
+      'key of the peak whose error is compared'), &
+      quantity_t('good_enough', '', '1', 'logical', 'whether', 'cost', '', '', '', &
+      'whether the reference is two digits better than the best method')]
+
+   !> All of them. A summary and the columns of a history have this order.
+   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, energies, others]
+
+contains
+
+   !> Place of a key in the table, 0 when it is not there.
+   pure integer function find_quantity(key, near) result(place)
+      character(*), intent(in) :: key
+      !! as it stands in the table
+      integer, intent(in) :: near
+      !! place at which to begin the search
+      integer :: i
+
+      do i = 0, size(all_quantities) - 1
+         place = modulo(near - 1 + i, size(all_quantities)) + 1
+         if (all_quantities(place)%key == key) return
+      end do
+      place = 0
+   end function find_quantity
+
+   !> The table as text: its components in their order, separated by tabs, one quantity a line.
+   pure subroutine quantities_text(text)
+      character(:), allocatable, intent(out) :: text
+      character(*), parameter :: tab = achar(9)
+      type(quantity_t) :: row
+      integer :: i
+
+      text = ''
+      do i = 1, size(all_quantities)
+         row = all_quantities(i)
+         text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
+            //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
+            //tab//trim(row%asked_by)//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
+      end do
+   end subroutine quantities_text
+
+end module rwmf_simulation_quantities

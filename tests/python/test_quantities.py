@@ -1,0 +1,112 @@
+"""The table of quantities names what is reported, and nothing else: over scenes of every kind."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rwmf
+from conftest import ROOT
+from random_cases import random_cases
+from rwmf import quantities, simulation
+from rwmf.commands import _spectrum_object
+from rwmf.namelist import compose
+from rwmf.quantities import QUANTITIES
+from rwmf.sweep.quantities import QUANTITIES as SWEPT
+
+sys.path.append(str(ROOT / "bench"))
+
+import pairs
+
+_KINDS = {"real": float, "int": int, "logical": bool, "text": str, "list": list}
+# what no effect by itself brings
+_FURTHER: list[pairs.Groups] = [
+    {"wall": {"h": 2.0, "b": 0.5, "m_w": 1000.0}, "cable": pairs.CABLE},
+    {"output": {"reactions": True, "friction_limit": 0.01}},
+    {"solver": {"t_end": 1.0, "verify": True}},
+]
+Report = tuple[dict[str, Any], list[str]]
+
+
+def _named(output: str) -> list[str]:
+    return [key for key, row in QUANTITIES.items() if output in row.outputs.split()]
+
+
+def _scenes(folder: Path) -> Iterator[rwmf.Case]:
+    """Every input, scenes that nobody chose, every effect by itself, and some more."""
+    for path in sorted((ROOT / "inputs").glob("*.nml")):
+        text = path.read_text(encoding="utf-8").replace("records/", f"{folder}/")
+        case = rwmf.Case.from_text(text, folder / path.name)
+        yield case.replace(solver={"t_end": 0.5, "verify": None, "accuracy": None})
+    for case in random_cases(20, 16, folder):
+        yield case.replace(solver={"t_end": 0.5})
+    for groups in (*map(pairs.joined, pairs.EFFECTS), *(pairs.SCENE | more for more in _FURTHER)):
+        yield rwmf.Case.from_text(compose(groups), folder / "pair.nml")
+
+
+def _report(case: rwmf.Case) -> Report:
+    with simulation.start(case) as run:
+        return run.summary(), run.history()[0]
+
+
+@pytest.fixture(scope="module")
+def reports(
+    elcentro: Path, pacoima: Path, tmp_path_factory: pytest.TempPathFactory
+) -> list[Report]:
+    """Keys and columns in the kernel's own order."""
+    folder = tmp_path_factory.mktemp("scenes")
+    pairs.prepare(folder)
+    for path in (elcentro, pacoima):
+        (folder / path.name).symlink_to(path)
+    found = []
+    for case in _scenes(folder):
+        asked = {"dt": 0.1, "energy": True, "reactions": True}
+        found += [_report(case.replace(output=None)), _report(case.replace(output=asked))]
+    return found
+
+
+def _places(keys: list[str]) -> list[int]:
+    """Places in the table; a number of a storey does not count."""
+    order = list(QUANTITIES)
+    return [order.index(re.sub(r"(?<=_)\d+(?=_)", "{i}", key)) for key in keys]
+
+
+@pytest.mark.parametrize("output", ["run", "history"])
+def test_table_is_what_is_reported(reports: list[Report], output: str) -> None:
+    """Nothing that the table does not name, in its order; nothing in it that nobody reports."""
+    order = list(QUANTITIES)
+    seen: set[str] = set()
+    for summary, columns in reports:
+        places = _places(list(summary) if output == "run" else columns)
+        assert places == sorted(places)
+        seen |= {order[place] for place in places}
+    assert seen == set(_named(output))
+
+
+def test_kinds(reports: list[Report]) -> None:
+    """What Python gets is of the kind that the table names."""
+    for summary, _ in reports:
+        for key, value in summary.items():
+            assert type(value) is _KINDS[quantities.find(key).kind], key
+
+
+def test_grids(elcentro: Path) -> None:
+    del elcentro
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig12_one_cosine.nml")
+    found = rwmf.spectrum(case, T_s=[0.5])
+    assert set(_spectrum_object(found)) == set(_named("spectrum"))
+    swept = rwmf.sweep(case, {"T_s": [0.5], "gamma": [5.0]})
+    assert set(swept) == {QUANTITIES[key].name or key for key in _named("sweep")}
+    for name, row in SWEPT.items():
+        assert row.name == name
+        assert row.kind in ("real", "int", "logical")
+
+
+def test_numbers_of_storeys() -> None:
+    row = quantities.find("floor_12_m")
+    assert (row.name, row.meaning) == ("floor_12", "displacement of floor 12")
+    assert quantities.find("storey_3_residual_drift").unit == "1"
