@@ -33,19 +33,12 @@ STATE_ALLOWED = {
 # Procedures over the bounds, and why they may be. Whoever shortens one removes its line.
 _CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, no types"
 _ONE_LANE = "part of a vectorised loop: what is passed stays in registers"
-_STEP = "the two ends of a step, one by one"
 LARGE: dict[str, str] = {
     "rwmf_spectrum_fast_step_kernel:step_three_stages": "a vectorised loop, its stages written out",
     "rwmf_spectrum_fast_stage_kernel:state_at_node": _ONE_LANE,
     "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
     "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
     "rwmf_model_right_hand_sides:move_floors": "a loop over floors on plain arrays",
-    "rwmf_simulation_events_event_time:find_event_time": _STEP,
-    "rwmf_simulation_events_event_time:find_reversal": _STEP,
-    "rwmf_simulation_events_step_events:search_part": _STEP,
-    "rwmf_simulation_events_step_events:search_span": _STEP,
-    "rwmf_simulation_events_storey_events:find_turn": _STEP,
-    "rwmf_simulation_events_storey_events:find_root": _STEP,
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,

@@ -8,6 +8,7 @@ module rwmf_baseline_ode45
    use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -246,18 +247,16 @@ contains
       type(problem_t), intent(inout) :: scene
       type(step_t), intent(in) :: step
       logical, intent(out) :: hit
-      real(wp) :: left
+      real(wp) :: left, resolution
       !! [s]
-      real(wp) :: right
-      real(wp) :: resolution
+      type(secant_t) :: secant
       real(wp) :: y(2)
       real(wp) :: side
 
       hit = .false.
       if (.not. scene%equation%has_wall) return
       left = step%t
-      right = scene%t
-      resolution = min(128*max(spacing(left), spacing(right)), right - left)
+      resolution = min(128*max(spacing(left), spacing(scene%t)), scene%t - left)
       y = step%y
       if (abs(y(1)) <= 0) then
          left = left + resolution/2
@@ -266,53 +265,15 @@ contains
       hit = y(1)*step%y_new(1) < 0 .or. (abs(y(1)) > 0 .and. abs(step%y_new(1)) <= 0)
       if (.not. hit) return
       side = sign(1.0_wp, y(1))
-      call close_in(step, resolution, y(1), step%y_new(1), left, right)
-      scene%t = right
-      scene%y = state_inside(step, right)
+      secant = secant_between([left, scene%t], [y(1), step%y_new(1)], resolution)
+      do while (secant%is_open)
+         y = state_inside(step, secant%next)
+         call close_in(secant, y(1))
+      end do
+      scene%t = secant%x(2)
+      scene%y = state_inside(step, scene%t)
       scene%y(1) = 0
       scene%equation%side = nint(side)
    end subroutine find_impact
-
-   !> Regula falsi with halved weights (Illinois) until the bracket is as short as the resolution.
-   pure subroutine close_in(step, resolution, theta_left, theta_right, left, right)
-      type(step_t), intent(in) :: step
-      real(wp), intent(in) :: resolution
-      !! [s]
-      real(wp), intent(in) :: theta_left
-      !! [rad]
-      real(wp), intent(in) :: theta_right
-      !! [rad], of the other sign
-      real(wp), intent(inout) :: left
-      !! [s]
-      real(wp), intent(inout) :: right
-      integer, parameter :: most_iterations = 200
-      real(wp) :: value_left
-      real(wp) :: value_right
-      real(wp) :: y(2)
-      real(wp) :: t
-      integer :: i
-      integer :: last_moved
-
-      value_left = theta_left
-      value_right = theta_right
-      last_moved = 0
-      do i = 1, most_iterations
-         if (right - left <= resolution) return
-         t = (right - left)*value_left/(value_left - value_right)
-         t = left + min(max(t, resolution/2), right - left - resolution/2)
-         y = state_inside(step, t)
-         if (y(1)*theta_left > 0) then
-            left = t
-            value_left = y(1)
-            if (last_moved < 0) value_right = value_right/2
-            last_moved = -1
-         else
-            right = t
-            value_right = y(1)
-            if (last_moved > 0) value_left = value_left/2
-            last_moved = 1
-         end if
-      end do
-   end subroutine close_in
 
 end module rwmf_baseline_ode45

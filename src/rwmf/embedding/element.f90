@@ -17,6 +17,7 @@ module rwmf_embedding_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
@@ -264,31 +265,24 @@ contains
       type(kinematics_t), intent(out) :: kin
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_iterations = 100
-      real(wp) :: low
-      real(wp) :: high
+      type(bracket_t) :: bracket
       real(wp) :: rest
       real(wp) :: step
       integer :: i
 
-      high = element%largest_angle
-      low = -high
-      if (element%equation%has_impacts) low = -min(element%equation%p%alpha, high)
+      bracket = bracket_between(-min(element%largest_angle, merge(element%equation%p%alpha, &
+         huge(phi), element%equation%has_impacts)), element%largest_angle)
       phi = 0
       do i = 1, most_iterations
          kin = kinematics_at(element%equation, side*phi, side)
          rest = w/element%equation%p%R - kin%u
-         if (rest > 0) then
-            low = phi
-         else
-            high = phi
-         end if
+         call narrow(bracket, .not. rest > 0, phi)
          step = rest/kin%j
          if (abs(step) <= 2*spacing(phi) .or. abs(rest) <= tiny(rest)) return
-         if (.not. (phi + step > low .and. phi + step < high)) step = (low + high)/2 - phi
-         phi = phi + step
-         if (high - low <= 4*spacing(max(abs(low), abs(high)))) exit
+         phi = keep_inside(bracket, phi + step)
+         if (.not. is_wider(bracket, 4)) exit
       end do
-      if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > low) return
+      if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > bracket%low) return
       call fail(error, err_input, 'a displacement of '//trim(real_to_text(w)) &
          //' m is more than the wall can follow', 'overturned')
    end subroutine find_rotation

@@ -5,6 +5,7 @@ module rwmf_embedding_element_events
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_element, only: lift_off_drive_of, resting_inertia, velocity_factor, &
       wall_element_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    implicit none
    private
 
@@ -87,21 +88,13 @@ contains
       real(wp), intent(in) :: p(0:)
       real(wp), intent(in) :: begin
       real(wp), intent(in) :: end
-      real(wp) :: low
-      real(wp) :: high
+      type(bracket_t) :: bracket
 
-      low = begin
-      high = end
-      do
-         x = low + (high - low)/2
-         if (x <= low .or. x >= high) exit
-         if (value_at(p, x) < 0) then
-            high = x
-         else
-            low = x
-         end if
+      bracket = bracket_between(begin, end)
+      do while (bracket%is_open)
+         call narrow(bracket, value_at(p, bracket%middle) < 0)
       end do
-      x = high
+      x = bracket%high
    end function falling_root
 
    !> First lift-off of a resting wall within a step of the host.

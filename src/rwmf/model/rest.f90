@@ -5,6 +5,7 @@
 !> vertical record makes one that turns where their slopes meet (`drive_turns`).
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until, steep_point, &
       turning_point
@@ -125,20 +126,14 @@ contains
       !! in: a time at rest; out: the lift-off [s]
       real(wp), intent(in) :: t_end
       !! a time after lift-off [s]
-      real(wp) :: high
-      real(wp) :: middle
+      type(bracket_t) :: bracket
 
-      high = t_end
-      do while (high - t > spacing(high))
-         middle = t + (high - t)/2
-         if (middle <= t .or. middle >= high) exit
-         if (lifts(lift_off_drive(equation, side, interval, middle), equation%threshold)) then
-            high = middle
-         else
-            t = middle
-         end if
+      bracket = bracket_between(t, t_end)
+      do while (is_wider(bracket, 1))
+         call narrow(bracket, &
+            lifts(lift_off_drive(equation, side, interval, bracket%middle), equation%threshold))
       end do
-      t = high
+      t = bracket%high
    end subroutine refine_lift_off
 
    !> How long the ground motion goes on pulling the wall off its base on the side in force, within
@@ -147,9 +142,8 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_begin
       !! a time at which it pulls [s]
-      real(wp) :: low
-      real(wp) :: high
-      real(wp) :: middle
+      type(bracket_t) :: bracket
+      real(wp) :: low, high
 
       duration = huge(duration)
       high = t_begin
@@ -160,15 +154,13 @@ contains
          high = drive_turns(equation, interval_of(equation), low)
          if (lift_off_drive(equation, equation%side, interval_of(equation), high) <= 0) exit
       end do
-      do while (high - low > 1.0e-3_wp*(low - t_begin) .and. high - low > 4*spacing(high))
-         middle = low + (high - low)/2
-         if (lift_off_drive(equation, equation%side, interval_of(equation), middle) > 0) then
-            low = middle
-         else
-            high = middle
-         end if
+      bracket = bracket_between(low, high)
+      do while (is_wider(bracket, 4) .and. bracket%high - bracket%low &
+          > 1.0e-3_wp*(bracket%low - t_begin))
+         call narrow(bracket, &
+            lift_off_drive(equation, equation%side, interval_of(equation), bracket%middle) <= 0)
       end do
-      duration = low - t_begin
+      duration = bracket%low - t_begin
    end function pull_duration
 
    !> Smallest ground acceleration that presses the wall down on both sides over a span [m/s2];

@@ -5,6 +5,7 @@
 !> pulse is that of the line (`steep_time`).
 module rwmf_motion_pulse
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_motion_polyline, only: next_extremum
    use rwmf_motion_pulse_shape, only: amplitude_of, angular_frequency, build_pulse, cut_times, &
       pulse_shape, pulse_slope, pulse_t, type_c_phase
@@ -171,29 +172,23 @@ contains
    end function steep_time_of_harmonic
 
    !> The same for other pulses, whose slope keeps its sign and is monotone: by bisection.
-   pure real(wp) function steep_time_of_pulse(curve, slope, t, t_end) result(high)
+   pure real(wp) function steep_time_of_pulse(curve, slope, t, t_end) result(time)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: slope
       real(wp), intent(in) :: t
       real(wp), intent(in) :: t_end
-      real(wp) :: low
-      real(wp) :: middle
+      type(bracket_t) :: bracket
       logical :: is_steep
       !! in the end
 
-      high = t_end
+      time = t_end
       is_steep = abs(curve_slope(curve, t_end)) > slope
       if ((abs(curve_slope(curve, t)) > slope) .eqv. is_steep) return
-      low = t
-      do
-         middle = low + (high - low)/2
-         if (middle <= low .or. middle >= high) return
-         if ((abs(curve_slope(curve, middle)) > slope) .eqv. is_steep) then
-            high = middle
-         else
-            low = middle
-         end if
+      bracket = bracket_between(t, t_end)
+      do while (bracket%is_open)
+         call narrow(bracket, (abs(curve_slope(curve, bracket%middle)) > slope) .eqv. is_steep)
       end do
+      time = bracket%high
    end function steep_time_of_pulse
 
 end module rwmf_motion_pulse

@@ -5,6 +5,7 @@
 !> of an integrator can pass over a narrow pulse that begins and ends with nothing.
 module rwmf_motion_pulse_shape
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_problem_case, only: motion_spec_t
    implicit none
    private
@@ -304,31 +305,25 @@ contains
       real(wp), intent(in) :: phase
       !! [rad]
       integer, parameter :: most = 200
-      real(wp) :: low
-      real(wp) :: high
+      type(bracket_t) :: bracket
       real(wp) :: re
       real(wp) :: im
       real(wp) :: excess
       real(wp) :: before
       integer :: i
 
-      low = -pulse%half
-      high = pulse%half
+      bracket = bracket_between(-pulse%half, pulse%half)
       x = 0
       do i = 1, most
          associate (u => x/pulse%gamma)
             re = 1 + p*cos(u)
             im = q*sin(u)
             excess = x + pulse%nu + atan2(im, re) - phase
-            if (excess > 0) then
-               high = x
-            else
-               low = x
-            end if
+            call narrow(bracket, excess > 0, x)
             before = x
-            x = x - excess/(1 + q*(cos(u) + p)/(pulse%gamma*(re**2 + im**2)))
+            x = keep_inside(bracket, &
+               x - excess/(1 + q*(cos(u) + p)/(pulse%gamma*(re**2 + im**2))))
          end associate
-         if (.not. (x > low .and. x < high)) x = low + (high - low)/2
          if (abs(x - before) <= 2*epsilon(x)*max(1.0_wp, abs(x))) return
       end do
    end function phase_place

@@ -8,12 +8,14 @@ module rwmf_simulation_held_wall
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_rest, only: inverse_inertia, lifts, pressing_acceleration
    use rwmf_model_uplift, only: find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
-   use rwmf_simulation_events_event_time, only: count_parts
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
+      step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
    use rwmf_simulation_hybrid_state, only: change_storey, hybrid_t, pass_knot
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
@@ -53,9 +55,9 @@ contains
 
    !> One step of the other states, cut where the wall lifts off.
    subroutine move_at_rest(hybrid, equation, integrator, recorder, t_target, side, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
+      type(hybrid_t), intent(inout), target :: hybrid
+      type(equation_t), intent(inout), target :: equation
+      class(integrator_t), intent(inout), target :: integrator
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       !! [s]
@@ -63,6 +65,7 @@ contains
       !! of the motion that begins, +1 or -1; 0 for none
       type(error_t), allocatable, intent(out) :: error
       type(storey_end_t) :: ending
+      type(step_view_t) :: step
       real(wp) :: t_limit
 
       side = lifting_side(drives(equation, hybrid%t, hybrid%y), equation%threshold)
@@ -82,13 +85,16 @@ contains
       hybrid%must_restart = .false.
       call integrator%step(t_limit, error)
       if (allocated(error)) return
-      if (equation%floors%yields) call stop_at_storey(equation, integrator, ending, error)
+      call view_step(step, equation, integrator)
+      if (equation%floors%yields) call stop_at_storey(step, ending, error)
       if (allocated(error)) return
-      call search_lift_off(hybrid, equation, integrator, side, error)
+      call search_lift_off(hybrid, step, side, error)
       if (allocated(error)) return
       ! an implicit method solves for all states together, which leaves round-off in those held
       hybrid%y(:2) = 0
-      call observe_piece(recorder, equation, integrator, integrator%t0, hybrid%t, hybrid%y, error)
+      step%t_b = hybrid%t
+      step%y_b => hybrid%y
+      call observe_piece(recorder, step, error)
       if (allocated(error)) return
       if (side /= 0) return
       if (ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
@@ -124,10 +130,9 @@ contains
    !>
    !> The step is searched in parts of a quarter of the shortest period. A maximum inside a part
    !> shows in the parabola through its ends and its middle.
-   subroutine search_lift_off(hybrid, equation, integrator, side, error)
+   subroutine search_lift_off(hybrid, step, side, error)
       type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
+      type(step_view_t), intent(in) :: step
       integer, intent(out) :: side
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t(3)
@@ -136,14 +141,12 @@ contains
       real(wp) :: x
       integer :: i, n
 
-      n = count_parts(equation, integrator%t0, integrator%t1)
-      hybrid%y(:) = integrator%y0
-      t(3) = integrator%t0
-      d(:, 3) = drives(equation, t(3), hybrid%y)
+      n = count_parts(step)
+      hybrid%y(:) = step%y_a
+      t(3) = step%t_a
+      d(:, 3) = drives(step%equation, t(3), hybrid%y)
       do i = 1, n
-         t = [t(3), integrator%t0 + (i - 0.5_wp)*((integrator%t1 - integrator%t0)/n), &
-            integrator%t0 + i*((integrator%t1 - integrator%t0)/n)]
-         if (i == n) t(3) = integrator%t1
+         t = [t(3), end_of_part(step, 2*i - 1, 2*n), end_of_part(step, 2*i, 2*n)]
          d(:, 1) = d(:, 3)
          call sample_drive(t(2), t(1), d(:, 2))
          if (allocated(error) .or. side /= 0) return
@@ -153,8 +156,8 @@ contains
          if (x > 0 .and. x < 1) call sample_drive(t(1) + x*(t(3) - t(1)), t(1), d(:, 1))
          if (allocated(error) .or. side /= 0) return
       end do
-      hybrid%t = integrator%t1
-      hybrid%y(:) = integrator%y1
+      hybrid%t = step%t_b
+      hybrid%y(:) = step%y_b
 
    contains
 
@@ -165,12 +168,12 @@ contains
          !! a time at which it rests [s]
          real(wp), intent(out) :: drive(2)
 
-         call integrator%state_at(at, hybrid%y, error)
+         call sample_state(step, at, hybrid%y, error)
          if (allocated(error)) return
-         drive = drives(equation, at, hybrid%y)
-         side = lifting_side(drive, equation%threshold)
+         drive = drives(step%equation, at, hybrid%y)
+         side = lifting_side(drive, step%equation%threshold)
          hybrid%t = at
-         if (side /= 0) call refine(hybrid, equation, integrator, before, side, error)
+         if (side /= 0) call refine(hybrid, step, before, side, error)
       end subroutine sample_drive
    end subroutine search_lift_off
 
@@ -194,35 +197,30 @@ contains
    end function promising_place
 
    !> Bisect to the first time at which the wall has lifted, from the time in hybrid.
-   subroutine refine(hybrid, equation, integrator, before, side, error)
+   subroutine refine(hybrid, step, before, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       !! at a time when it has; on return at the first
-      type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
+      type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: before
       integer, intent(inout) :: side
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: low
-      real(wp) :: middle
-      real(wp) :: y(equation%n)
+      type(bracket_t) :: bracket
+      real(wp) :: y(size(step%y_a))
       integer :: side_there
 
-      low = before
-      do while (hybrid%t - low > spacing(hybrid%t))
-         middle = low + (hybrid%t - low)/2
-         if (middle <= low .or. middle >= hybrid%t) exit
-         call integrator%state_at(middle, y, error)
+      bracket = bracket_between(before, hybrid%t)
+      do while (is_wider(bracket, 1))
+         call step%integrator%state_at(bracket%middle, y, error)
          if (allocated(error)) return
-         side_there = lifting_side(drives(equation, middle, y), equation%threshold)
-         if (side_there == 0) then
-            low = middle
-         else
-            hybrid%t = middle
-            hybrid%y(:) = y
-            side = side_there
-         end if
+         side_there = lifting_side(drives(step%equation, bracket%middle, y), &
+            step%equation%threshold)
+         call narrow(bracket, side_there /= 0)
+         if (side_there == 0) cycle
+         hybrid%y(:) = y
+         side = side_there
       end do
-      call find_uplift_acceleration(equation, hybrid%y)
+      hybrid%t = bracket%high
+      call find_uplift_acceleration(step%equation, hybrid%y)
    end subroutine refine
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?

@@ -9,6 +9,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_assembly, only: cable_at, enter_interval, equation_t, interval_of, &
       second_derivative
    use rwmf_model_cable, only: cable_state_t
@@ -21,6 +22,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_uplift, only: find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_at, interval_end
    use rwmf_simulation_events_step_events, only: search_step
+   use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, hybrid_t, mode_no_impacts, &
@@ -195,35 +197,25 @@ contains
    !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
    !> holds up at one corner rocks on the other; together stronger than weight and cable, they lift
    !> it off both, and it stands on its fuses. Fails at the first such time of the step.
-   subroutine check_fuses(hybrid, equation, integrator, error)
-      type(hybrid_t), intent(in) :: hybrid
-      !! at the end of the step, or at the event that cuts it
+   subroutine check_fuses(equation, piece, error)
       type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
+      type(step_view_t), intent(in) :: piece
+      !! up to the end of the step, or to the event that cuts it
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: low
-      real(wp) :: high
-      real(wp) :: middle
+      type(bracket_t) :: bracket
       real(wp) :: y(equation%n)
 
       ! forces grow with the stroke: what they are on the base mostly says that all is well
       if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
-      if (.not. stands_on_fuses(equation, hybrid%y(1))) return
-      low = integrator%t0
-      high = hybrid%t
-      do
-         middle = low + (high - low)/2
-         if (middle <= low .or. middle >= high) exit
-         call integrator%state_at(middle, y, error)
+      if (.not. stands_on_fuses(equation, piece%y_b(1))) return
+      bracket = bracket_between(piece%t_a, piece%t_b)
+      do while (bracket%is_open)
+         call piece%integrator%state_at(bracket%middle, y, error)
          if (allocated(error)) return
-         if (stands_on_fuses(equation, y(1))) then
-            high = middle
-         else
-            low = middle
-         end if
+         call narrow(bracket, stands_on_fuses(equation, y(1)))
       end do
       call fail(error, err_numerical, 'the wall stands on its fuses at t = ' &
-         //trim(real_to_text(high)) &
+         //trim(real_to_text(bracket%high)) &
          //' s: drawn out before, both together push it up with more than weight and cable, and ' &
          //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
          //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
@@ -242,13 +234,14 @@ contains
 
    !> One step of the integrator, cut at the first event that ends the flight.
    subroutine integrate_step(hybrid, equation, integrator, recorder, t_target, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
+      type(hybrid_t), intent(inout), target :: hybrid
+      type(equation_t), intent(inout), target :: equation
+      class(integrator_t), intent(inout), target :: integrator
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
       type(storey_end_t) :: ending
+      type(step_view_t) :: step
       real(wp) :: t_limit
       integer :: event
 
@@ -269,13 +262,16 @@ contains
       hybrid%must_restart = .false.
       call integrator%step(t_limit, error)
       if (allocated(error)) return
-      if (equation%floors%yields) call stop_at_storey(equation, integrator, ending, error)
+      call view_step(step, equation, integrator)
+      if (equation%floors%yields) call stop_at_storey(step, ending, error)
       if (allocated(error)) return
-      call search_step(hybrid, equation, integrator, recorder, event, error)
+      call search_step(hybrid, step, recorder, event, error)
       if (allocated(error)) return
-      if (equation%has_fuses) call check_fuses(hybrid, equation, integrator, error)
+      step%t_b = hybrid%t
+      step%y_b => hybrid%y
+      if (equation%has_fuses) call check_fuses(equation, step, error)
       if (allocated(error)) return
-      call observe_piece(recorder, equation, integrator, integrator%t0, hybrid%t, hybrid%y, error)
+      call observe_piece(recorder, step, error)
       if (allocated(error)) return
       select case (event)
       case (event_impact)
@@ -289,7 +285,6 @@ contains
          call turn_back(equation, hybrid%y(1))
          if (equation%has_loading_direction) then
             equation%loading_direction = -equation%loading_direction
-            hybrid%y(2) = 0
          end if
          hybrid%must_restart = .true.
       case (event_passage)

@@ -5,6 +5,7 @@
 !> bounded, 1/n <= h <= 1, and smooth but for w = 0: tanh-sinh quadrature gives all digits.
 module rwmf_model_hysteresis_bouc_wen_backbone
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    implicit none
    private
 
@@ -19,27 +20,20 @@ contains
       real(wp), intent(in) :: n
       !! exponent, >= 1 [-]
       integer, parameter :: most = 100
-      real(wp) :: low
-      real(wp) :: high
+      type(bracket_t) :: bracket
       real(wp) :: w
       real(wp) :: excess
       integer :: i
 
-      low = abs(x)
-      ! a w beyond this leaves nothing of 1 - z
-      high = min(n*abs(x), 2 - log(epsilon(x)))
-      w = min(low, high)
+      ! a w beyond 2 - log(epsilon) leaves nothing of 1 - z
+      bracket = bracket_between(abs(x), min(n*abs(x), 2 - log(epsilon(x))))
+      w = min(bracket%low, bracket%high)
       do i = 1, most
-         if (w <= 0 .or. high <= low) exit
+         if (w <= 0 .or. bracket%high <= bracket%low) exit
          excess = distance(w, n) - abs(x)
-         if (excess > 0) then
-            high = w
-         else
-            low = w
-         end if
+         call narrow(bracket, excess > 0, w)
          if (abs(excess) <= 2*epsilon(x)*abs(x)) exit
-         w = w - excess/integrand(w, n)
-         if (.not. (w > low .and. w < high)) w = low + (high - low)/2
+         w = keep_inside(bracket, w - excess/integrand(w, n))
       end do
       ! 1 - exp(-w) without loss of digits
       z = sign(2*sinh(w/2)*exp(-w/2), x)

@@ -5,6 +5,7 @@
 !> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
 module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_velocity, &
       place_frame, place_left, place_right, sprung_t
@@ -385,34 +386,27 @@ contains
       !! of the spring; 0 is the tendon
       real(wp), intent(in) :: x
       !! [m]
-      real(wp) :: ends(2)
-      !! values of |theta| that bracket it
+      type(bracket_t) :: bracket
+      !! of |theta|
       real(wp) :: at_ends(2)
-      real(wp) :: middle
       integer :: direction
       !! +1 if the elongation grows with |theta|
 
       theta = x
       if (.not. equation%has_wall .and. number > 0) return
-      ends = [0.0_wp, equation%angle_limit]
-      if (.not. equation%has_impacts) ends(1) = -equation%angle_limit
-      at_ends = [elongation_of(equation, number, ends(1)), elongation_of(equation, number, ends(2))]
+      bracket = bracket_between(merge(0.0_wp, -equation%angle_limit, equation%has_impacts), &
+         equation%angle_limit)
+      at_ends = [elongation_of(equation, number, bracket%low), &
+         elongation_of(equation, number, bracket%high)]
       direction = merge(1, -1, at_ends(2) > at_ends(1))
       theta = direction*equation%side*huge(x)
       if (x >= maxval(at_ends)) return
       theta = -theta
       if (x <= minval(at_ends)) return
-      do
-         middle = ends(1) + (ends(2) - ends(1))/2
-         if (middle <= ends(1) .or. middle >= ends(2)) exit
-         if (direction*(elongation_of(equation, number, middle) - x) < 0) then
-            ends(1) = middle
-         else
-            ends(2) = middle
-         end if
-         if (ends(2) - ends(1) <= tiny(x)) exit
+      do while (bracket%is_open)
+         call narrow(bracket, direction*(elongation_of(equation, number, bracket%middle) - x) >= 0)
       end do
-      theta = equation%side*ends(2)
+      theta = equation%side*bracket%high
    end function rotation_at
 
    !> The rotation has come to a limit of the window: the springs whose limit it is go over to their

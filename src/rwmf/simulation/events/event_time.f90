@@ -2,135 +2,110 @@
 !> where theta' turns unseen between the ends.
 module rwmf_simulation_events_event_time
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: pi, wp
-   use rwmf_integrator_integrator, only: integrator_t
-   use rwmf_model_assembly, only: equation_t, interval_of, rhs, second_derivative
-   use rwmf_motion_ground_motion, only: interval_end, turning_point
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow, &
+      stationary_point
+   use rwmf_model_assembly, only: rhs
+   use rwmf_simulation_events_step_view, only: accelerations, may_reverse, step_view_t
    implicit none
    private
 
-   public :: find_event_time, count_parts, find_reversal, stationary_point
+   public :: find_event_time, find_reversal
 
    integer, parameter :: most_iterations = 200
    !! a bisection of the whole range of exponents takes fewer
 
 contains
 
-   !> Find t in [t_a, t_b] with y(component) = level.
+   !> Find t in a piece of a step with y(component) = level.
    !>
    !> Newton's method from the inverse cubic through both ends, kept inside a bracket that every
    !> evaluation tightens. A correction below sqrt(epsilon) of the step is carried out by Taylor's
    !> formula, whose remainder is then round-off: usually two states are asked of the integrator.
-   subroutine find_event_time(equation, integrator, component, level, t_a, y_a, t_b, y_b, t, y, &
-      error)
-      type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
+   subroutine find_event_time(step, component, level, t, y, error)
+      type(step_view_t), intent(in) :: step
+      !! at its end y - level has the other sign than at its beginning, or is zero
       integer, intent(in) :: component
       !! 1: theta, 2: theta', or a further state
       real(wp), intent(in) :: level
       !! [rad], [rad/s] or of the further state
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: y_a(:)
-      !! (states) at t_a
-      real(wp), intent(in) :: t_b
-      !! [s]; y_b - level has the other sign than y_a - level, or is zero
-      real(wp), intent(in) :: y_b(:)
-      !! (states) at t_b
       real(wp), intent(out) :: t
       !! [s]
       real(wp), intent(out) :: y(:)
       !! (states) there
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: low
-      real(wp) :: high
-      !! bracket [s]
-      real(wp) :: g
-      real(wp) :: correction
+      type(bracket_t) :: bracket
+      !! [s]
+      real(wp) :: g, correction
       real(wp) :: y_dot(size(y))
       logical :: is_falling
       !! y - level is positive at t_a, or zero there and negative at t_b
       integer :: i
 
-      low = t_a
-      high = t_b
-      is_falling = y_a(component) > level &
-         .or. (y_a(component) >= level .and. y_b(component) < level)
-      t = first_guess(equation, component, level, t_a, y_a, t_b, y_b)
+      bracket = bracket_between(step%t_a, step%t_b)
+      is_falling = step%y_a(component) > level &
+         .or. (step%y_a(component) >= level .and. step%y_b(component) < level)
+      t = first_guess(step, component, level)
       do i = 1, most_iterations
-         call integrator%state_at(t, y, error)
+         call step%integrator%state_at(t, y, error)
          if (allocated(error)) return
          g = y(component) - level
          if (abs(g) <= tiny(g)) return
-         if ((g > 0) .eqv. is_falling) then
-            low = t
-         else
-            high = t
-         end if
-         if (high - low <= 2*spacing(high)) exit
-         call rhs(equation, t, y, y_dot)
+         call narrow(bracket, (g > 0) .neqv. is_falling, t)
+         if (.not. is_wider(bracket, 2)) exit
+         call rhs(step%equation, t, y, y_dot)
          correction = newton_correction(g, y_dot(component))
-         if (abs(correction) <= sqrt(epsilon(g))/10*(t_b - t_a) .and. t + correction >= t_a &
-            .and. t + correction <= t_b) then
+         if (abs(correction) <= sqrt(epsilon(g))/10*(step%t_b - step%t_a) &
+             .and. t + correction >= step%t_a .and. t + correction <= step%t_b) then
             t = t + correction
             y = y + correction*y_dot
             return
          end if
-         if (t + correction > low .and. t + correction < high) then
-            t = t + correction
-         else
-            t = low + (high - low)/2
-         end if
+         t = keep_inside(bracket, t + correction)
       end do
-      t = high
-      call integrator%state_at(t, y, error)
+      t = bracket%high
+      call step%integrator%state_at(t, y, error)
       if (allocated(error)) return
       ! A few spacings of the time are not nothing to a flight of a hundred: without this its impact
       ! would be faster than its start, and hardly damped chatter would never end.
-      call rhs(equation, t, y, y_dot)
+      call rhs(step%equation, t, y, y_dot)
       correction = newton_correction(y(component) - level, y_dot(component))
       if (abs(correction) <= 2*spacing(t)) y = y + correction*y_dot
    end subroutine find_event_time
 
    !> Newton's correction; a vanishing rate gives one that leaves every bracket.
    pure real(wp) function newton_correction(g, rate) result(correction)
-      real(wp), intent(in) :: g
-      real(wp), intent(in) :: rate
+      real(wp), intent(in) :: g, rate
 
       correction = huge(g)
       if (abs(g) < abs(rate)*sqrt(huge(g))) correction = -g/rate
    end function newton_correction
 
    !> Time as the cubic function of the state through both ends, at the level [s].
-   real(wp) function first_guess(equation, component, level, t_a, y_a, t_b, y_b) result(t)
-      type(equation_t), intent(inout) :: equation
+   real(wp) function first_guess(step, component, level) result(t)
+      type(step_view_t), intent(in) :: step
       integer, intent(in) :: component
       real(wp), intent(in) :: level
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: y_a(:)
-      real(wp), intent(in) :: t_b
-      real(wp), intent(in) :: y_b(:)
-      real(wp) :: slope_a(size(y_a))
-      real(wp) :: slope_b(size(y_a))
-      real(wp) :: rise
+      real(wp), dimension(size(step%y_a)) :: slope_a, slope_b
+      real(wp) :: h, rise
       real(wp) :: x
       !! position between the end values [-]
-      real(wp) :: s_a
-      real(wp) :: s_b
+      real(wp) :: s_a, s_b
       !! slopes of time over state, per unit of x [s]
 
-      t = t_a + (t_b - t_a)/2
-      rise = y_b(component) - y_a(component)
+      h = step%t_b - step%t_a
+      t = step%t_a + h/2
+      rise = step%y_b(component) - step%y_a(component)
       if (abs(rise) <= tiny(rise)) return
-      x = (level - y_a(component))/rise
-      call rhs(equation, t_a, y_a, slope_a)
-      call rhs(equation, t_b, y_b, slope_b)
+      x = (level - step%y_a(component))/rise
+      call rhs(step%equation, step%t_a, step%y_a, slope_a)
+      call rhs(step%equation, step%t_b, step%y_b, slope_b)
       ! A slope far from the secant's means that time is no smooth function of the state here.
       s_a = inverse_slope(slope_a(component))
       s_b = inverse_slope(slope_b(component))
-      t = t_a + x*(t_b - t_a) + x*(1 - x)*((1 - x)*(s_a - (t_b - t_a)) - x*(s_b - (t_b - t_a)))
-      if (.not. (t > t_a .and. t < t_b)) t = t_a + x*(t_b - t_a)
-      if (.not. (t > t_a .and. t < t_b)) t = t_a + (t_b - t_a)/2
+      t = step%t_a + x*h + x*(1 - x)*((1 - x)*(s_a - h) - x*(s_b - h))
+      if (.not. (t > step%t_a .and. t < step%t_b)) t = step%t_a + x*h
+      if (.not. (t > step%t_a .and. t < step%t_b)) t = step%t_a + h/2
 
    contains
 
@@ -139,100 +114,40 @@ contains
       pure real(wp) function inverse_slope(slope)
          real(wp), intent(in) :: slope
 
-         inverse_slope = max(abs(slope), abs(rise)/(4*(t_b - t_a)))
+         inverse_slope = max(abs(slope), abs(rise)/(4*h))
          inverse_slope = abs(rise)/inverse_slope
          if (slope*rise < 0) inverse_slope = -inverse_slope
       end function inverse_slope
    end function first_guess
 
-   !> In how many parts to search a step: in each of them frame and ground motion go through a
-   !> quarter of their periods at most. A high order with a loose tolerance takes steps of a period.
-   integer function count_parts(equation, t_a, t_b) result(n)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: t_b
-      !! [s]
-      integer, parameter :: most = 1000
-      real(wp) :: quarter
-      !! of the shortest period [s]
-      real(wp) :: first
-      real(wp) :: second
-
-      quarter = huge(quarter)
-      if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%max_frequency)
-      first = turning_point(equation%motion, interval_of(equation), t_a)
-      if (first < min(t_b, interval_end(equation%motion, interval_of(equation)))) then
-         second = turning_point(equation%motion, interval_of(equation), first)
-         if (second < interval_end(equation%motion, interval_of(equation))) then
-            quarter = min(quarter, (second - first)/2)
-         end if
-      end if
-      n = ceiling(min((t_b - t_a)/quarter, real(most, wp)))
-      n = max(n, 1)
-   end function count_parts
-
-   !> Does theta' pass through zero and back between two times at which it has the same sign?
-   !>
-   !> The rotation tells at no cost: a theta' that touches zero as a parabola has the mean
-   !> (v_a + v_b - sqrt(v_a v_b))/3. Only below that, with a margin, slopes and a state are
-   !> evaluated.
-   subroutine find_reversal(equation, integrator, t_a, y_a, t_b, y_b, t, y, found, error)
-      type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: y_a(:)
-      !! (states) at t_a
-      real(wp), intent(in) :: t_b
-      !! [s]
-      real(wp), intent(in) :: y_b(:)
-      !! (states) at t_b
-      real(wp), intent(inout) :: t
+   !> Does theta' pass through zero and back between two times at which it has the same sign? Only
+   !> where the rotation says that it may, slopes and a state are evaluated.
+   subroutine find_reversal(step, t, y, found, error)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(out) :: t
       !! when found: a time between both sign changes [s]
-      real(wp), intent(inout) :: y(:)
+      real(wp), intent(out) :: y(:)
       !! (states) there
       logical, intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: margin = 0.45_wp
-      !! 1/3: the parabola; 1/2: a straight line from rest, of which there are many
       real(wp) :: h
       real(wp) :: v(2)
       !! theta' at the ends, not negative [rad/s]
       real(wp) :: slope(2)
       !! of it over the span [rad/s]
 
-      h = t_b - t_a
       found = .false.
-      v = abs([y_a(2), y_b(2)])
-      if (sign(1.0_wp, y_a(2) + y_b(2))*(y_b(1) - y_a(1)) &
-         >= margin*h*(sum(v) - sqrt(v(1))*sqrt(v(2)))) return
-      slope = [second_derivative(equation, t_a, y_a), second_derivative(equation, t_b, y_b)]
-      slope = slope*sign(h, y_a(2) + y_b(2))
-      if (slope(1) >= 0 .or. slope(2) <= 0) return
-      t = t_a + stationary_point(v(1), slope(1), v(2), slope(2))*h
-      call integrator%state_at(t, y, error)
-      if (allocated(error)) return
-      found = y(2)*(y_a(2) + y_b(2)) < 0
+      associate (y_a => step%y_a, y_b => step%y_b)
+         h = step%t_b - step%t_a
+         v = abs([y_a(2), y_b(2)])
+         if (.not. may_reverse(sign(1.0_wp, y_a(2) + y_b(2))*(y_b(1) - y_a(1)), v, h)) return
+         slope = accelerations(step)*sign(h, y_a(2) + y_b(2))
+         if (slope(1) >= 0 .or. slope(2) <= 0) return
+         t = step%t_a + stationary_point(v(1), slope(1), v(2), slope(2))*h
+         call step%integrator%state_at(t, y, error)
+         if (allocated(error)) return
+         found = y(2)*(y_a(2) + y_b(2)) < 0
+      end associate
    end subroutine find_reversal
-
-   !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
-   pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
-      real(wp), intent(in) :: v_0
-      real(wp), intent(in) :: s_0
-      real(wp), intent(in) :: v_1
-      real(wp), intent(in) :: s_1
-      real(wp) :: a
-      real(wp) :: b
-      real(wp) :: root
-
-      ! Slope of the cubic: a x**2 + 2 b x + s_0.
-      a = 3*(s_0 + s_1 - 2*(v_1 - v_0))
-      b = 3*(v_1 - v_0) - 2*s_0 - s_1
-      root = sqrt(max(0.0_wp, b**2 - a*s_0))
-      ! The slopes differ in sign, so exactly one root lies inside; this form never cancels there.
-      x = s_0/(-b + sign(root, s_0))
-      if (.not. (x >= 0 .and. x <= 1)) x = s_0/(s_0 - s_1)
-   end function stationary_point
 
 end module rwmf_simulation_events_event_time

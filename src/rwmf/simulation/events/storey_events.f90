@@ -5,18 +5,19 @@
 module rwmf_simulation_events_storey_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
       storey_motion, turn_storey
-   use rwmf_simulation_events_event_time, only: count_parts
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_steady, may_reverse, &
+      sample_state, step_view_t
    implicit none
    private
 
-   public :: moment_t, storey_end_t, sample_storeys, find_root, find_turn, stop_at_storey, &
-      end_branch
-   public :: of_drift, of_rate
+   public :: moment_t, storey_end_t, storey_span_t, sample_storeys, span_of, end_at_turn, &
+      stop_at_storey, end_branch
+   public :: of_drift
 
    integer, parameter :: of_drift = 1
    integer, parameter :: of_rate = 2
@@ -30,10 +31,22 @@ module rwmf_simulation_events_storey_events
       !! (n, 3) displacements [m], their rates [m/s], and hysteretic states of smooth storeys [-]
    end type moment_t
 
+   !> One storey between two instants.
+   type :: storey_span_t
+      type(step_view_t) :: step
+      integer :: storey
+      real(wp) :: t(2)
+      !! [s]
+      real(wp) :: motion(3, 2)
+      !! displacement [m], its rate [m/s], and hysteretic state of a smooth storey [-] at both
+   end type storey_span_t
+
    !> End of a storey's branch.
    type :: storey_end_t
       integer :: storey = 0
       !! 0: none
+      real(wp) :: t = huge(1.0_wp)
+      !! [s]
       logical :: turns = .false.
       !! it unloads, or begins to move
       logical :: passes_zero = .false.
@@ -45,363 +58,284 @@ module rwmf_simulation_events_storey_events
 contains
 
    !> Cut the last step of the integrator at the first end of a branch.
-   subroutine stop_at_storey(equation, integrator, found, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
+   subroutine stop_at_storey(step, found, error)
+      type(step_view_t), intent(inout) :: step
       type(storey_end_t), intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
-      type(moment_t) :: a
-      type(moment_t) :: b
-      real(wp) :: t_end
-      real(wp) :: t_stop
-      real(wp) :: y(equation%n)
+      type(moment_t) :: a, b
+      real(wp) :: y(size(step%y_a))
       integer :: n, i
 
-      n = count_parts(equation, integrator%t0, integrator%t1)
+      n = count_parts(step)
       if (n == 1) then
-         if (is_quiet(equation, integrator)) return
+         if (is_quiet(step)) return
       end if
-      t_end = integrator%t1
-      t_stop = t_end
-      call sample_storeys(equation, integrator, integrator%t0, b, error)
+      call sample_storeys(step, step%t_a, b, error)
       do i = 1, n
          a = b
          if (allocated(error)) return
-         call sample_storeys(equation, integrator, merge(t_end, &
-            integrator%t0 + i*((t_end - integrator%t0)/n), i == n), b, error)
+         call sample_storeys(step, end_of_part(step, i, n), b, error)
          if (allocated(error)) return
-         call search_storeys(equation, integrator, a, b, found, t_stop, error)
+         call search_storeys(step, a, b, found, error)
          if (allocated(error)) return
          if (found%storey > 0) exit
       end do
       if (found%storey == 0) return
-      call integrator%state_at(t_stop, y, error)
-      integrator%t1 = t_stop
-      integrator%y1(:) = y
+      call step%integrator%state_at(found%t, y, error)
+      step%t_b = found%t
+      step%integrator%t1 = found%t
+      step%integrator%y1(:) = y
    end subroutine stop_at_storey
 
    !> Is it plain from the ends of a short step that no branch ends in it? Most are: the storey is
    !> far from the limits, or yields on at a rate that hardly changes.
-   logical function is_quiet(equation, integrator)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(in) :: integrator
-      real(wp) :: a(equation%floors%n, 2)
-      real(wp) :: b(equation%floors%n, 2)
-      real(wp) :: z(equation%floors%n)
-      real(wp) :: rate(2)
-      real(wp) :: low
-      real(wp) :: high
-      integer :: loading_direction
-      integer :: i
+   logical function is_quiet(step)
+      type(step_view_t), intent(in) :: step
+      real(wp), dimension(step%equation%floors%n, 2) :: d, rate
+      real(wp) :: z(step%equation%floors%n)
+      real(wp) :: low, high
+      integer :: loading_direction, i
 
-      call storey_motion(equation, integrator%y0, a(:, of_drift), a(:, of_rate))
-      call storey_motion(equation, integrator%y1, b(:, of_drift), b(:, of_rate))
-      z = hysteretic_states(equation, integrator%y1)
       is_quiet = .true.
-      do i = 1, size(a, 1)
-         rate = [a(i, of_rate), b(i, of_rate)]
-         loading_direction = loading_direction_of(equation, i)
-         if (stands_still(equation, i)) then
-            is_quiet = abs(rate(2)) <= 0
-         else if (loading_direction /= 0) then
-            is_quiet = 2*abs(rate(2) - rate(1)) < minval(loading_direction*rate) &
-               .and. side_beyond_zero(equation, i)*z(i) <= 0
-         else
-            call branch_limits(equation, i, low, high)
-            associate (reach => (integrator%t1 - integrator%t0)*maxval(abs(rate)))
-               is_quiet = max(a(i, of_drift), b(i, of_drift)) + reach < high &
-                  .and. min(a(i, of_drift), b(i, of_drift)) - reach > low
-            end associate
-         end if
-         if (.not. is_quiet) return
-      end do
+      associate (equation => step%equation)
+         call storey_motion(equation, step%y_a, d(:, 1), rate(:, 1))
+         call storey_motion(equation, step%y_b, d(:, 2), rate(:, 2))
+         z = hysteretic_states(equation, step%y_b)
+         do i = 1, size(z)
+            loading_direction = loading_direction_of(equation, i)
+            if (stands_still(equation, i)) then
+               is_quiet = abs(rate(i, 2)) <= 0
+            else if (loading_direction /= 0) then
+               is_quiet = is_steady(rate(i, 1), rate(i, 2)) .and. loading_direction*rate(i, 1) > 0 &
+                  .and. side_beyond_zero(equation, i)*z(i) <= 0
+            else
+               call branch_limits(equation, i, low, high)
+               associate (reach => (step%t_b - step%t_a)*maxval(abs(rate(i, :))))
+                  is_quiet = maxval(d(i, :)) + reach < high .and. minval(d(i, :)) - reach > low
+               end associate
+            end if
+            if (.not. is_quiet) return
+         end do
+      end associate
    end function is_quiet
 
    !> First end of a branch between two instants.
-   subroutine search_storeys(equation, integrator, a, b, found, t_stop, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
+   subroutine search_storeys(step, a, b, found, error)
+      type(step_view_t), intent(in) :: step
+      type(moment_t), intent(in) :: a, b
       type(storey_end_t), intent(inout) :: found
-      real(wp), intent(inout) :: t_stop
-      !! [s]
       type(error_t), allocatable, intent(out) :: error
+      type(storey_span_t) :: span
       type(storey_end_t) :: ending
-      real(wp) :: t
       integer :: i
 
-      do i = 1, equation%floors%n
-         if (stands_still(equation, i)) then
-            ending = storey_end_t(merge(i, 0, abs(b%motion(i, of_rate)) > 0), turns=.true., &
-               is_rising=b%motion(i, of_rate) > 0)
-            t = a%t
-         else if (loading_direction_of(equation, i) /= 0) then
-            call search_turn(equation, integrator, i, a, b, ending, t, error)
+      do i = 1, step%equation%floors%n
+         span = span_of(step, i, a, b)
+         if (stands_still(step%equation, i)) then
+            ending = storey_end_t(merge(i, 0, abs(span%motion(of_rate, 2)) > 0), a%t, &
+               turns=.true., is_rising=span%motion(of_rate, 2) > 0)
+         else if (loading_direction_of(step%equation, i) /= 0) then
+            call search_turn(span, ending, error)
          else
-            call search_limit(equation, integrator, i, a, b, ending, t, error)
+            call search_limit(span, ending, error)
          end if
          if (allocated(error)) return
-         call keep_first(ending, t)
-         call search_zero(equation, integrator, i, a, b, ending, t, error)
+         if (ending%storey > 0 .and. ending%t < found%t) found = ending
+         call search_zero(span, ending, error)
          if (allocated(error)) return
-         call keep_first(ending, t)
+         if (ending%storey > 0 .and. ending%t < found%t) found = ending
       end do
-
-   contains
-
-      subroutine keep_first(ending, t)
-         type(storey_end_t), intent(in) :: ending
-         real(wp), intent(in) :: t
-         !! [s]
-
-         if (ending%storey == 0) return
-         if (found%storey > 0 .and. t >= t_stop) return
-         found = ending
-         t_stop = t
-      end subroutine keep_first
    end subroutine search_storeys
 
-   !> Does a storey that yields turn back?
-   subroutine search_turn(equation, integrator, storey, a, b, ending, t, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
+   !> One storey between two instants.
+   function span_of(step, storey, a, b) result(span)
+      type(step_view_t), intent(in) :: step
       integer, intent(in) :: storey
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
+      type(moment_t), intent(in) :: a, b
+      type(storey_span_t) :: span
+
+      span%step = step
+      span%storey = storey
+      span%t = [a%t, b%t]
+      span%motion(:, 1) = a%motion(storey, :)
+      span%motion(:, 2) = b%motion(storey, :)
+   end function span_of
+
+   !> Does a storey that yields turn back?
+   subroutine search_turn(span, ending, error)
+      type(storey_span_t), intent(in) :: span
       type(storey_end_t), intent(out) :: ending
-      real(wp), intent(out) :: t
       type(error_t), allocatable, intent(out) :: error
-      type(moment_t) :: slowest
+      type(storey_span_t) :: part
       integer :: loading_direction
 
-      t = a%t
-      loading_direction = loading_direction_of(equation, storey)
-      slowest = b
-      if (loading_direction*b%motion(storey, of_rate) >= 0) then
-         call look_at_slowest(equation, integrator, storey, a, b, slowest, error)
+      loading_direction = loading_direction_of(span%step%equation, span%storey)
+      part = span
+      if (loading_direction*span%motion(of_rate, 2) >= 0) then
+         call end_at_slowest(part, error)
          if (allocated(error)) return
-         if (loading_direction*slowest%motion(storey, of_rate) >= 0) return
+         if (loading_direction*part%motion(of_rate, 2) >= 0) return
       end if
-      ending = storey_end_t(storey, turns=.true., is_rising=loading_direction < 0)
-      if (loading_direction*a%motion(storey, of_rate) <= 0) return
-      call find_root(equation, integrator, storey, of_rate, 0.0_wp, a, slowest, t, error)
+      ending = storey_end_t(span%storey, span%t(1), turns=.true., is_rising=loading_direction < 0)
+      if (loading_direction*span%motion(of_rate, 1) <= 0) return
+      call find_root(part, of_rate, 0.0_wp, ending%t, error)
    end subroutine search_turn
 
    !> Does the hysteretic force of a smooth storey pass zero?
-   subroutine search_zero(equation, integrator, storey, a, b, ending, t, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      integer, intent(in) :: storey
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
+   subroutine search_zero(span, ending, error)
+      type(storey_span_t), intent(in) :: span
       type(storey_end_t), intent(out) :: ending
-      real(wp), intent(out) :: t
       type(error_t), allocatable, intent(out) :: error
       integer :: side
 
-      t = a%t
-      side = side_beyond_zero(equation, storey)
-      if (side*b%motion(storey, of_z) <= 0) return
-      ending = storey_end_t(storey, passes_zero=.true.)
-      if (side*a%motion(storey, of_z) >= 0) return
-      call find_root(equation, integrator, storey, of_z, 0.0_wp, a, b, t, error)
+      side = side_beyond_zero(span%step%equation, span%storey)
+      if (side*span%motion(of_z, 2) <= 0) return
+      ending = storey_end_t(span%storey, span%t(1), passes_zero=.true.)
+      if (side*span%motion(of_z, 1) >= 0) return
+      call find_root(span, of_z, 0.0_wp, ending%t, error)
    end subroutine search_zero
 
-   !> The instant between two at which a storey is about slowest, if it may turn back there and go
-   !> on again; else the second one.
-   !>
-   !> A rate that touches zero as a parabola has the mean (v_a + v_b - sqrt(v_a v_b))/3: only below
-   !> that, with a margin, another state is asked for.
-   subroutine look_at_slowest(equation, integrator, storey, a, b, slowest, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      integer, intent(in) :: storey
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
-      type(moment_t), intent(inout) :: slowest
+   !> Let a span end where the storey is about slowest, if it may turn back there and go on again.
+   !> Only where the way says that it may, another state is asked for.
+   subroutine end_at_slowest(span, error)
+      type(storey_span_t), intent(inout) :: span
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: margin = 0.45_wp
-      real(wp) :: rate(2)
-      real(wp) :: way
+      real(wp) :: rate(2), h
       real(wp) :: x
-      !! place of the parabola's vertex between both [-]
+      !! place of the parabola's vertex between both ends [-]
 
-      rate = abs([a%motion(storey, of_rate), b%motion(storey, of_rate)])
-      way = abs(b%motion(storey, of_drift) - a%motion(storey, of_drift))
-      if (way >= margin*(b%t - a%t)*(sum(rate) - sqrt(rate(1))*sqrt(rate(2)))) return
+      rate = abs(span%motion(of_rate, :))
+      h = span%t(2) - span%t(1)
+      if (.not. may_reverse(abs(span%motion(of_drift, 2) - span%motion(of_drift, 1)), rate, &
+          h)) return
       x = sqrt(rate(1))/max(sqrt(rate(1)) + sqrt(rate(2)), tiny(x))
-      call sample_storeys(equation, integrator, a%t + x*(b%t - a%t), slowest, error)
-   end subroutine look_at_slowest
+      call move_end(span, 2, span%t(1) + x*h, error)
+   end subroutine end_at_slowest
 
    !> Does an elastic storey come to a limit?
-   subroutine search_limit(equation, integrator, storey, a, b, ending, t, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      integer, intent(in) :: storey
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
+   subroutine search_limit(span, ending, error)
+      type(storey_span_t), intent(in) :: span
       type(storey_end_t), intent(out) :: ending
-      real(wp), intent(out) :: t
       type(error_t), allocatable, intent(out) :: error
-      type(moment_t) :: turn
-      real(wp) :: low
-      real(wp) :: high
+      type(storey_span_t) :: part
+      real(wp) :: limit(2)
 
-      t = a%t
-      call branch_limits(equation, storey, low, high)
-      call find_turn(equation, integrator, storey, a, b, low, high, turn, error)
+      call branch_limits(span%step%equation, span%storey, limit(1), limit(2))
+      part = span
+      call end_at_turn(part, limit, error)
       if (allocated(error)) return
-      if (turn%t < b%t) call pass_limit(turn)
+      if (part%t(2) < span%t(2)) call pass_limit(part, limit, ending, error)
       if (ending%storey > 0 .or. allocated(error)) return
-      call pass_limit(b)
-
-   contains
-
-      !> A limit between the beginning and another instant.
-      subroutine pass_limit(last)
-         type(moment_t), intent(in) :: last
-         type(moment_t) :: first
-         real(wp) :: limit
-         integer :: outward
-
-         associate (d => last%motion(storey, of_drift))
-            if (d <= high .and. d >= low) return
-            outward = merge(1, -1, d > high)
-            limit = merge(high, low, d > high)
-         end associate
-         first = a
-         if (is_beyond(first, limit, outward) .and. is_inward(first, outward)) then
-            ! it begins at the limit, where it has turned, and has to turn once more
-            if (is_inward(last, outward)) return
-            call find_root(equation, integrator, storey, of_rate, 0.0_wp, a, last, t, error)
-            if (.not. allocated(error)) call sample_storeys(equation, integrator, t, first, error)
-            if (allocated(error)) return
-         end if
-         ending = storey_end_t(storey, turns=.false., is_rising=outward > 0)
-         if (is_beyond(first, limit, outward)) return
-         call find_root(equation, integrator, storey, of_drift, limit, first, last, t, error)
-      end subroutine pass_limit
-
-      pure logical function is_beyond(now, limit, outward)
-         type(moment_t), intent(in) :: now
-         real(wp), intent(in) :: limit
-         integer, intent(in) :: outward
-
-         is_beyond = outward*(now%motion(storey, of_drift) - limit) >= 0
-      end function is_beyond
-
-      pure logical function is_inward(now, outward)
-         type(moment_t), intent(in) :: now
-         integer, intent(in) :: outward
-
-         is_inward = outward*now%motion(storey, of_rate) < 0
-      end function is_inward
+      part = span
+      call pass_limit(part, limit, ending, error)
    end subroutine search_limit
 
-   !> The turn of a storey between two instants, if it may lie outside of two limits; else the
-   !> second instant.
-   subroutine find_turn(equation, integrator, storey, a, b, low, high, turn, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      integer, intent(in) :: storey
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
-      real(wp), intent(in) :: low
+   !> A limit that a storey has passed at the end of a span.
+   subroutine pass_limit(span, limit, ending, error)
+      type(storey_span_t), intent(inout) :: span
+      !! on return perhaps only the part after a turn
+      real(wp), intent(in) :: limit(2)
       !! [m]
-      real(wp), intent(in) :: high
+      type(storey_end_t), intent(inout) :: ending
+      type(error_t), allocatable, intent(out) :: error
+      integer :: k, outward
+      real(wp) :: t
+
+      k = findloc([span%motion(of_drift, 2) < limit(1), span%motion(of_drift, 2) > limit(2)], &
+         .true., dim=1)
+      if (k == 0) return
+      outward = 2*k - 3
+      if (outward*(span%motion(of_drift, 1) - limit(k)) >= 0 &
+          .and. outward*span%motion(of_rate, 1) < 0) then
+         ! it begins at the limit, where it has turned, and has to turn once more
+         if (outward*span%motion(of_rate, 2) < 0) return
+         call find_root(span, of_rate, 0.0_wp, t, error)
+         if (.not. allocated(error)) call move_end(span, 1, t, error)
+         if (allocated(error)) return
+      end if
+      ending = storey_end_t(span%storey, span%t(1), turns=.false., is_rising=outward > 0)
+      if (outward*(span%motion(of_drift, 1) - limit(k)) >= 0) return
+      call find_root(span, of_drift, limit(k), ending%t, error)
+   end subroutine pass_limit
+
+   !> Let a span end at the turn of the storey, if that may lie outside of two limits.
+   subroutine end_at_turn(span, limit, error)
+      type(storey_span_t), intent(inout) :: span
+      real(wp), intent(in) :: limit(2)
       !! [m]
-      type(moment_t), intent(out) :: turn
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: reach
       !! how far it may go beyond its ends, twice what a steady deceleration allows [m]
       real(wp) :: t
 
-      turn = b
-      associate (d => [a%motion(storey, of_drift), b%motion(storey, of_drift)], &
-         rate => [a%motion(storey, of_rate), b%motion(storey, of_rate)])
+      associate (d => span%motion(of_drift, :), rate => span%motion(of_rate, :))
          if (rate(1)*rate(2) >= 0) return
-         reach = (b%t - a%t)*maxval(abs(rate))
-         if (rate(1) > 0 .and. maxval(d) + reach <= high) return
-         if (rate(1) < 0 .and. minval(d) - reach >= low) return
+         reach = (span%t(2) - span%t(1))*maxval(abs(rate))
+         if (rate(1) > 0 .and. maxval(d) + reach <= limit(2)) return
+         if (rate(1) < 0 .and. minval(d) - reach >= limit(1)) return
       end associate
-      call find_root(equation, integrator, storey, of_rate, 0.0_wp, a, b, t, error)
-      if (allocated(error)) return
-      call sample_storeys(equation, integrator, t, turn, error)
-   end subroutine find_turn
+      call find_root(span, of_rate, 0.0_wp, t, error)
+      if (.not. allocated(error)) call move_end(span, 2, t, error)
+   end subroutine end_at_turn
 
-   !> Where displacement or rate of a storey passes a level, to round-off of the time.
-   !>
-   !> The secant between the ends of a bracket; an end that stays counts half the next time
-   !> (Illinois), so that both ends close in.
-   subroutine find_root(equation, integrator, storey, which, level, a, b, t, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      integer, intent(in) :: storey
+   !> Move an end of a span to a time inside.
+   subroutine move_end(span, k, t, error)
+      type(storey_span_t), intent(inout) :: span
+      integer, intent(in) :: k
+      !! 1: the beginning, 2: the end
+      real(wp), intent(in) :: t
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+      type(moment_t) :: now
+
+      call sample_storeys(span%step, t, now, error)
+      if (allocated(error)) return
+      span%t(k) = t
+      span%motion(:, k) = now%motion(span%storey, :)
+   end subroutine move_end
+
+   !> Where a storey passes a level that lies between its values at the ends, to round-off of the
+   !> time.
+   subroutine find_root(span, which, level, t, error)
+      type(storey_span_t), intent(in) :: span
       integer, intent(in) :: which
-      !! `of_drift` or `of_rate`
+      !! `of_drift`, `of_rate` or `of_z`
       real(wp), intent(in) :: level
-      !! [m] or [m/s]
-      type(moment_t), intent(in) :: a
-      type(moment_t), intent(in) :: b
-      !! on the other side of the level
+      !! [m], [m/s] or [-]
       real(wp), intent(out) :: t
       !! [s]
       type(error_t), allocatable, intent(out) :: error
-      integer, parameter :: most_iterations = 200
+      type(secant_t) :: secant
       type(moment_t) :: now
-      real(wp) :: time(2)
-      !! ends of the bracket [s]
-      real(wp) :: g(2)
-      real(wp) :: g_now
-      integer :: last
-      !! end that was replaced last
-      integer :: i, k
+      real(wp) :: g
 
-      time = [a%t, b%t]
-      g = [a%motion(storey, which), b%motion(storey, which)] - level
-      last = 0
-      do i = 1, most_iterations
-         t = time(2)
-         if (time(2) - time(1) <= 2*spacing(time(2))) return
-         t = time(1) + (time(2) - time(1))*(g(1)/(g(1) - g(2)))
-         if (.not. (t > time(1) .and. t < time(2)) .or. mod(i, 8) == 0) then
-            t = time(1) + (time(2) - time(1))/2
-         end if
-         call sample_storeys(equation, integrator, t, now, error)
+      secant = secant_between(span%t, span%motion(which, :) - level)
+      do while (secant%is_open)
+         t = secant%next
+         call sample_storeys(span%step, t, now, error)
          if (allocated(error)) return
-         g_now = now%motion(storey, which) - level
-         if (abs(g_now) <= 0) return
-         k = merge(1, 2, g_now*sign(1.0_wp, g(1)) > 0)
-         time(k) = t
-         g(k) = g_now
-         if (k == last) g(3 - k) = g(3 - k)/2
-         last = k
+         g = now%motion(span%storey, which) - level
+         if (abs(g) <= 0) return
+         call close_in(secant, g)
       end do
+      t = secant%x(2)
    end subroutine find_root
 
    !> The storeys at a time of the last step.
-   subroutine sample_storeys(equation, integrator, t, now, error)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
+   subroutine sample_storeys(step, t, now, error)
+      type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
       !! [s]
       type(moment_t), intent(out) :: now
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: y(equation%n)
+      real(wp) :: y(size(step%y_a))
 
-      if (t <= integrator%t0) then
-         y = integrator%y0
-      else if (t >= integrator%t1) then
-         y = integrator%y1
-      else
-         call integrator%state_at(t, y, error)
-         if (allocated(error)) return
-      end if
+      call sample_state(step, t, y, error)
+      if (allocated(error)) return
       now%t = t
-      allocate (now%motion(equation%floors%n, 3))
-      call storey_motion(equation, y, now%motion(:, of_drift), now%motion(:, of_rate))
-      now%motion(:, of_z) = hysteretic_states(equation, y)
+      allocate (now%motion(step%equation%floors%n, 3))
+      call storey_motion(step%equation, y, now%motion(:, of_drift), now%motion(:, of_rate))
+      now%motion(:, of_z) = hysteretic_states(step%equation, y)
    end subroutine sample_storeys
 
    !> The storey whose branch has ended goes over to its next one.

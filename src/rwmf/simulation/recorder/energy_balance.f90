@@ -2,11 +2,11 @@
 module rwmf_simulation_recorder_energy_balance
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_energy, only: dissipates_hysteretically, hysteretic_power, input_power, &
       stored_energy, stored_energy_t, viscous_power
    use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_result, only: energy_t
    implicit none
    private
@@ -17,34 +17,31 @@ contains
 
    !> Add the work of ground and dissipation over a piece of the last step, by the Gauss rule with
    !> five points.
-   subroutine integrate_powers(energy, equation, integrator, t_a, t_b, error)
+   subroutine integrate_powers(energy, step, error)
       type(energy_t), intent(inout) :: energy
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: t_b
-      !! [s]
+      type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: inner = sqrt(5 - 2*sqrt(10.0_wp/7))/3
       real(wp), parameter :: outer = sqrt(5 + 2*sqrt(10.0_wp/7))/3
       real(wp), parameter :: node(5) = [-outer, -inner, 0.0_wp, inner, outer]
       real(wp), parameter :: weight(5) = [322 - 13*sqrt(70.0_wp), 322 + 13*sqrt(70.0_wp), &
          512.0_wp, 322 + 13*sqrt(70.0_wp), 322 - 13*sqrt(70.0_wp)]/900
-      real(wp) :: y(equation%n)
-      real(wp) :: t
-      real(wp) :: share
+      real(wp) :: y(step%equation%n)
+      real(wp) :: t, h, share
       integer :: i
 
-      do i = 1, size(node)
-         t = t_a + (t_b - t_a)*(1 + node(i))/2
-         call integrator%state_at(t, y, error)
-         if (allocated(error)) return
-         share = weight(i)*(t_b - t_a)/2
-         energy%input = energy%input + share*input_power(equation, t, y)
-         energy%viscous = energy%viscous + share*viscous_power(equation, t, y)
-         energy%hysteretic = energy%hysteretic + share*hysteretic_power(equation, t, y)
-      end do
+      h = step%t_b - step%t_a
+      associate (equation => step%equation)
+         do i = 1, size(node)
+            t = step%t_a + h*(1 + node(i))/2
+            call step%integrator%state_at(t, y, error)
+            if (allocated(error)) return
+            share = weight(i)*h/2
+            energy%input = energy%input + share*input_power(equation, t, y)
+            energy%viscous = energy%viscous + share*viscous_power(equation, t, y)
+            energy%hysteretic = energy%hysteretic + share*hysteretic_power(equation, t, y)
+         end do
+      end associate
       energy%input_max = max(energy%input_max, abs(energy%input))
    end subroutine integrate_powers
 

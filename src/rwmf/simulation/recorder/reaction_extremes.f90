@@ -8,12 +8,14 @@
 module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
+      maximum_t, narrow, vertex_of_parabola
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_event_time, only: count_parts
+   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, &
+      is_short, step_view_t
    implicit none
    private
 
@@ -73,129 +75,114 @@ contains
    end subroutine observe_last
 
    !> Smooth motion inside the last step of the integrator.
-   subroutine observe_moving(forces, equation, integrator, t_b, y_b, error)
+   subroutine observe_moving(forces, piece, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_b
-      !! end of the motion on this side [s]
-      real(wp), intent(in) :: y_b(:)
-      !! (states) there
+      type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: t_a
-      integer :: n
-      integer :: i
+      type(step_view_t) :: span
+      integer :: i, n
 
-      if (is_plain(forces, equation, integrator, t_b, y_b)) return
-      t_a = integrator%t0
-      n = count_parts(equation, t_a, t_b)
+      if (is_plain(forces, piece)) return
+      n = count_parts(piece)
+      span = piece
       do i = 1, n
-         call search_span(forces, equation, t_a + (i - 1)*((t_b - t_a)/n), &
-            t_a + i*((t_b - t_a)/n), error, integrator)
+         span%t_b = end_of_part(piece, i, n)
+         call search_span(forces, span, error)
          if (allocated(error)) return
+         span%t_a = span%t_b
       end do
    end subroutine observe_moving
 
    !> Is it plain from both ends of a short step that it holds no extremum? Most steps are so short,
    !> and so far from the extrema so far, that no state inside needs to be asked for.
-   logical function is_plain(forces, equation, integrator, t_b, y_b)
+   logical function is_plain(forces, piece)
       type(reaction_extremes_recorder_t), intent(in) :: forces
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(in) :: integrator
-      real(wp), intent(in) :: t_b
-      real(wp), intent(in) :: y_b(:)
+      type(step_view_t), intent(in) :: piece
       real(wp), parameter :: short = 0.4_wp
       !! over 1/omega: the second harmonic departs from a chord by (2*0.4)**2/8 of its amplitude
       real(wp), parameter :: margin = 0.25_wp
       !! of the range so far
       real(wp) :: at_ends(n_quantities)
-      real(wp) :: t_a
+      real(wp) :: y_ddot(2)
 
-      t_a = integrator%t0
-      is_plain = (t_b - t_a)*max(equation%p%omega_s, equation%max_frequency, &
-         sqrt(equation%p%g/equation%p%R)) < short
-      if (is_plain) then
-         is_plain = turning_point(equation%motion, interval_of(equation), t_a) >= t_b
-      end if
-      is_plain = is_plain .and. all(forces%largest >= forces%smallest)
-      if (.not. is_plain) return
-      at_ends = max(quantities(reactions_at(equation, t_a, integrator%y0, &
-         second_derivative(equation, t_a, integrator%y0))), &
-         quantities(reactions_at(equation, t_b, y_b, second_derivative(equation, t_b, y_b))))
+      associate (equation => piece%equation)
+         is_plain = is_short(piece, short, sqrt(equation%p%g/equation%p%R)) &
+            .and. all(forces%largest >= forces%smallest)
+         if (.not. is_plain) return
+         y_ddot = accelerations(piece)
+         at_ends = max(quantities(reactions_at(equation, piece%t_a, piece%y_a, y_ddot(1))), &
+            quantities(reactions_at(equation, piece%t_b, piece%y_b, y_ddot(2))))
+      end associate
       is_plain = all(at_ends + margin*(forces%largest - forces%smallest) < forces%largest)
    end function is_plain
 
    !> The wall stays at rest while the motion goes through the interval in force.
    subroutine observe_resting(forces, equation, t_a, t_b)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
+      type(equation_t), intent(in), target :: equation
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: t_b
       !! [s]
       type(error_t), allocatable :: error
       !! stays empty: no integrator is asked
-      real(wp) :: at_begin(n_quantities)
-      real(wp) :: at_end(n_quantities)
-      real(wp) :: t
-      real(wp) :: t_next
+      real(wp), dimension(n_quantities) :: at_begin, at_end
+      type(step_view_t) :: span
 
-      t = t_a
-      do while (t < t_b)
-         t_next = min(turning_point(equation%motion, interval_of(equation), t), t_b)
-         call sample(equation, t, at_begin, error)
-         call sample(equation, t_next, at_end, error)
+      span%equation => equation
+      span%t_a = t_a
+      do while (span%t_a < t_b)
+         span%t_b = min(turning_point(equation%motion, interval_of(equation), span%t_a), t_b)
+         call sample(span, span%t_a, at_begin, error)
+         call sample(span, span%t_b, at_end, error)
          ! Without further effects nothing but the ground varies, from end to end of the span.
          if (allocated(equation%effects) .or. any(max(at_begin, at_end) > forces%largest)) then
-            call search_span(forces, equation, t, t_next, error)
+            call search_span(forces, span, error)
          end if
-         t = t_next
+         span%t_a = span%t_b
       end do
    end subroutine observe_resting
 
    !> Extrema over a span in which motion and reactions go through a quarter of a period at most.
-   subroutine search_span(forces, equation, t_a, t_b, error, integrator)
+   subroutine search_span(forces, span, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: t_b
+      type(step_view_t), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
-      class(integrator_t), intent(inout), optional :: integrator
-      !! absent: at rest
       real(wp) :: t(n_nodes)
       real(wp) :: found(n_quantities, n_nodes)
+      type(step_view_t) :: part
       real(wp) :: t_peak
-      real(wp) :: t_safe
-      integer :: i
-      integer :: q
+      integer :: i, q
 
       do i = 1, n_nodes
-         t(i) = t_a + (t_b - t_a)*sin((i - 1)*(pi/2)/(n_nodes - 1))**2
-         call sample(equation, t(i), found(:, i), error, integrator)
+         t(i) = span%t_a + (span%t_b - span%t_a)*sin((i - 1)*(pi/2)/(n_nodes - 1))**2
+         call sample(span, t(i), found(:, i), error)
          if (allocated(error)) return
       end do
       do i = 1, n_nodes
          call keep_largest(forces, t(i), found(:, i))
       end do
       do q = 1, n_quantities
-         call refine(forces, equation, q, t, found(q, :), t_peak, error, integrator)
+         call refine(forces, span, q, t, found(q, :), t_peak, error)
          if (allocated(error)) return
          if (q /= demand .or. .not. allocated(forces%limit)) cycle
          if (allocated(forces%t_exceeded) .or. .not. forces%largest(q) > forces%limit) cycle
          ! This is the first span whose largest demand exceeds the limit.
          i = findloc(found(q, :) > forces%limit, .true., dim=1)
          if (i > 0) t_peak = min(t_peak, t(i))
-         t_safe = maxval(t, mask=t < t_peak .and. found(q, :) <= forces%limit)
-         call find_exceedance(forces, equation, max(t_safe, t_a), t_peak, error, integrator)
+         part = span
+         part%t_a = max(maxval(t, mask=t < t_peak .and. found(q, :) <= forces%limit), span%t_a)
+         part%t_b = t_peak
+         call find_exceedance(forces, part, error)
          if (allocated(error)) return
       end do
    end subroutine search_span
 
    !> Close in on the maximum of a quantity, when the samples show one between them that can be the
    !> largest so far. `t_peak` is its time, or the end of the span.
-   subroutine refine(forces, equation, q, t, found, t_peak, error, integrator)
+   subroutine refine(forces, span, q, t, found, t_peak, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
+      type(step_view_t), intent(in) :: span
       integer, intent(in) :: q
       !! which quantity
       real(wp), intent(in) :: t(n_nodes)
@@ -203,12 +190,12 @@ contains
       !! its samples
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
-      class(integrator_t), intent(inout), optional :: integrator
       real(wp), parameter :: margin = 0.25_wp
       !! of the range of the samples, beyond the largest of them: more than they can miss
+      type(maximum_t) :: search
+      real(wp) :: at_point(n_quantities)
       real(wp) :: vertex
-      integer :: best
-      integer :: k
+      integer :: best, k
 
       t_peak = t(n_nodes)
       if (maxval(found) >= huge(found)) return
@@ -217,143 +204,51 @@ contains
       k = min(max(best, 2), n_nodes - 1)
       vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
       if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) return
-      call maximise_brent(forces, equation, q, [t(k - 1), t(k + 1)], vertex, t_peak, error, &
-         integrator)
+      search = maximum_between(t(k - 1), t(k + 1), vertex)
+      do while (search%is_open)
+         call sample(span, search%next, at_point, error)
+         if (allocated(error)) return
+         call keep_largest(forces, search%next, at_point)
+         call climb(search, at_point(q))
+      end do
+      t_peak = search%x(1)
    end subroutine refine
 
-   !> Maximum inside a bracket by Brent's method: parabolas, golden sections where they fail.
-   subroutine maximise_brent(forces, equation, q, bracket, t_start, t_peak, error, integrator)
-      type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: q
-      real(wp), intent(in) :: bracket(2)
-      real(wp), intent(in) :: t_start
-      !! inside the bracket
-      real(wp), intent(out) :: t_peak
-      type(error_t), allocatable, intent(out) :: error
-      class(integrator_t), intent(inout), optional :: integrator
-      integer, parameter :: most_iterations = 60
-      real(wp), parameter :: golden = (3 - sqrt(5.0_wp))/2
-      real(wp) :: low, high
-      real(wp) :: x(3)
-      !! the best three points, best first [s]
-      real(wp) :: f(3)
-      real(wp) :: all_values(n_quantities)
-      real(wp) :: smallest
-      !! distance that matters [s]
-      real(wp) :: step, before_last
-      real(wp) :: t
-      integer :: i
-
-      low = bracket(1)
-      high = bracket(2)
-      smallest = max(sqrt(epsilon(1.0_wp))*(high - low), 4*spacing(high))
-      t = t_start
-      step = high - low
-      before_last = step
-      do i = 1, most_iterations
-         call sample(equation, t, all_values, error, integrator)
-         if (allocated(error)) return
-         call keep_largest(forces, t, all_values)
-         if (i == 1) then
-            x = t
-            f = all_values(q)
-         else
-            call insert(t, all_values(q), x, f, low, high)
-         end if
-         t_peak = x(1)
-         ! the pivot lifts here: no demand is larger
-         if (f(1) >= huge(f)) return
-         if (max(x(1) - low, high - x(1)) <= 2*smallest) return
-         t = vertex_of_parabola(x, f)
-         if (.not. (t > low + smallest .and. t < high - smallest &
-            .and. abs(t - x(1)) < before_last/2)) then
-            t = x(1) + golden*(merge(low, high, x(1) > (low + high)/2) - x(1))
-         end if
-         before_last = step
-         step = abs(t - x(1))
-         if (step < smallest) t = x(1) + sign(smallest, merge(low, high, x(1) - low > high - x(1)) &
-            - x(1))
-      end do
-   end subroutine maximise_brent
-
-   !> Let a new point take its rank among the best three, and tighten the bracket.
-   pure subroutine insert(t, value, x, f, low, high)
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: value
-      real(wp), intent(inout) :: x(3)
-      real(wp), intent(inout) :: f(3)
-      real(wp), intent(inout) :: low
-      real(wp), intent(inout) :: high
-      real(wp) :: worse
-
-      worse = t
-      if (value >= f(1)) worse = x(1)
-      if (value >= f(1) .neqv. t > x(1)) then
-         high = max(t, x(1))
-      else
-         low = min(t, x(1))
-      end if
-      if (value >= f(1)) then
-         x = [t, x(:2)]
-         f = [value, f(:2)]
-      else if (value >= f(2) .or. abs(x(2) - x(1)) <= 0) then
-         x = [x(1), t, x(2)]
-         f = [f(1), value, f(2)]
-      else if (value >= f(3) .or. abs(x(3) - x(1)) <= 0 .or. abs(x(3) - x(2)) <= 0) then
-         x(3) = t
-         f(3) = value
-      end if
-   end subroutine insert
-
    !> Bisect to the instant at which the demand passes the limit.
-   subroutine find_exceedance(forces, equation, t_below, t_above, error, integrator)
+   subroutine find_exceedance(forces, span, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t_below
-      !! the demand is below the limit here, or exceeds it from here on [s]
-      real(wp), intent(in) :: t_above
-      !! it exceeds the limit here [s]
+      type(step_view_t), intent(in) :: span
+      !! the demand exceeds the limit at its end, and is below it at its beginning or nowhere
       type(error_t), allocatable, intent(out) :: error
-      class(integrator_t), intent(inout), optional :: integrator
       real(wp) :: found(n_quantities)
-      real(wp) :: low
-      real(wp) :: high
-      real(wp) :: middle
+      type(bracket_t) :: bracket
 
-      low = t_below
-      high = t_above
-      do while (high - low > 2*spacing(high))
-         middle = low + (high - low)/2
-         call sample(equation, middle, found, error, integrator)
+      bracket = bracket_between(span%t_a, span%t_b)
+      do while (is_wider(bracket, 2))
+         call sample(span, bracket%middle, found, error)
          if (allocated(error)) return
-         if (found(demand) > forces%limit) then
-            high = middle
-         else
-            low = middle
-         end if
+         call narrow(bracket, found(demand) > forces%limit)
       end do
-      forces%t_exceeded = high
+      forces%t_exceeded = bracket%high
    end subroutine find_exceedance
 
    !> What is to be maximised, at one instant.
-   subroutine sample(equation, t, found, error, integrator)
-      type(equation_t), intent(in) :: equation
+   subroutine sample(span, t, found, error)
+      type(step_view_t), intent(in) :: span
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(n_quantities)
       type(error_t), allocatable, intent(out) :: error
-      class(integrator_t), intent(inout), optional :: integrator
-      real(wp) :: y(equation%n)
+      real(wp) :: y(span%equation%n)
       real(wp) :: y_ddot
 
       y = 0
       y_ddot = 0
-      if (present(integrator)) then
-         call integrator%state_at(t, y, error)
+      if (associated(span%integrator)) then
+         call span%integrator%state_at(t, y, error)
          if (allocated(error)) return
-         y_ddot = second_derivative(equation, t, y)
+         y_ddot = second_derivative(span%equation, t, y)
       end if
-      found = quantities(reactions_at(equation, t, y, y_ddot))
+      found = quantities(reactions_at(span%equation, t, y, y_ddot))
    end subroutine sample
 
    pure function quantities(reactions) result(found)
@@ -376,19 +271,5 @@ contains
       end where
       forces%smallest = min(forces%smallest, found)
    end subroutine keep_largest
-
-   !> Where the parabola through three points is stationary, when it has a maximum; else not a
-   !> number that lies between them.
-   pure real(wp) function vertex_of_parabola(x, f) result(vertex)
-      real(wp), intent(in) :: x(3)
-      real(wp), intent(in) :: f(3)
-      real(wp) :: p
-      real(wp) :: q
-
-      p = (x(2) - x(1))**2*(f(2) - f(3)) - (x(2) - x(3))**2*(f(2) - f(1))
-      q = 2*((x(2) - x(1))*(f(2) - f(3)) - (x(2) - x(3))*(f(2) - f(1)))
-      vertex = huge(vertex)
-      if (abs(p) < abs(q)*sqrt(huge(p))) vertex = x(2) - p/q
-   end function vertex_of_parabola
 
 end module rwmf_simulation_recorder_reaction_extremes

@@ -4,7 +4,7 @@
 module rwmf_simulation_recorder_recorder
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_math_roots, only: stationary_point
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
       second_derivative
    use rwmf_model_cable, only: cable_state_t
@@ -17,7 +17,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_hysteresis_spring_set, only: frame_force_column, put_spring_forces
    use rwmf_motion_ground_motion, only: acceleration, vertical_acceleration
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_event_time, only: stationary_point
+   use rwmf_simulation_events_step_view, only: accelerations, step_view_t
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, observe_last, &
@@ -170,87 +170,72 @@ contains
    end subroutine observe_state
 
    !> A piece of smooth motion inside the last step of the integrator.
-   subroutine observe_piece(recorder, equation, integrator, t_a, t_b, y_b, error)
+   subroutine observe_piece(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_a
-      !! beginning of the step [s]
-      real(wp), intent(in) :: t_b
-      !! end of the piece [s]
-      real(wp), intent(in) :: y_b(:)
-      !! (states) there
+      type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
 
-      call observe_fastest(recorder, equation, integrator, t_a, t_b, y_b, error)
+      call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
-      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, equation, integrator, &
-         t_b, &
-         y_b, error)
+      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
       if (allocated(error)) return
-      if (recorder%keeps_history) call sample_piece(recorder, equation, integrator, t_a, t_b, error)
+      if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
-      if (recorder%keeps_energy) then
-         call integrate_powers(recorder%energy, equation, integrator, t_a, t_b, error)
-      end if
+      if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
       if (allocated(error) .or. .not. allocated(recorder%forces)) return
-      call observe_moving(recorder%forces, equation, integrator, t_b, y_b, error)
+      call observe_moving(recorder%forces, piece, error)
    end subroutine observe_piece
 
    !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far.
    !>
    !> The cubic through both ends gives the instant; theta' is stationary there, so that its error
    !> is of second order in that of the instant.
-   subroutine observe_fastest(recorder, equation, integrator, t_a, t_b, y_b, error)
+   subroutine observe_fastest(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: t_b
-      real(wp), intent(in) :: y_b(:)
+      type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: slope_a
-      real(wp) :: slope_b
-      real(wp) :: x
-      real(wp) :: y(size(y_b))
+      real(wp) :: slope(2), h, x
+      real(wp) :: y(size(piece%y_b))
 
-      recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y_b(2)))
-      if (max(abs(integrator%y0(2)), abs(y_b(2))) < 0.8_wp*recorder%theta_dot_max) return
-      slope_a = second_derivative(equation, t_a, integrator%y0)*(t_b - t_a)
-      slope_b = second_derivative(equation, t_b, y_b)*(t_b - t_a)
-      if (slope_a*slope_b >= 0) return
-      x = stationary_point(integrator%y0(2), slope_a, y_b(2), slope_b)
-      call integrator%state_at(t_a + x*(t_b - t_a), y, error)
+      associate (v_a => piece%y_a(2), v_b => piece%y_b(2))
+         recorder%theta_dot_max = max(recorder%theta_dot_max, abs(v_b))
+         if (max(abs(v_a), abs(v_b)) < 0.8_wp*recorder%theta_dot_max) return
+         h = piece%t_b - piece%t_a
+         slope = accelerations(piece)*h
+         if (slope(1)*slope(2) >= 0) return
+         x = stationary_point(v_a, slope(1), v_b, slope(2))
+      end associate
+      call piece%integrator%state_at(piece%t_a + x*h, y, error)
       if (.not. allocated(error)) recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y(2)))
    end subroutine observe_fastest
 
    !> Rows of the history up to t_b from the integrator's last step.
-   subroutine sample_piece(recorder, equation, integrator, t_a, t_b, error)
+   subroutine sample_piece(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_a
-      real(wp), intent(in) :: t_b
+      type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       type(energy_t) :: energy
       !! up to the row; that of the run is summed up over whole pieces, whatever the rows
-      real(wp) :: y(equation%n)
+      type(step_view_t) :: part
+      !! between two rows
+      real(wp) :: y(size(piece%y_b))
       real(wp) :: t
-      real(wp) :: t_before
 
       energy = recorder%energy
-      t_before = t_a
+      part = piece
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt
-         if (t > t_b) exit
-         call integrator%state_at(t, y, error)
+         if (t > piece%t_b) exit
+         call piece%integrator%state_at(t, y, error)
          if (allocated(error)) return
          if (recorder%keeps_energy) then
-            call integrate_powers(energy, equation, integrator, t_before, t, error)
+            part%t_b = t
+            call integrate_powers(energy, part, error)
             if (allocated(error)) return
-            t_before = t
+            part%t_a = t
          end if
-         call write_row(recorder, equation, t, y, second_derivative(equation, t, y), energy)
+         call write_row(recorder, piece%equation, t, y, second_derivative(piece%equation, t, y), &
+            energy)
       end do
    end subroutine sample_piece
 

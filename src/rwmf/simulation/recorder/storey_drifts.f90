@@ -2,11 +2,11 @@
 module rwmf_simulation_recorder_storey_drifts
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_motion
-   use rwmf_simulation_events_event_time, only: count_parts
-   use rwmf_simulation_events_storey_events, only: find_turn, moment_t, of_drift, sample_storeys
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
+   use rwmf_simulation_events_storey_events, only: end_at_turn, moment_t, of_drift, &
+      sample_storeys, span_of, storey_span_t
    implicit none
    private
 
@@ -29,56 +29,42 @@ contains
    end subroutine observe_drifts
 
    !> Let the turns inside a piece of the last step, and its end, take part in them.
-   subroutine observe_turns(largest, equation, integrator, t_b, y_b, error)
+   subroutine observe_turns(largest, step, error)
       real(wp), intent(inout) :: largest(:)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(inout) :: integrator
-      real(wp), intent(in) :: t_b
-      !! end of the piece [s]
-      real(wp), intent(in) :: y_b(:)
-      !! (states) there
+      type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
-      type(moment_t) :: before
-      type(moment_t) :: after
-      type(moment_t) :: turn
+      type(moment_t) :: before, after
+      type(storey_span_t) :: span
       integer :: n, i, k
 
-      n = count_parts(equation, integrator%t0, t_b)
+      n = count_parts(step)
       if (n == 1) then
-         if (.not. may_turn(largest, equation, integrator, t_b, y_b)) return
+         if (.not. may_turn(largest, step)) return
       end if
-      call sample_storeys(equation, integrator, integrator%t0, after, error)
+      call sample_storeys(step, step%t_a, after, error)
       do i = 1, n
          if (allocated(error)) return
          before = after
-         call sample_storeys(equation, integrator, min(t_b, integrator%t0 + i*((t_b - &
-            integrator%t0)/n)), after, &
-            error)
+         call sample_storeys(step, end_of_part(step, i, n), after, error)
          do k = 1, size(largest)
             if (allocated(error)) return
-            call find_turn(equation, integrator, k, before, after, -largest(k), largest(k), turn, &
-               error)
-            if (.not. allocated(error)) largest(k) = max(largest(k), abs(turn%motion(k, of_drift)))
+            span = span_of(step, k, before, after)
+            call end_at_turn(span, [-largest(k), largest(k)], error)
+            largest(k) = max(largest(k), abs(span%motion(of_drift, 2)))
          end do
       end do
    end subroutine observe_turns
 
    !> May a storey turn in a short piece, farther out than ever? Lets the end take part.
-   logical function may_turn(largest, equation, integrator, t_b, y_b)
+   logical function may_turn(largest, step)
       real(wp), intent(inout) :: largest(:)
-      type(equation_t), intent(in) :: equation
-      class(integrator_t), intent(in) :: integrator
-      real(wp), intent(in) :: t_b
-      !! end of the piece [s]
-      real(wp), intent(in) :: y_b(:)
-      !! (states) there
-      real(wp) :: d(size(largest), 2)
-      real(wp) :: rate(size(largest), 2)
+      type(step_view_t), intent(in) :: step
+      real(wp), dimension(size(largest), 2) :: d, rate
 
-      call storey_motion(equation, integrator%y0, d(:, 1), rate(:, 1))
-      call storey_motion(equation, y_b, d(:, 2), rate(:, 2))
+      call storey_motion(step%equation, step%y_a, d(:, 1), rate(:, 1))
+      call storey_motion(step%equation, step%y_b, d(:, 2), rate(:, 2))
       may_turn = any(rate(:, 1)*rate(:, 2) < 0 .and. maxval(abs(d), 2) &
-         + (t_b - integrator%t0)*maxval(abs(rate), 2) > largest)
+         + (step%t_b - step%t_a)*maxval(abs(rate), 2) > largest)
       largest = max(largest, abs(d(:, 2)))
    end function may_turn
 

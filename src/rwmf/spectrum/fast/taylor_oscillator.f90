@@ -5,6 +5,7 @@
 !> round-off before the last one that is kept.
 module rwmf_spectrum_fast_taylor_oscillator
    use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_spectrum_fast_types, only: c_2, c_3
    implicit none
    private
@@ -139,23 +140,19 @@ contains
       !! the polynomial has different signs at both ends
       real(wp), intent(out) :: x
       integer, parameter :: max_iterations = 80
-      real(wp) :: low, high, p_high, value, slope, next
+      type(bracket_t) :: bracket
+      real(wp) :: p_high, value, slope, next
       integer :: i
 
-      low = low_start
-      high = high_start
-      call first_guess(p, low, high, p_high, x)
+      bracket = bracket_between(low_start, high_start)
+      call first_guess(p, low_start, high_start, p_high, x)
       do i = 1, max_iterations
          call state_at(p, x, value, slope)
          if (abs(value) <= 0) return
-         if ((value > 0) .eqv. (p_high > 0)) then
-            high = x
-         else
-            low = x
-         end if
-         next = low + (high - low)/2
+         call narrow(bracket, (value > 0) .eqv. (p_high > 0), x)
+         next = bracket%middle
          if (abs(value) < abs(slope)*(high_start - low_start)) then
-            if (x - value/slope >= low .and. x - value/slope <= high) next = x - value/slope
+            next = keep_inside(bracket, x - value/slope, may_be_end=.true.)
          end if
          ! Newton's method is quadratic: the error after a small correction is round-off.
          if (abs(next - x) <= 1.0e-9_wp*abs(next)) exit

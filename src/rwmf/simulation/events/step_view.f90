@@ -1,0 +1,166 @@
+!> What all who look into a step of an integrator see of it: its ends, the rates there, and states
+!> inside on request.
+module rwmf_simulation_events_step_view
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_motion_ground_motion, only: interval_end, turning_point
+   implicit none
+   private
+
+   public :: step_view_t, view_step, until, from
+   public :: count_parts, end_of_part, sample_state, accelerations
+   public :: is_short, is_steady, may_reverse
+
+   !> A piece of the last step, from a to b. It points to what others hold.
+   type :: step_view_t
+      type(equation_t), pointer :: equation => null()
+      class(integrator_t), pointer :: integrator => null()
+      !! not associated: the wall rests, and nothing but the ground moves
+      real(wp) :: t_a, t_b
+      !! [s]
+      real(wp), pointer, contiguous :: y_a(:) => null(), y_b(:) => null()
+      !! (states) there
+   end type step_view_t
+
+contains
+
+   !> The whole step.
+   subroutine view_step(step, equation, integrator)
+      type(step_view_t), intent(inout) :: step
+      type(equation_t), intent(in), target :: equation
+      class(integrator_t), intent(in), target :: integrator
+
+      step%equation => equation
+      step%integrator => integrator
+      step%t_a = integrator%t0
+      step%t_b = integrator%t1
+      step%y_a => integrator%y0
+      step%y_b => integrator%y1
+   end subroutine view_step
+
+   !> The piece up to a time [s] with the states y(:) there.
+   function until(step, t, y) result(piece)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: t
+      real(wp), intent(in), contiguous, target :: y(:)
+      type(step_view_t) :: piece
+
+      piece = step
+      piece%t_b = t
+      piece%y_b => y
+   end function until
+
+   !> The piece from a time [s] with the states y(:) there.
+   function from(step, t, y) result(piece)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: t
+      real(wp), intent(in), contiguous, target :: y(:)
+      type(step_view_t) :: piece
+
+      piece = step
+      piece%t_a = t
+      piece%y_a => y
+   end function from
+
+   !> In how many parts to search a step: in each of them frame and ground motion go through a
+   !> quarter of their periods at most. A high order with a loose tolerance takes steps of a period.
+   integer function count_parts(step) result(n)
+      type(step_view_t), intent(in) :: step
+      integer, parameter :: most = 1000
+      real(wp) :: quarter
+      !! of the shortest period [s]
+      real(wp) :: first, second
+
+      associate (equation => step%equation, motion => step%equation%motion, &
+         interval => interval_of(step%equation))
+         quarter = huge(quarter)
+         if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%max_frequency)
+         first = turning_point(motion, interval, step%t_a)
+         if (first < min(step%t_b, interval_end(motion, interval))) then
+            second = turning_point(motion, interval, first)
+            if (second < interval_end(motion, interval)) quarter = min(quarter, (second - first)/2)
+         end if
+      end associate
+      n = max(1, ceiling(min((step%t_b - step%t_a)/quarter, real(most, wp))))
+   end function count_parts
+
+   !> Time at the end of one of n equal parts [s].
+   pure real(wp) function end_of_part(step, i, n) result(t)
+      type(step_view_t), intent(in) :: step
+      integer, intent(in) :: i, n
+
+      t = step%t_b
+      if (i < n) t = step%t_a + i*((step%t_b - step%t_a)/n)
+   end function end_of_part
+
+   !> State at a time of the integrator's step: its ends are known.
+   subroutine sample_state(step, t, y, error)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(out) :: y(:)
+      !! (states)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (t <= step%integrator%t0) then
+         y = step%integrator%y0
+      else if (t >= step%integrator%t1) then
+         y = step%integrator%y1
+      else
+         call step%integrator%state_at(t, y, error)
+      end if
+   end subroutine sample_state
+
+   !> theta'' or u'' at both ends.
+   function accelerations(step) result(y_ddot)
+      type(step_view_t), intent(in) :: step
+      real(wp) :: y_ddot(2)
+
+      y_ddot = [second_derivative(step%equation, step%t_a, step%y_a), &
+         second_derivative(step%equation, step%t_b, step%y_b)]
+   end function accelerations
+
+   !> Does a step take the frame, and what else has a frequency, through less than an angle, under a
+   !> ground acceleration that is monotone?
+   pure logical function is_short(step, angle, frequency)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: angle
+      !! [rad]
+      real(wp), intent(in) :: frequency
+      !! of what else moves [rad/s]
+
+      associate (equation => step%equation)
+         is_short = (step%t_b - step%t_a)*max(equation%p%omega_s, equation%max_frequency, &
+            frequency) < angle
+         if (is_short) is_short = turning_point(equation%motion, interval_of(equation), step%t_a) &
+            >= step%t_b
+      end associate
+   end function is_short
+
+   !> Does a rate hardly change between two instants?
+   pure logical function is_steady(rate_a, rate_b)
+      real(wp), intent(in) :: rate_a, rate_b
+
+      is_steady = 2*abs(rate_b - rate_a) < min(abs(rate_a), abs(rate_b))
+   end function is_steady
+
+   !> May a rate that has the same sign at both ends of a span pass through zero and back in it?
+   !>
+   !> The way tells at no cost: a rate that touches zero as a parabola has the mean
+   !> (v_a + v_b - sqrt(v_a v_b))/3.
+   pure logical function may_reverse(way, rate, duration)
+      real(wp), intent(in) :: way
+      !! in the direction of the rate
+      real(wp), intent(in) :: rate(2)
+      !! at the ends, not negative
+      real(wp), intent(in) :: duration
+      !! [s]
+      real(wp), parameter :: margin = 0.45_wp
+      !! 1/3: the parabola; 1/2: a straight line from rest, of which there are many
+
+      may_reverse = .not. way >= margin*duration*(sum(rate) - sqrt(rate(1))*sqrt(rate(2)))
+   end function may_reverse
+
+end module rwmf_simulation_events_step_view
