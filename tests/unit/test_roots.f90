@@ -2,8 +2,8 @@
 program test_roots
    use check, only: checks_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_math_roots, only: bracket_between, bracket_t, climb, close_in, is_wider, &
-      keep_inside, maximum_between, maximum_t, narrow, secant_between, secant_t, stationary_point, &
+   use rwmf_math_roots, only: bracket_between, bracket_t, climb, close_in, is_wider, keep_inside, &
+      maximum_between, maximum_t, narrow, secant_between, secant_t, stationary_point, &
       vertex_of_parabola
    implicit none
 

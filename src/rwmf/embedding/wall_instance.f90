@@ -11,7 +11,7 @@ module rwmf_embedding_wall_instance
    use rwmf_model_equation, only: hysteresis_t, sprung_t
    use rwmf_model_hysteresis_bilinear, only: spring_t
    use rwmf_model_hysteresis_spring_set, only: renew_window
-   use rwmf_model_uplift, only: find_uplift_acceleration
+   use rwmf_model_lift_off, only: find_uplift_acceleration
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t

@@ -128,7 +128,7 @@ module rwmf_model_equation
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
       real(wp) :: uplift_acceleration(-1:1)
-      !! the same by side (+1: theta > 0) with further effects, see `rwmf_model_uplift` [m/s2]
+      !! the same by side (+1: theta > 0) with further effects, see `rwmf_model_lift_off` [m/s2]
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
       real(wp) :: added_inertia = 0

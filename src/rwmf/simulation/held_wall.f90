@@ -11,8 +11,8 @@ module rwmf_simulation_held_wall
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
-   use rwmf_model_rest, only: inverse_inertia, lifts, pressing_acceleration
-   use rwmf_model_uplift, only: find_uplift_acceleration
+   use rwmf_model_lift_off, only: find_uplift_acceleration, lifts
+   use rwmf_model_rest, only: inverse_inertia, pressing_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
       step_view_t, view_step

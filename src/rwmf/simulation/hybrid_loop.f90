@@ -17,9 +17,9 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction, load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, pass_window, renew_window, &
       reset_springs, tendon_is_broken, turn_back
-   use rwmf_model_rest, only: find_lift_off, jumps, may_rest, pull_duration
+   use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
+   use rwmf_model_rest, only: may_rest
    use rwmf_model_restitution, only: factor_at, largest_factor
-   use rwmf_model_uplift, only: find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_at, interval_end
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step

@@ -2,6 +2,7 @@
 module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
@@ -180,22 +181,16 @@ contains
       !! half height [m]
       real(wp), intent(in) :: L
       !! length of the link [m]
-      real(wp) :: high
-      real(wp) :: middle
+      type(bracket_t) :: bracket
       real(wp) :: v
 
-      low = 0
-      high = pi/2
-      do
-         middle = low + (high - low)/2
-         if (middle <= low .or. middle >= high) return
-         v = 4*h*sin(middle/2)**2
-         if (v < L .and. cos(middle)*sqrt(max(0.0_wp, L**2 - v**2)) > v*sin(middle)) then
-            low = middle
-         else
-            high = middle
-         end if
+      bracket = bracket_between(0.0_wp, pi/2)
+      do while (bracket%is_open)
+         v = 4*h*sin(bracket%middle/2)**2
+         call narrow(bracket, .not. (v < L .and. cos(bracket%middle)*sqrt(max(0.0_wp, L**2 - v**2)) &
+            > v*sin(bracket%middle)))
       end do
+      low = bracket%low
    end function turning_rotation
 
    subroutine fill_yielding(case, error)

@@ -14,8 +14,8 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, &
-      is_short, step_view_t
+   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, is_short, &
+      step_view_t
    implicit none
    private
 

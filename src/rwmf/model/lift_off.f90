@@ -1,0 +1,210 @@
+!> When the resting wall lifts off: the ground acceleration that it bears, and the first instant at
+!> which the motion exceeds it.
+!>
+!> Straight lines of horizontal and vertical motion on the same knots, or one that is a multiple of
+!> the other, make a drive that is monotone where the horizontal motion is. A pulse beside a
+!> vertical record makes one that turns where their slopes meet (`drive_turns`).
+module rwmf_model_lift_off
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
+   use rwmf_model_assembly, only: interval_of, lift_off_drive
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_equation, only: cable_at, equation_t, kinematics_at
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_motion_ground_motion, only: interval_end, steep_point, turning_point
+   implicit none
+   private
+
+   public :: lifts, find_lift_off, jumps, pull_duration, find_uplift_acceleration, drive_turns
+
+contains
+
+   !> Does the drive exceed the threshold by more than round-off?
+   elemental logical function lifts(drive, threshold)
+      real(wp), intent(in) :: drive
+      !! [m/s2]
+      real(wp), intent(in) :: threshold
+      !! [m/s2]
+
+      lifts = drive > 4*epsilon(1.0_wp)*threshold
+   end function lifts
+
+   !> First lift-off of a resting wall in [t, t_limit].
+   !>
+   !> Within a monotone piece of the motion the drive of a side is monotone, so that its value at
+   !> the end of the piece decides. `side` is 0 when the wall stays at rest; t and interval then
+   !> stand at the end of the search.
+   pure subroutine find_lift_off(equation, t_limit, t, interval, side)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_limit
+      !! [s]
+      real(wp), intent(inout) :: t
+      !! begin of the search; on return the instant of lift-off, or t_limit [s]
+      integer, intent(inout) :: interval
+      !! of the motion at t
+      integer, intent(out) :: side
+      !! of the motion that begins, +1 or -1; 0 for none
+      real(wp) :: t_end
+
+      do
+         side = lifting_side(equation, interval, t)
+         if (side /= 0 .or. t >= t_limit) return
+         t_end = min(drive_turns(equation, interval, t), t_limit)
+         side = lifting_side(equation, interval, t_end)
+         if (side /= 0) then
+            if (jumps(equation, interval, t_end)) side = first_side(equation, interval, t, t_end)
+            call refine_lift_off(equation, interval, side, t, t_end)
+            return
+         end if
+         t = t_end
+         if (t >= interval_end(equation%motion, interval)) interval = interval + 1
+      end do
+   end subroutine find_lift_off
+
+   !> First time after t at which the drive of a side turns inside the interval, else its end [s].
+   pure real(wp) function drive_turns(equation, interval, t)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      drive_turns = turning_point(equation%motion, interval, t)
+      if (equation%has_vertical) drive_turns = min(drive_turns, steep_point(equation%motion, &
+         interval, t, equation%weight_share))
+   end function drive_turns
+
+   !> Side on which the wall lifts off at an instant, 0 if it stays. Compressed fuses may push up
+   !> both corners; then it is the one that is pushed more.
+   pure integer function lifting_side(equation, interval, t) result(side)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp) :: drive(2)
+      !! on the negative and on the positive side [m/s2]
+
+      drive = [lift_off_drive(equation, -1, interval, t), lift_off_drive(equation, 1, interval, t)]
+      side = merge(1, -1, drive(2) >= drive(1))
+      if (.not. lifts(maxval(drive), equation%threshold)) side = 0
+   end function lifting_side
+
+   !> Do both sides lift off at an instant? Then the base bears nothing.
+   pure logical function jumps(equation, interval, t)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+
+      jumps = lifts(lift_off_drive(equation, 1, interval, t), equation%threshold) &
+         .and. lifts(lift_off_drive(equation, -1, interval, t), equation%threshold)
+   end function jumps
+
+   !> Of two sides that lift off between two times, the one that does so first.
+   pure integer function first_side(equation, interval, t, t_end) result(side)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      real(wp), intent(in) :: t
+      !! a time at rest [s]
+      real(wp), intent(in) :: t_end
+      !! a time at which both lift off [s]
+      real(wp) :: right
+      real(wp) :: left
+
+      right = t
+      call refine_lift_off(equation, interval, 1, right, t_end)
+      left = t
+      call refine_lift_off(equation, interval, -1, left, t_end)
+      side = merge(1, -1, right < left)
+   end function first_side
+
+   !> Bisect to the first time at which the drive exceeds the threshold.
+   pure subroutine refine_lift_off(equation, interval, side, t, t_end)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      integer, intent(in) :: side
+      real(wp), intent(inout) :: t
+      !! in: a time at rest; out: the lift-off [s]
+      real(wp), intent(in) :: t_end
+      !! a time after lift-off [s]
+      type(bracket_t) :: bracket
+
+      bracket = bracket_between(t, t_end)
+      do while (is_wider(bracket, 1))
+         call narrow(bracket, &
+            lifts(lift_off_drive(equation, side, interval, bracket%middle), equation%threshold))
+      end do
+      t = bracket%high
+   end subroutine refine_lift_off
+
+   !> How long the ground motion goes on pulling the wall off its base on the side in force, within
+   !> the interval in force [s]; no limit when that is to its end.
+   pure real(wp) function pull_duration(equation, t_begin) result(duration)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_begin
+      !! a time at which it pulls [s]
+      type(bracket_t) :: bracket
+      real(wp) :: low, high
+
+      duration = huge(duration)
+      high = t_begin
+      do
+         low = high
+         if (low >= interval_end(equation%motion, interval_of(equation))) return
+         if (low >= huge(low)) return
+         high = drive_turns(equation, interval_of(equation), low)
+         if (lift_off_drive(equation, equation%side, interval_of(equation), high) <= 0) exit
+      end do
+      bracket = bracket_between(low, high)
+      do while (is_wider(bracket, 4) .and. bracket%high - bracket%low &
+          > 1.0e-3_wp*(bracket%low - t_begin))
+         call narrow(bracket, &
+            lift_off_drive(equation, equation%side, interval_of(equation), bracket%middle) <= 0)
+      end do
+      duration = bracket%low - t_begin
+   end function pull_duration
+
+   !> Ground acceleration at which the resting wall lifts off on either side, and the inertia that
+   !> further effects add there: from the moment about the pivot at theta = 0 without ground motion.
+   !>
+   !> Scenes without further effects keep the closed form of `build_equation`.
+   subroutine find_uplift_acceleration(equation, y)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states); the first two are taken as zero
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      real(wp) :: at_rest(size(y))
+      real(wp) :: rates(size(y))
+      !! of further states, not asked for here
+      real(wp) :: moment
+      integer :: side_in_force
+      integer :: side
+      integer :: i
+
+      if (.not. equation%effects_act_at_rest) return
+      at_rest = y
+      at_rest(:2) = 0
+      side_in_force = equation%side
+      do side = -1, 1, 2
+         equation%side = side
+         kin = kinematics_at(equation, 0.0_wp)
+         cable = cable_at(equation, 0.0_wp)
+         moment = -equation%p%g_over_R*(kin%s + cable%moment)
+         equation%added_inertia = 0
+         if (allocated(equation%effects)) then
+            do i = 1, size(equation%effects)
+               if (equation%effects(i)%is_motion) cycle
+               call equation%effects(i)%add(equation, 0.0_wp, at_rest, kin, &
+                  equation%added_inertia, moment, rates)
+            end do
+         end if
+         equation%uplift_acceleration(side) = &
+            -moment*equation%p%R/(equation%p%gamma*equation%excited_mass_ratio*kin%lever &
+            + kin%c)
+      end do
+      equation%side = side_in_force
+   end subroutine find_uplift_acceleration
+
+end module rwmf_model_lift_off
