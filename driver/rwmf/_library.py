@@ -89,6 +89,21 @@ def schema() -> list[list[str]]:
     return split_table(fetch_text(_kernel.schema))
 
 
+def needs_of_groups() -> dict[str, list[str]]:
+    """Return the groups of a case, each with those without which it must not be given.
+
+    Returns
+    -------
+    dict of str to list of str
+        In the order of the documentation.
+    """
+    rows = split_table(fetch_text(_kernel.groups))
+    found: dict[str, list[str]] = {}
+    for name, *needs in rows:
+        found.setdefault(name, []).extend(needs)
+    return found
+
+
 def quantities() -> list[list[str]]:
     """Return the kernel's table of output quantities.
 

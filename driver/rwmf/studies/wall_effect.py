@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
@@ -14,11 +15,6 @@ from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile
 
 __all__ = ["wall_effect", "without_wall"]
-
-_OF_THE_WALL = (
-    "wall", "cable", "impact", "link", "damper", "fuse", "inerter", "vertical", "initial",
-)  # fmt: skip
-
 
 def without_wall(case: Case) -> Case:
     """Return the frame alone, a linear oscillator.
@@ -40,7 +36,8 @@ def without_wall(case: Case) -> Case:
     """
     if case.frame is None:
         raise InputError("the case has no &frame: nothing is left without the wall")
-    gone = {name: None for name in _OF_THE_WALL if name in case.groups}
+    needs = _library.needs_of_groups()
+    gone = {name: None for name in case.groups if name == "wall" or "wall" in needs[name]}
     spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
     output = {"output": {"friction_limit": None}} if "output" in case.groups else {}
     return case.replace(**gone, **spectrum, **output, frame={"gamma": None})

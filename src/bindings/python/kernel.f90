@@ -19,7 +19,7 @@ module rwmf_bindings_python_kernel
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
-   use rwmf_input_schema, only: write_schema
+   use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_motion_ground_motion, only: motion_end, motion_from_case
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
@@ -61,6 +61,16 @@ contains
       call write_schema(text)
       call put_text(text, buffer, length)
    end subroutine schema
+
+   !> The groups and those that each needs, one a line.
+   subroutine groups(buffer, length)
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      character(:), allocatable :: text
+
+      call write_groups(text)
+      call put_text(text, buffer, length)
+   end subroutine groups
 
    !> The table of output quantities, one a line.
    subroutine quantities(buffer, length)

@@ -16,7 +16,7 @@ module rwmf_input_schema
    implicit none
    private
 
-   public :: all_groups, all_keys, group_names, find_key, write_schema
+   public :: all_groups, all_keys, group_names, find_key, write_schema, write_groups
 
 contains
 
@@ -117,5 +117,24 @@ contains
          end associate
       end do
    end subroutine write_schema
+
+   !> The groups as text: the name of each, and of those without which it must not be given, separated
+   !> by tabs, one group a line.
+   subroutine write_groups(text)
+      character(:), allocatable, intent(out) :: text
+      type(case_group_t), allocatable :: groups(:)
+      integer :: i
+      integer :: j
+
+      groups = all_groups()
+      text = ''
+      do i = 1, size(groups)
+         text = text//trim(groups(i)%name)
+         do j = 1, count(groups(i)%needs /= '')
+            text = text//achar(9)//trim(groups(i)%needs(j))
+         end do
+         text = text//new_line('a')
+      end do
+   end subroutine write_groups
 
 end module rwmf_input_schema

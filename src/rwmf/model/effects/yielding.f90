@@ -183,12 +183,15 @@ contains
       !! length of the link [m]
       type(bracket_t) :: bracket
       real(wp) :: v
+      logical :: grows
 
       bracket = bracket_between(0.0_wp, pi/2)
       do while (bracket%is_open)
-         v = 4*h*sin(bracket%middle/2)**2
-         call narrow(bracket, .not. (v < L .and. cos(bracket%middle)*sqrt(max(0.0_wp, L**2 - v**2)) &
-            > v*sin(bracket%middle)))
+         associate (phi => bracket%middle)
+            v = 4*h*sin(phi/2)**2
+            grows = v < L .and. cos(phi)*sqrt(max(0.0_wp, L**2 - v**2)) > v*sin(phi)
+         end associate
+         call narrow(bracket, is_beyond=.not. grows)
       end do
       low = bracket%low
    end function turning_rotation
