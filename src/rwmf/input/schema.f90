@@ -118,8 +118,8 @@ contains
       end do
    end subroutine write_schema
 
-   !> The groups as text: the name of each, and of those without which it must not be given, separated
-   !> by tabs, one group a line.
+   !> The groups as text, one a line: the name of each, and of those without which it must not be
+   !> given, separated by tabs.
    subroutine write_groups(text)
       character(:), allocatable, intent(out) :: text
       type(case_group_t), allocatable :: groups(:)
