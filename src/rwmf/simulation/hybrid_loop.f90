@@ -1,7 +1,7 @@
 !> The hybrid system: rest, rocking on either corner, overturned, and the ways between them.
 !>
 !> Between events an integrator follows the equation of motion of one side in one interval of the
-!> ground motion. Each of its steps is searched for events (`search.f90`), so that two returns in
+!> ground motion. Each of its steps is searched for events (`step_events`), so that two returns in
 !> one step, or a peak and an impact, are found as well. A flight knows its side, so that a start on
 !> theta = 0 is no event.
 module rwmf_simulation_hybrid_loop
