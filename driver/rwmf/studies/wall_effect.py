@@ -16,6 +16,7 @@ from rwmf.sweep.suite import RecordFile
 
 __all__ = ["wall_effect", "without_wall"]
 
+
 def without_wall(case: Case) -> Case:
     """Return the frame alone, a linear oscillator.
 
