@@ -79,7 +79,7 @@ contains
       call checks%that(abs(bracket%high) <= 0 .and. bracket%low > -tiny(1.0_wp), 'a root at zero')
       bracket = bracket_between(-huge(1.0_wp)/2, huge(1.0_wp)/2)
       do while (bracket%is_open)
-         call narrow(bracket, bracket%middle**3 >= -27)
+         call narrow(bracket, bracket%middle >= -3)
       end do
       call checks%close_to(bracket%high, -3.0_wp, 'from the largest numbers', &
          rtol=4*epsilon(1.0_wp))

@@ -78,7 +78,8 @@ contains
       groups = all_groups()
       allocate (names(0))
       do i = 1, size(groups)
-         if (.not. any(names == groups(i)%name)) names = [names, groups(i)%name]
+         if (.not. any(names == groups(i)%name)) names = [character(12) :: &
+            names, groups(i)%name]
       end do
    end function group_names
 

@@ -151,15 +151,18 @@ contains
    pure subroutine find_next(secant)
       type(secant_t), intent(inout) :: secant
       real(wp) :: width
+      real(wp) :: x
+      !! where the secant is zero
 
       width = secant%x(2) - secant%x(1)
       secant%count = secant%count + 1
       secant%is_open = width > max(secant%resolution, 2*spacing(secant%x(2)))
+      secant%next = secant%x(1) + width/2
+      if (mod(secant%count, 8) == 0 .or. abs(secant%f(1) - secant%f(2)) <= 0) return
       associate (f => secant%f, margin => secant%resolution/2)
-         secant%next = secant%x(1) + min(max(width*(f(1)/(f(1) - f(2))), margin), width - margin)
+         x = secant%x(1) + min(max(width*(f(1)/(f(1) - f(2))), margin), width - margin)
       end associate
-      if (.not. (secant%next > secant%x(1) .and. secant%next < secant%x(2)) &
-          .or. mod(secant%count, 8) == 0) secant%next = secant%x(1) + width/2
+      if (x > secant%x(1) .and. x < secant%x(2)) secant%next = x
    end subroutine find_next
 
    !> Begin to search for a maximum.

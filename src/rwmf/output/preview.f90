@@ -119,7 +119,8 @@ contains
       end do
       allocate (names(0))
       do i = 1, size(found)
-         if (.not. any(names == found(i))) names = [names, found(i)]
+         if (.not. any(names == found(i))) names = &
+            [character(name_length) :: names, found(i)]
       end do
    end subroutine list_events
 

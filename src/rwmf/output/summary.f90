@@ -103,7 +103,8 @@ contains
       allocate (names(0))
       do i = 1, size(groups)
          if (.not. groups(i)%is_of_scene .or. any(groups(:i - 1)%name == groups(i)%name)) cycle
-         if (groups(i)%is_present(case) .eqv. is_present) names = [names, groups(i)%name]
+         if (groups(i)%is_present(case) .eqv. is_present) names = &
+            [character(12) :: names, groups(i)%name]
       end do
    end subroutine list_groups
 
