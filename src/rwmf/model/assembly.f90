@@ -13,10 +13,10 @@ module rwmf_model_assembly
    use rwmf_model_contributions, only: are_lines, choose_contributions, is_smooth_hysteresis
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, equation_t, frame_displacement, &
-      ground, interval_of, kinematics_at, lift_off_drive, right_hand_side_i
+      interval_of, kinematics_at, lift_off_drive, right_hand_side_i
    use rwmf_model_hysteresis_bilinear, only: new_spring
    use rwmf_model_hysteresis_spring_set, only: follow_branches
-   use rwmf_model_kinematics, only: geometry_t, kinematics_t, left_corner, linked_left_corner, &
+   use rwmf_model_kinematics, only: geometry_t, left_corner, linked_left_corner, &
       linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_published, only: published

@@ -2,7 +2,7 @@
 !> `build_equation` chooses.
 module rwmf_model_right_hand_sides
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, floors_t, ground, hysteresis_t, vertical_ground
+   use rwmf_model_equation, only: equation_t, ground, hysteresis_t, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
