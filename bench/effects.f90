@@ -11,7 +11,7 @@ program effects
    use effects_by_hand, only: choose, follow_by_hand => follow_loading_direction, hand_i, hand_t, &
       mark, prepare
    use rwmf, only: case_t, error_t, read_case_file, result_t, simulate, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, rhs
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, rhs
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
@@ -108,7 +108,7 @@ contains
 
       call build_equation(case, motion, equation)
       call enter_interval(equation, interval_at(motion, table%t(1)))
-      if (equation%has_impacts) equation%side = side
+      if (equation%has_impacts) call enter_side(equation, side)
       if (.not. yields) return
       ! the first limit on the way out is the first yield
       call renew_window(equation)

@@ -6,8 +6,8 @@ program test_balance
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, kinematics_at, &
-      second_derivative
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, second_derivative
    use rwmf_model_equation, only: ground
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residuals, load_to
@@ -80,7 +80,7 @@ contains
       do side = -1, 1, 2
          call build_equation(case, motion, equation)
          call enter_interval(equation, interval_at(motion, t))
-         if (equation%has_impacts) equation%side = side
+         if (equation%has_impacts) call enter_side(equation, side)
          ! what yields has done so, and unloads
          if (equation%has_bilinear_springs) call load_to(equation, side*0.13_wp)
          do i = -1, 1, 2
@@ -365,7 +365,7 @@ contains
       real(wp), intent(in) :: phi
       type(kinematics_t) :: kin
 
-      call equation%kinematics_negative(equation%geometry, phi, kin)
+      kin = kinematics_at(equation, -phi, -1)
       u = kin%u
    end function kinematic_u
 

@@ -5,8 +5,8 @@ program test_effects
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_state, stepping_t, wall_state_t
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, kinematics_at, &
-      second_derivative
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, second_derivative
    use rwmf_model_jacobian, only: jacobian
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
@@ -213,7 +213,7 @@ contains
       call build_equation(case, motion, equation)
       call enter_interval(equation, interval_at(motion, t))
       do side = -1, 1, 2
-         if (equation%has_impacts) equation%side = side
+         if (equation%has_impacts) call enter_side(equation, side)
          y = side*[0.06_wp, -0.4_wp]
          call jacobian(equation, t, y, by_theta, by_theta_dot)
          call checks%close_to(by_theta, (second_derivative(equation, t, y + [step, 0.0_wp]) &
@@ -245,7 +245,7 @@ contains
          v_t = 2*R*(cos(alpha - phi) - cos(alpha))
          call checks%close_to(R*kin%u, length*(1 + u_t/length - sqrt(1 - (v_t/length)**2)), &
             'Eq. (3), theta > 0', rtol=1.0e-13_wp)
-         equation%side = -1
+         call enter_side(equation, -1)
          kin = kinematics_at(equation, -phi)
          u_t = -2*case%wall%h*sin(phi)
          v_t = -2*case%wall%h*(1 - cos(phi))

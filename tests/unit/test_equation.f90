@@ -2,8 +2,8 @@
 program test_equation
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, equation_t, &
-      interval_of, kinematics_at, second_derivative
+   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, enter_side, &
+      equation_t, interval_of, kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_jacobian, only: jacobian
    use rwmf_model_kinematics, only: kinematics_t
@@ -108,7 +108,7 @@ contains
 
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
-      equation%side = side
+      call enter_side(equation, side)
       call enter_interval(equation, interval_at(motion, t))
    end subroutine build
 

@@ -5,7 +5,8 @@ program test_memory
       restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      second_derivative
    use rwmf_model_hysteresis_bilinear, only: is_broken, new_spring, pass_limit, spring_energy, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
    use rwmf_model_jacobian, only: jacobian
@@ -277,8 +278,8 @@ contains
       force = 0.4_wp*case%model%g*4*case%wall%b*sin(phi/2)/0.004_wp
       mass = with%p%R**2*(4.0_wp/3 + 4*with%p%gamma*cos(with%p%alpha - phi)**2)
       do side = -1, 1, 2
-         with%side = side
-         without%side = side
+         call enter_side(with, side)
+         call enter_side(without, side)
          call enter_interval(with, 1)
          call enter_interval(without, 1)
          call checks%close_to(second_derivative(with, 20.0_wp, [side*phi, 0.1_wp]) &

@@ -5,7 +5,8 @@ program test_reactions
    use reaction_scenes, only: add_storeys, column, scene
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, second_derivative
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      second_derivative
    use rwmf_model_reactions, only: reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, initial_t, output_t
@@ -160,7 +161,7 @@ contains
       call build_equation(case, motion, equation)
       t_lift = asin(equation%threshold/(case%motion%a_max_g*case%model%g))/case%motion%omega_p
       call enter_interval(equation, interval_at(motion, t_lift))
-      equation%side = -1
+      call enter_side(equation, -1)
       at = 0
       resting = reactions_at(equation, t_lift, at, 0.0_wp)
       rocking = reactions_at(equation, t_lift, at, second_derivative(equation, t_lift, at))

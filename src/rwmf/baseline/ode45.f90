@@ -9,6 +9,7 @@ module rwmf_baseline_ode45
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_model_equation, only: enter_side
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -273,7 +274,7 @@ contains
       scene%t = secant%x(2)
       scene%y = state_inside(step, scene%t)
       scene%y(1) = 0
-      scene%equation%side = nint(side)
+      call enter_side(scene%equation, nint(side))
    end subroutine find_impact
 
 end module rwmf_baseline_ode45

@@ -6,8 +6,8 @@
 !> lift-off is noticed at a sample, maxima are those of the points that are kept.
 module rwmf_baseline_problem
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, frame_displacement, &
-      lift_off_drive, rhs
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      frame_displacement, lift_off_drive, rhs
    use rwmf_model_restitution, only: factor_at, restitution_t
    use rwmf_motion_ground_motion, only: interval_at, motion_t
    use rwmf_problem_case, only: case_t
@@ -98,7 +98,7 @@ contains
       scene%angle_max = 0
       scene%impacts = 0
       allocate (scene%impact_times(64))
-      if (scene%y(1) < 0 .or. (abs(scene%y(1)) <= 0 .and. scene%y(2) < 0)) scene%equation%side = -1
+      if (scene%y(1) < 0 .or. (abs(scene%y(1)) <= 0 .and. scene%y(2) < 0)) call enter_side(scene%equation, -1)
       call observe(scene, scene%y)
    end subroutine create_problem
 
@@ -141,10 +141,10 @@ contains
 
       side = scene%equation%side
       ! a fixed step leaves theta beyond 0 before the impact is applied
-      if (y(1)*side < 0) scene%equation%side = -side
+      if (y(1)*side < 0) call enter_side(scene%equation, -side)
       scene%u_max = max(scene%u_max, abs(frame_displacement(scene%equation, y(1))))
       scene%angle_max = max(scene%angle_max, abs(y(1)))
-      scene%equation%side = side
+      call enter_side(scene%equation, side)
    end subroutine observe
 
    !> Impact at the present time: the velocity falls by the factor e and the other side begins, or
@@ -163,7 +163,7 @@ contains
       end if
       scene%impacts = scene%impacts + 1
       scene%impact_times(scene%impacts) = scene%t
-      scene%equation%side = -scene%equation%side
+      call enter_side(scene%equation, -scene%equation%side)
       scene%y(2) = factor_at(scene%restitution, abs(scene%y(2)))*scene%y(2)
       if (lifting_side(scene, scene%t) /= 0) return
       call evaluate(scene, scene%t, scene%y, slope)
@@ -192,7 +192,7 @@ contains
 
       side = lifting_side(scene, scene%t)
       if (side == 0) return
-      scene%equation%side = side
+      call enter_side(scene%equation, side)
       scene%rests = .false.
    end subroutine try_lift_off
 

@@ -9,27 +9,27 @@
 module rwmf_model_assembly
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_model_cable, only: cable_elongation, linear_cable, no_cable, signed_linear_cable, &
-      signed_linear_moment, spring_cable, truss_moment, yielding_moment
-   use rwmf_model_contributions, only: are_lines, choose_contributions, is_smooth_hysteresis
+      spring_cable
+   use rwmf_model_contributions, only: choose_contributions
+   use rwmf_model_effects_list, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
-   use rwmf_model_equation, only: cable_at, enter_interval, equation_t, frame_displacement, &
-      interval_of, kinematics_at, lift_off_drive, right_hand_side_i
+   use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
+      frame_displacement, ground, interval_of, kinematics_at, lift_off_drive, &
+      renew_coefficients, vertical_ground
    use rwmf_model_hysteresis_bilinear, only: new_spring
-   use rwmf_model_hysteresis_spring_set, only: follow_branches
-   use rwmf_model_kinematics, only: geometry_t, left_corner, linked_left_corner, &
-      linked_pinned_base, linked_top_corner, pinned_base, published_negative, top_corner
+   use rwmf_model_kinematics, only: geometry_of
+   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
+      wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_published, only: published
-   use rwmf_model_right_hand_sides, only: bare_frame, corner, corner_with_floors, &
-      corner_with_hysteresis, corner_with_lines, frame_with_effects, frame_with_hysteresis, &
-      frame_with_lines, hinged, wall_alone, wall_and_frame, with_effects
+   use rwmf_model_scene, only: add_term, first_wall, frame_term, linear_cable_term, &
+      straight_cable_term
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: equation_t, build_equation, enter_interval, interval_of
-   public :: rhs, rates_at, second_derivative, kinematics_at, cable_at, lift_off_drive
+   public :: equation_t, build_equation, enter_interval, enter_side, interval_of
+   public :: rhs, rates_at, moment_at_rest, second_derivative, kinematics_at, cable_at, lift_off_drive
    public :: frame_displacement
 
 contains
@@ -49,66 +49,45 @@ contains
       equation%p = parameters_of(case)
       equation%sin_alpha = sin(equation%p%alpha)
       equation%cos_alpha = cos(equation%p%alpha)
-      equation%has_impacts = equation%has_wall
-      if (equation%has_wall) then
-         equation%geometry = geometry_t(equation%sin_alpha, equation%cos_alpha, link=0)
-         if (allocated(case%link)) equation%geometry%link = case%link%L/equation%p%R
-         equation%has_impacts = case%wall%base == 'rocking'
-         call choose_kinematics(case%model%formulation, equation)
-         call choose_cable(case, equation)
-         call choose_acceleration(case%model%formulation, equation)
-         if (.not. equation%has_impacts) call hinge_base(equation)
-         call choose_contributions(case, equation)
-         equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
-         equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
-            /equation%effective_mass_ratio
-         equation%uplift_acceleration = equation%threshold
-         equation%effects_act_at_rest = equation%has_impacts &
-            .and. (allocated(equation%effects) .or. equation%has_bilinear_springs)
-         if (allocated(equation%effects)) then
-            equation%rates_positive => with_effects
-            equation%rates_negative => with_effects
-            if (equation%has_frame .and. equation%has_impacts) call write_out(equation)
-         end if
-      else
-         call choose_contributions(case, equation)
-         equation%rates_positive => bare_frame
-         if (allocated(equation%effects)) then
-            equation%rates_positive => frame_with_effects
-            if (are_lines(equation) .and. .not. allocated(case%storeys)) then
-               equation%rates_positive => frame_with_lines
-            end if
-            if (is_smooth_hysteresis(equation)) equation%rates_positive => frame_with_hysteresis
-         end if
-         equation%rates_negative => equation%rates_positive
-      end if
+      equation%frame_slope = equation%p%omega_squared
+      equation%has_impacts = .false.
+      allocate (equation%scene%terms(0))
+      if (equation%has_wall) call add_wall(case, equation)
+      if (equation%has_frame) call add_term(equation%scene, frame_term, 0, 0, &
+         frame_coefficients, 0, is_first=.false.)
+      call choose_cable(case, equation)
+      call choose_contributions(case, equation)
+      equation%n = equation%scene%n
+      allocate (equation%coef(1, equation%scene%n_coef))
+      equation%coef(1, 1) = 1
+      call renew_coefficients(equation)
+      equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
+      equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
+         /equation%effective_mass_ratio
+      equation%uplift_acceleration = equation%threshold
+      equation%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
+      equation%effects_act_at_rest = equation%has_impacts &
+         .and. (allocated(equation%effects) .or. equation%has_bilinear_springs)
    end subroutine build_equation
 
-   !> Effects that are straight lines, the smooth hysteresis, or all modes of a frame whose storeys
-   !> are straight lines, alone, with the link at the top corner, have their terms written out.
-   subroutine write_out(equation)
+   !> The wall, on its corners or hinged in the middle of its base: m_w (4/3 h**2 + b**2/3) about
+   !> the hinge, one smooth equation for both signs of theta.
+   subroutine add_wall(case, equation)
+      type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      procedure(right_hand_side_i), pointer :: written_out
+      real(wp) :: link
+      !! length over R, 0: infinite
 
-      if (are_lines(equation)) then
-         equation%frame_slope = equation%p%omega_squared
-         call follow_branches(equation)
-         written_out => corner_with_lines
-      else if (equation%floors%below > 0 .and. size(equation%effects) == 1 &
-               .and. .not. allocated(equation%floors%laws)) then
-         written_out => corner_with_floors
-      else if (is_smooth_hysteresis(equation)) then
-         written_out => corner_with_hysteresis
-      else
-         return
-      end if
-      if (associated(equation%kinematics_positive, top_corner)) then
-         equation%rates_positive => written_out
-      end if
-      if (associated(equation%kinematics_negative, top_corner)) then
-         equation%rates_negative => written_out
-      end if
-   end subroutine write_out
+      equation%has_impacts = case%wall%base == 'rocking'
+      link = 0
+      if (allocated(case%link)) link = case%link%L/equation%p%R
+      equation%geometry = geometry_of(equation%p%alpha, case%model%formulation, &
+         equation%has_impacts, link)
+      if (.not. equation%has_impacts) equation%inertia = (4*equation%cos_alpha**2 &
+         + equation%sin_alpha**2)/3
+      equation%scene%has_wall = .true.
+      equation%scene%n_coef = first_wall + wall_coefficients - 1
+   end subroutine add_wall
 
    !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
    pure type(parameters_t) function parameters_of(case) result(p)
@@ -135,44 +114,6 @@ contains
       p%omega_squared = p%omega_s**2
    end function parameters_of
 
-   !> A wall hinged at the middle of its base: m_w (4/3 h**2 + b**2/3) about the hinge, one smooth
-   !> equation for both signs of theta.
-   subroutine hinge_base(equation)
-      type(equation_t), intent(inout) :: equation
-
-      equation%inertia = (4*equation%cos_alpha**2 + equation%sin_alpha**2)/3
-      equation%kinematics_positive => pinned_base
-      equation%kinematics_negative => pinned_base
-      equation%rates_positive => hinged
-      if (equation%geometry%link > 0) then
-         equation%kinematics_positive => linked_pinned_base
-         equation%kinematics_negative => linked_pinned_base
-         equation%rates_positive => wall_and_frame
-      end if
-      equation%rates_negative => equation%rates_positive
-   end subroutine hinge_base
-
-   subroutine choose_kinematics(formulation, equation)
-      character(*), intent(in) :: formulation
-      type(equation_t), intent(inout) :: equation
-
-      if (equation%geometry%link > 0) then
-         equation%kinematics_positive => linked_top_corner
-         equation%kinematics_negative => linked_left_corner
-         if (formulation == 'symmetric') equation%kinematics_negative => linked_top_corner
-         return
-      end if
-      equation%kinematics_positive => top_corner
-      select case (formulation)
-      case ('symmetric')
-         equation%kinematics_negative => top_corner
-      case ('exact')
-         equation%kinematics_negative => left_corner
-      case default
-         equation%kinematics_negative => published_negative
-      end select
-   end subroutine choose_kinematics
-
    subroutine choose_cable(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -181,7 +122,6 @@ contains
       real(wp) :: arm
 
       equation%cable_law => no_cable
-      equation%has_plain_cable = .not. equation%has_cable
       if (.not. equation%has_cable) return
       equation%cable%eta_0 = case%cable%eta_0
       equation%cable%R = equation%p%R
@@ -189,7 +129,6 @@ contains
       equation%cable%b = case%wall%b
       if (case%cable%law == 'truss') then
          equation%cable_law => spring_cable
-         equation%cable_moment => truss_moment
          equation%cable%is_straight = .true.
          call cable_elongation(equation%cable, equation%p%alpha, elongation, arm)
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/elongation
@@ -198,15 +137,14 @@ contains
       else
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
-         if (case%model%formulation == 'published') then
-            equation%cable_law => signed_linear_cable
-            equation%cable_moment => signed_linear_moment
-         end if
-         equation%has_plain_cable = case%model%formulation /= 'published'
+         equation%cable%is_signed = case%model%formulation == 'published'
+         if (equation%cable%is_signed) equation%cable_law => signed_linear_cable
          equation%cable%line_0 = equation%cable%eta_0
          equation%cable%line_rate = equation%cable%rate
       end if
       if (has_tendon(case)) call choose_tendon(case, equation)
+      call add_term(equation%scene, merge(straight_cable_term, linear_cable_term, &
+         equation%cable%is_straight), 0, 0, cable_coefficients, 0, is_first=.false.)
    end subroutine choose_cable
 
    !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.
@@ -231,27 +169,7 @@ contains
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
       equation%cable_law => spring_cable
-      equation%cable_moment => yielding_moment
    end subroutine choose_tendon
-
-   subroutine choose_acceleration(formulation, equation)
-      character(*), intent(in) :: formulation
-      type(equation_t), intent(inout) :: equation
-
-      equation%rates_negative => wall_and_frame
-      equation%rates_positive => wall_and_frame
-      if (.not. equation%has_frame) then
-         equation%rates_positive => wall_alone
-         equation%rates_negative => wall_alone
-      else if (equation%geometry%link <= 0) then
-         equation%rates_positive => corner
-         if (formulation == 'symmetric') equation%rates_negative => corner
-         if (formulation == 'published') then
-            equation%rates_positive => published
-            equation%rates_negative => published
-         end if
-      end if
-   end subroutine choose_acceleration
 
    !> First-order form: y' = (theta', theta'', rates of further states).
    subroutine rhs(equation, t, y, y_dot)
@@ -277,12 +195,35 @@ contains
       real(wp), intent(out) :: y_dot(equation%n)
       !! (states)
 
-      if (equation%side > 0) then
-         call equation%rates_positive(equation, t, y, y_dot)
-      else
-         call equation%rates_negative(equation, t, y, y_dot)
-      end if
+      type(lane_motion_t) :: motion
+
+      motion%ground = ground(equation, t)
+      motion%vertical = 0
+      if (equation%has_vertical) motion%vertical = vertical_ground(equation, t)
+      call lane_rates(equation%scene, equation%coef, y, motion, y_dot)
    end subroutine rates_at
+
+   !> Moment away from the base and inertia of the wall at theta = 0 without velocity and without
+   !> motion of the ground, over m_w R**2.
+   subroutine moment_at_rest(equation, y, moment, inertia)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states); the first two are taken as zero
+      real(wp), intent(out) :: moment
+      !! [1/s2]
+      real(wp), intent(out) :: inertia
+      !! [-]
+      type(lane_motion_t) :: motion
+      real(wp) :: at_rest(size(y)), rates(size(y))
+
+      at_rest = y
+      at_rest(:2) = 0
+      motion%ground = 0
+      motion%vertical = 0
+      call lane_rates(equation%scene, equation%coef, at_rest, motion, rates)
+      moment = motion%moment(1)
+      inertia = motion%inertia(1)
+   end subroutine moment_at_rest
 
    !> theta'' alone [rad/s2].
    real(wp) function second_derivative(equation, t, y)

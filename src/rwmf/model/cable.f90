@@ -2,12 +2,12 @@
 module rwmf_model_cable
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bilinear, only: spring_energy, spring_force, spring_t, spring_tangent
+   use rwmf_model_lanes, only: cable_coefficients
    implicit none
    private
 
    public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable
-   public :: cable_law_i, spring_cable, cable_elongation
-   public :: cable_moment_i, signed_linear_moment, truss_moment, yielding_moment
+   public :: cable_law_i, spring_cable, cable_elongation, cable_row
 
    !> Parameters of the cable.
    type :: cable_law_t
@@ -26,6 +26,8 @@ module rwmf_model_cable
       !! half height [m]
       real(wp) :: b = 0
       !! half width [m]
+      logical :: is_signed = .false.
+      !! Eq. (1) as printed, whose force falls with rocking for theta < 0
       logical :: is_straight = .false.
       !! 'truss', else 'linear'
       logical :: is_tendon = .false.
@@ -61,20 +63,6 @@ module rwmf_model_cable
          type(cable_state_t), intent(out) :: cable
       end subroutine cable_law_i
 
-      !> Its moment alone over m_w g R, for right-hand sides, which know the sine of half the angle.
-      pure real(wp) function cable_moment_i(law, sin_alpha, phi, half_sine, side)
-         import :: cable_law_t, wp
-         implicit none
-         type(cable_law_t), intent(in) :: law
-         real(wp), value :: sin_alpha
-         !! of the slenderness [-]
-         real(wp), value :: phi
-         !! [rad]
-         real(wp), value :: half_sine
-         !! sin(phi/2)
-         integer, intent(in) :: side
-         !! +1 or -1
-      end function cable_moment_i
    end interface
 
    !> Straight cable at one rotation.
@@ -147,45 +135,25 @@ contains
       straight%arm = law%b*(law%b*straight%sine + 2*law%h*straight%cosine)/straight%length
    end function stretched
 
-   !> Moment of `signed_linear_cable`.
-   pure real(wp) function signed_linear_moment(law, sin_alpha, phi, half_sine, side) &
-      result(moment)
+   !> Coefficients of the loop over lanes, `add_linear_cable` or `add_straight_cable`, on the branch
+   !> in force.
+   pure function cable_row(law, side, g_over_R) result(row)
       type(cable_law_t), intent(in) :: law
-      real(wp), value :: sin_alpha
-      real(wp), value :: phi
-      real(wp), value :: half_sine
       integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: g_over_R
+      !! [1/s2]
+      real(wp) :: row(cable_coefficients)
 
-      moment = (law%eta_0 + side*law%rate*phi)*sin_alpha
-   end function signed_linear_moment
-
-   !> Moment of `spring_cable` that is straight and no tendon.
-   pure real(wp) function truss_moment(law, sin_alpha, phi, half_sine, side) &
-      result(moment)
-      type(cable_law_t), intent(in) :: law
-      real(wp), value :: sin_alpha
-      real(wp), value :: phi
-      real(wp), value :: half_sine
-      integer, intent(in) :: side
-      type(straight_t) :: straight
-
-      straight = stretched(law, half_sine)
-      moment = (law%eta_0 + law%rate*straight%elongation)*straight%arm/law%R
-   end function truss_moment
-
-   !> Moment of `spring_cable` that is a straight tendon; on the linear law it is on a line.
-   pure real(wp) function yielding_moment(law, sin_alpha, phi, half_sine, side) &
-      result(moment)
-      type(cable_law_t), intent(in) :: law
-      real(wp), value :: sin_alpha
-      real(wp), value :: phi
-      real(wp), value :: half_sine
-      integer, intent(in) :: side
-      type(straight_t) :: straight
-
-      straight = stretched(law, half_sine)
-      moment = spring_force(law%tendon, straight%elongation)*straight%arm/law%R
-   end function yielding_moment
+      row = 0
+      if (law%is_straight) then
+         row = [g_over_R/law%R*[spring_force(law%tendon, 0.0_wp), spring_tangent(law%tendon)], &
+            law%h, law%b]
+      else
+         row(:2) = g_over_R*law%b/law%R*[law%line_0, law%line_rate]
+         if (law%is_signed) row(2) = side*row(2)
+      end if
+   end function cable_row
 
    !> Elongation and its arm, the derivative by phi [m], of a straight cable or of a tendon on the
    !> linear law, where the arm of Eq. (1) is R sin(alpha) = b.

@@ -144,8 +144,7 @@ contains
       real(wp), intent(in) :: after
       !! and after [rad/s]
 
-      loss = equation%p%R**2*(4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2 &
-         + equation%added_inertia)*(before**2 - after**2)/2
+      loss = equation%p%R**2*equation%inertia_at_rest*(before**2 - after**2)/2
    end function impact_loss
 
 end module rwmf_model_energy

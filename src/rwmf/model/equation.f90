@@ -2,27 +2,40 @@
 !> for it, and what follows from both at a given rotation.
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_moment_i, cable_state_t
+   use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_bilinear, only: spring_t
-   use rwmf_model_kinematics, only: geometry_t, kinematics_i, kinematics_t
+   use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, wall_row
+   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
+      straight_cable_term
    use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
       vertical_acceleration, vertical_line_of
    implicit none
    private
 
-   public :: equation_t, right_hand_side_i, contribution_t, floors_t, hysteresis_t, sprung_t
+   public :: equation_t, contribution_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: enter_interval, interval_of
+   public :: enter_interval, interval_of, enter_side, renew_coefficients
    public :: vertical_ground
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
-   public :: frame_velocity, frame_motion, frame_travel, frame_mass
+   public :: frame_velocity, frame_motion, frame_travel, frame_mass, corner_share
 
-   !> An effect beyond wall, frame and cable: what it adds to the equation of motion, and the
-   !> states, energy, power and force on the wall that belong to it. One file brings its
-   !> procedures; `choose_contributions` names them (docs/effects.md).
+   !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
+   !> force on the wall that belong to it (docs/effects.md).
    type :: contribution_t
-      procedure(add_i), pointer, nopass :: add => null()
+      procedure(coefficients_i), pointer, nopass :: coefficients => null()
+      !! that its loop reads; not associated: it has no loop
+      integer :: n_coef = 0
+      !! number of coefficients
+      integer :: coef = 1
+      !! column of the first among all
+      integer :: n = 0
+      !! how many parts it has (floors)
+      integer :: law = 0
+      !! which law its loop follows
+      logical :: is_kinematic = .false.
+      !! it changes the kinematics that the loops of others read
       procedure(power_i), pointer, nopass :: power => null()
       !! that viscous parts dissipate; not associated: nothing
       procedure(power_i), pointer, nopass :: plastic_power => null()
@@ -39,8 +52,6 @@ module rwmf_model_equation
       !! that its states are expected to have
       integer :: first = 0
       !! place of its first state among all
-      logical :: is_motion = .false.
-      !! a motion of the ground: part of what drives the resting wall, not of what it bears
    end type contribution_t
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
@@ -84,8 +95,6 @@ module rwmf_model_equation
       !! (n) of each storey [m]
       integer :: first = 3
       !! place of their first state among all
-      real(wp), allocatable :: rows(:)
-      !! constants of `move_floors` in the order of their use, see `fill_rows`
       real(wp), allocatable :: slope(:)
       !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
       logical :: yields = .false.
@@ -131,8 +140,8 @@ module rwmf_model_equation
       !! the same by side (+1: theta > 0) with further effects, see `rwmf_model_lift_off` [m/s2]
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
-      real(wp) :: added_inertia = 0
-      !! of further effects at theta = 0 over m_w R**2 [-]
+      real(wp) :: inertia_at_rest = 1
+      !! of all that moves with the wall, at theta = 0 over m_w R**2 [-]
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
@@ -166,8 +175,6 @@ module rwmf_model_equation
       integer :: n = 2
       !! number of states
       type(cable_law_t) :: cable
-      logical :: has_plain_cable = .false.
-      !! its law, or that of no cable, is the linear one of both sides
       type(contribution_t), allocatable :: effects(:)
       !! the further effects that the case calls for; not allocated without any
       logical :: has_bilinear_springs = .false.
@@ -208,52 +215,23 @@ module rwmf_model_equation
       integer :: side = 1
       !! sign of theta in this flight, set by the hybrid loop
       integer(i8) :: rhs_evaluations = 0
-      procedure(kinematics_i), pointer, nopass :: kinematics_positive => null()
-      procedure(kinematics_i), pointer, nopass :: kinematics_negative => null()
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
-      procedure(cable_moment_i), pointer, nopass :: cable_moment => null()
-      !! of the law where `has_plain_cable` is false
-      procedure(right_hand_side_i), pointer, nopass :: rates_positive => null()
-      procedure(right_hand_side_i), pointer, nopass :: rates_negative => null()
-      procedure(right_hand_side_i), pointer, nopass :: kept_positive => null()
-      !! `rates_positive` before the wall was held at rest; not associated before the first time
-      procedure(right_hand_side_i), pointer, nopass :: kept_negative => null()
+      type(scene_t) :: scene
+      !! the loops over lanes
+      real(wp), allocatable :: coef(:, :)
+      !! (1, coefficients) that they read: on the side and the branches in force, see
+      !! `renew_coefficients`
    end type equation_t
 
    abstract interface
-      !> Rates of all states in the flight and interval that are in force.
-      subroutine right_hand_side_i(equation, t, y, y_dot)
+      !> Coefficients of the loop of an effect, on the side and the branches in force.
+      pure subroutine coefficients_i(equation, coef)
          import :: equation_t, wp
          implicit none
-         type(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(equation%n)
-         !! (states) theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of further
-         !! effects
-         real(wp), intent(out) :: y_dot(equation%n)
-         !! (states)
-      end subroutine right_hand_side_i
-
-      !> Add to inertia and moment, both per unit m_w R**2, and set the rates of the effect's own
-      !> states: one procedure, because both hang on the same forces.
-      subroutine add_i(equation, t, y, kin, inertia, moment, y_dot)
-         import :: equation_t, kinematics_t, wp
-         implicit none
          class(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(equation%n)
-         !! (states)
-         type(kinematics_t), intent(in) :: kin
-         !! at this rotation
-         real(wp), intent(inout) :: inertia
-         !! [-]
-         real(wp), intent(inout) :: moment
-         !! away from the base [1/s2]
-         real(wp), intent(inout) :: y_dot(equation%n)
-         !! (states)
-      end subroutine add_i
+         real(wp), intent(out) :: coef(:)
+         !! (n_coef)
+      end subroutine coefficients_i
 
       !> Energy that an effect stores [J/kg].
       real(wp) function energy_i(equation, y)
@@ -326,13 +304,57 @@ contains
       interval = equation%interval
    end function interval_of
 
+   !> A side of the motion comes into force.
+   pure subroutine enter_side(equation, side)
+      type(equation_t), intent(inout) :: equation
+      integer, intent(in) :: side
+      !! +1 or -1
+
+      equation%side = side
+      call renew_coefficients(equation)
+   end subroutine enter_side
+
+   !> Let the loops over lanes follow the side and the branches in force; to be called when one of
+   !> them has changed.
+   pure subroutine renew_coefficients(equation)
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      if (.not. allocated(equation%coef)) return
+      if (equation%has_wall) equation%coef(:, first_wall:first_wall + wall_coefficients - 1) = &
+         wall_row(equation%geometry, equation%side, equation%p%R, equation%inertia, equation%p%g)
+      do i = 1, size(equation%scene%terms)
+         associate (term => equation%scene%terms(i))
+            if (term%effect == frame_term) equation%coef(1, term%coef:term%coef &
+               + frame_coefficients - 1) = [frame_mass(equation), equation%p%two_xi_omega, &
+               equation%frame_slope, equation%frame_offset/equation%p%R]
+            if (term%effect == linear_cable_term .or. term%effect == straight_cable_term) &
+               equation%coef(1, term%coef:term%coef + cable_coefficients - 1) = &
+               cable_row(equation%cable, equation%side, equation%p%g_over_R)
+         end associate
+      end do
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         associate (extra => equation%effects(i))
+            if (associated(extra%coefficients)) call extra%coefficients(equation, &
+               equation%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
+         end associate
+      end do
+   end subroutine renew_coefficients
+
    !> Ground acceleration of the interval in force [m/s2].
    real(wp) function ground(equation, t)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
 
-      ground = acceleration(equation%motion, equation%interval, t)
+      associate (line => equation%line)
+         if (line%is_straight) then
+            ground = line%a_0 + line%slope*(t - line%t_0)
+         else
+            ground = acceleration(equation%motion, equation%interval, t)
+         end if
+      end associate
    end function ground
 
    !> Vertical ground acceleration of the interval in force, positive upward [m/s2].
@@ -351,7 +373,7 @@ contains
    end function vertical_ground
 
    !> Kinematics at a rotation.
-   type(kinematics_t) function kinematics_at(equation, theta, side) result(kin)
+   pure type(kinematics_t) function kinematics_at(equation, theta, side) result(kin)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
@@ -361,11 +383,7 @@ contains
 
       which = equation%side
       if (present(side)) which = side
-      if (which > 0) then
-         call equation%kinematics_positive(equation%geometry, theta, kin)
-      else
-         call equation%kinematics_negative(equation%geometry, -theta, kin)
-      end if
+      kin = kinematics_of(equation%geometry, which, which*theta)
    end function kinematics_at
 
    !> Cable on the side in force.
@@ -450,6 +468,14 @@ contains
       travel = 1
       if (equation%has_wall) travel = 2*equation%p%R*equation%cos_alpha
    end function frame_travel
+
+   !> A rocking wall has one corner that moves, at the arm 2b; a hinged one two with half the arm
+   !> and so half the moment [-].
+   pure real(wp) function corner_share(equation)
+      type(equation_t), intent(in) :: equation
+
+      corner_share = merge(1.0_wp, 0.5_wp, equation%has_impacts)
+   end function corner_share
 
    !> Mass of the frame over that of the wall; 1 for the bare frame [-].
    pure real(wp) function frame_mass(equation)

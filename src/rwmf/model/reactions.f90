@@ -7,8 +7,7 @@ module rwmf_model_reactions
    use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, uneven_residual
-   use rwmf_model_kinematics, only: kinematics_t, linked_left_corner, rise_of_left_corner, &
-      rise_of_top_corner
+   use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
 
@@ -97,8 +96,6 @@ contains
       real(wp), allocatable :: resisting(:)
       !! forces of the storeys [m/s2]
       real(wp) :: u_ddot
-      real(wp) :: rise
-      !! of the link's corner over R [-]
       real(wp) :: side_of_frame
       !! -1: the frame stands to the right of the wall
 
@@ -120,16 +117,9 @@ contains
          if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
       if (equation%geometry%link <= 0) return
-      side_of_frame = 1
-      if (.not. equation%has_impacts .or. (equation%side < 0 &
-          .and. associated(equation%kinematics_negative, linked_left_corner))) then
-         rise = rise_of_left_corner(equation%geometry, kin)
-      else
-         ! `symmetric` is a wall whose frame changes its place with the side
-         rise = rise_of_top_corner(equation%geometry, kin)
-         side_of_frame = equation%side
-      end if
-      force(2) = side_of_frame*force(1)*rise/sqrt(equation%geometry%link**2 - rise**2)
+      ! `symmetric` is a wall whose frame changes its place with the side
+      side_of_frame = equation%side*equation%geometry%tilt(equation%side)
+      force(2) = side_of_frame*force(1)*kin%rise/sqrt(equation%geometry%link**2 - kin%rise**2)
    end function link_force
 
    !> Displacement of the frame by which its force is smaller than that of an elastic one [m].

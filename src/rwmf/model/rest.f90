@@ -91,8 +91,7 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (p => equation%p, c => equation%cos_alpha)
-         gain = c*(2*p%gamma*equation%excited_mass_ratio + 1)/(p%R*(4.0_wp/3 + 4*p%gamma*c**2 &
-            + equation%added_inertia))
+         gain = c*(2*p%gamma*equation%excited_mass_ratio + 1)/(p%R*equation%inertia_at_rest)
       end associate
    end function inverse_inertia
 

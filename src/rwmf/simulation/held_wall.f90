@@ -31,27 +31,8 @@ contains
       type(equation_t), intent(inout) :: equation
       logical, intent(in) :: is_held
 
-      if (.not. associated(equation%kept_positive)) then
-         equation%kept_positive => equation%rates_positive
-         equation%kept_negative => equation%rates_negative
-      end if
-      equation%rates_positive => equation%kept_positive
-      equation%rates_negative => equation%kept_negative
-      if (.not. is_held) return
-      equation%rates_positive => at_rest
-      equation%rates_negative => at_rest
+      equation%coef(1, 1) = merge(0, 1, is_held)
    end subroutine hold_wall
-
-   !> Right-hand side while the wall is held: the other states move.
-   subroutine at_rest(equation, t, y, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      real(wp), intent(out) :: y_dot(equation%n)
-
-      call equation%kept_positive(equation, t, y, y_dot)
-      y_dot(2) = 0
-   end subroutine at_rest
 
    !> One step of the other states, cut where the wall lifts off.
    subroutine move_at_rest(hybrid, equation, integrator, recorder, t_target, side, error)

@@ -10,8 +10,8 @@ module rwmf_simulation_hybrid_loop
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_assembly, only: cable_at, enter_interval, equation_t, interval_of, &
-      second_derivative
+   use rwmf_model_assembly, only: cable_at, enter_interval, enter_side, equation_t, &
+      interval_of, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys, start_storeys
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction, load_bouc_wen
@@ -58,11 +58,11 @@ contains
       hybrid%must_restart = .true.
       call enter_interval(equation, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
-      equation%side = 1
+      call enter_side(equation, 1)
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
       equation%loading_direction = 1
       if (equation%has_impacts) then
-         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) equation%side = -1
+         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) call enter_side(equation, -1)
       end if
       if (equation%has_bilinear_springs) call start_springs(equation, y(1))
       if (equation%has_loading_direction .and. abs(y(1)) > 0) call start_hysteresis(hybrid, &
@@ -175,7 +175,7 @@ contains
       if (equation%moves_at_rest) call hold_wall(equation, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
-      equation%side = side
+      call enter_side(equation, side)
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
       recorder%lift_offs = recorder%lift_offs + 1_i8
@@ -388,7 +388,7 @@ contains
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
       call turn_back(equation, 0.0_wp)
-      equation%side = -equation%side
+      call enter_side(equation, -equation%side)
       call find_uplift_acceleration(equation, hybrid%y)
       if (equation%moves_at_rest) then
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
@@ -423,7 +423,7 @@ contains
       interval = interval_of(equation)
       call find_lift_off(equation, t, t, interval, side)
       if (side /= 0) then
-         equation%side = side
+         call enter_side(equation, side)
       else
          hybrid%mode = mode_rest
       end if

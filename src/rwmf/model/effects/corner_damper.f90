@@ -6,8 +6,8 @@
 module rwmf_model_effects_corner_damper
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: contribution_t, corner_share, equation_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_problem_case, only: case_t, damper_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -16,7 +16,7 @@ module rwmf_model_effects_corner_damper
    private
 
    public :: damper_group
-   public :: add_damper, damper_power, damper_force
+   public :: prepare_damper, add_damper
 
 contains
 
@@ -43,18 +43,37 @@ contains
       has_damper = allocated(case%damper)
    end function has_damper
 
-   !> Part of the damper in the equation of motion.
-   subroutine add_damper(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
+   subroutine prepare_damper(case, equation, damper)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(out) :: damper
 
-      moment = moment - equation%damper_c*(2*equation%sin_alpha*kin%half_cosine)**2 &
-         *equation%side*y(2)
+      equation%damper_c = corner_share(equation)*case%damper%c_over_m_w
+      damper%n_coef = 1
+      damper%coefficients => damper_coefficients
+      damper%power => damper_power
+      damper%force => damper_force
+   end subroutine prepare_damper
+
+   pure subroutine damper_coefficients(equation, coef)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(out) :: coef(:)
+
+      coef(1) = equation%damper_c*(2*equation%sin_alpha)**2
+   end subroutine damper_coefficients
+
+   !> Part of the damper in the equation of motion.
+   pure subroutine add_damper(coef, motion)
+      real(wp), intent(in) :: coef(lane_count)
+      !! c (2b)**2 over m_w R**2 [1/s]
+      type(lane_motion_t), intent(inout) :: motion
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - coef(i)*motion%half_cosine(i)*motion%half_cosine(i) &
+            *motion%rate(i)
+      end do
    end subroutine add_damper
 
    !> Power that it takes [W/kg].

@@ -7,8 +7,8 @@
 module rwmf_model_effects_corner_inerter
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: contribution_t, corner_share, equation_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_problem_case, only: case_t, inerter_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -17,7 +17,7 @@ module rwmf_model_effects_corner_inerter
    private
 
    public :: inerter_group
-   public :: add_inerter, inerter_energy, inerter_force
+   public :: prepare_inerter, add_inerter
 
 contains
 
@@ -44,19 +44,38 @@ contains
       has_inerter = allocated(case%inerter)
    end function has_inerter
 
-   !> Part of the inerter in the equation of motion.
-   subroutine add_inerter(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
+   subroutine prepare_inerter(case, equation, inerter)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(out) :: inerter
 
-      inertia = inertia + equation%inertance*(2*equation%sin_alpha*kin%half_cosine)**2
-      moment = moment + 2*equation%inertance*equation%sin_alpha**2*kin%half_sine*kin%half_cosine &
-         *y(2)**2
+      equation%inertance = corner_share(equation)*case%inerter%inertance_over_m_w
+      inerter%n_coef = 1
+      inerter%coefficients => inerter_coefficients
+      inerter%energy => inerter_energy
+      inerter%force => inerter_force
+   end subroutine prepare_inerter
+
+   pure subroutine inerter_coefficients(equation, coef)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(out) :: coef(:)
+
+      coef(1) = equation%inertance*(2*equation%sin_alpha)**2
+   end subroutine inerter_coefficients
+
+   !> Part of the inerter in the equation of motion.
+   pure subroutine add_inerter(coef, motion)
+      real(wp), intent(in) :: coef(lane_count)
+      !! B (2b)**2 over m_w R**2 [-]
+      type(lane_motion_t), intent(inout) :: motion
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%inertia(i) = motion%inertia(i) + coef(i)*motion%half_cosine(i)*motion%half_cosine(i)
+         motion%moment(i) = motion%moment(i) + 0.5_wp*coef(i)*motion%half_sine(i) &
+            *motion%half_cosine(i)*motion%rate(i)*motion%rate(i)
+      end do
    end subroutine add_inerter
 
    !> Kinetic energy of the inerter [J/kg].

@@ -2,6 +2,9 @@
 module rwmf_model_effects_link
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_model_equation, only: contribution_t, equation_t
+   use rwmf_model_kinematics, only: link_row
+   use rwmf_model_lanes, only: link_coefficients
    use rwmf_problem_case, only: case_t, link_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, real_of, text_of
@@ -11,7 +14,7 @@ module rwmf_model_effects_link
    implicit none
    private
 
-   public :: link_group
+   public :: link_group, prepare_link
 
 contains
 
@@ -54,6 +57,22 @@ contains
 
       case%link = link_t(real_of(case%values, 'link', 'L'))
    end subroutine fill_link
+
+   !> The tilt of the link belongs to the kinematics that all lanes share (`tilt_link`).
+   subroutine prepare_link(link)
+      type(contribution_t), intent(out) :: link
+
+      link%n_coef = link_coefficients
+      link%is_kinematic = .true.
+      link%coefficients => coefficients_of_link
+   end subroutine prepare_link
+
+   pure subroutine coefficients_of_link(equation, coef)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(out) :: coef(:)
+
+      coef = reshape(link_row(equation%geometry, equation%side), [link_coefficients])
+   end subroutine coefficients_of_link
 
    pure logical function has_link(case)
       type(case_t), intent(in) :: case

@@ -5,8 +5,9 @@
 module rwmf_model_effects_vertical_motion
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, kinematics_at, vertical_ground
+   use rwmf_model_equation, only: contribution_t, equation_t, kinematics_at, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
    use rwmf_problem_case, only: case_t
@@ -19,7 +20,7 @@ module rwmf_model_effects_vertical_motion
    private
 
    public :: vertical_group
-   public :: add_vertical, vertical_power, lowest_vertical
+   public :: prepare_vertical, add_vertical, vertical_power, lowest_vertical
 
 contains
 
@@ -93,17 +94,36 @@ contains
          //'&vertical file: the host hands over the motion, and &vertical ratio follows it')
    end subroutine refuse_element
 
-   !> Part of the vertical motion in the equation of motion.
-   subroutine add_vertical(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
+   subroutine prepare_vertical(case, equation, vertical)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(out) :: vertical
 
-      moment = moment - vertical_ground(equation, t)*kin%s/equation%p%R
+      equation%has_vertical = .true.
+      equation%weight_share = tan(equation%p%alpha) &
+         /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
+      vertical%n_coef = 1
+      vertical%coefficients => vertical_coefficients
+   end subroutine prepare_vertical
+
+   pure subroutine vertical_coefficients(equation, coef)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(out) :: coef(:)
+
+      coef(1) = 1/equation%p%R
+   end subroutine vertical_coefficients
+
+   !> Part of the vertical motion in the equation of motion.
+   pure subroutine add_vertical(coef, motion)
+      real(wp), intent(in) :: coef(lane_count)
+      !! 1/R [1/m]
+      type(lane_motion_t), intent(inout) :: motion
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - coef(i)*motion%vertical(i)*motion%s(i)
+      end do
    end subroutine add_vertical
 
    !> Power that it puts in while the wall's centroid rises [W/kg].

@@ -12,17 +12,16 @@
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_travel, &
-      frame_velocity, hysteresis_t
+      frame_velocity, hysteresis_t, renew_coefficients
    use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
+   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
-   use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_right_hand_sides, only: kept_part
    use rwmf_problem_case, only: case_t, yielding_t
    implicit none
    private
 
    public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
-   public :: will_pass_zero, load_bouc_wen, add_bouc_wen, bouc_wen_sizes
+   public :: will_pass_zero, load_bouc_wen, bouc_wen_sizes, kept_part
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -35,7 +34,7 @@ contains
 
       equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
          equation%p%omega_squared)
-      equation%hysteresis%place = equation%n + 1
+      equation%hysteresis%place = equation%scene%n + 1
       equation%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
       equation%has_loading_direction = .true.
       equation%ends_at_peak = .true.
@@ -80,6 +79,7 @@ contains
       !! [-]
 
       call follow_signs(equation%hysteresis, equation%loading_direction, z)
+      call renew_coefficients(equation)
    end subroutine follow_loading_direction
 
    !> What follows from them for one law.
@@ -106,23 +106,16 @@ contains
       will_pass_zero = equation%hysteresis%sense /= equation%loading_direction
    end function will_pass_zero
 
-   !> What the frame's force differs by from the elastic one, which is in the equation already, and
-   !> the rate of z.
-   subroutine add_bouc_wen(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
+   !> Part of the velocity that does not go into plastic flow [-].
+   elemental real(wp) function kept_part(law, z)
+      type(hysteresis_t), intent(in) :: law
+      real(wp), intent(in) :: z
+      !! [-]
+      real(wp) :: power(1)
 
-      associate (law => equation%hysteresis, p => equation%p)
-         moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
-            - equation%frame_slope)*kin%u - equation%side*law%force_at_z1*y(law%place)/p%R)
-         y_dot(law%place) = p%R*kin%j*y(2)/law%u_y*kept_part(law, y(law%place))
-      end associate
-   end subroutine add_bouc_wen
+      call raise_state(law%factors, [law%exponent], [z], power)
+      kept_part = 1 - law%lost*power(1)
+   end function kept_part
 
    !> z is below 1, and u/u_y while the frame is elastic.
    subroutine bouc_wen_sizes(equation, size_guess, sizes)

@@ -8,18 +8,18 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_velocity, &
-      place_frame, place_left, place_right, sprung_t
+      place_frame, place_left, place_right, renew_coefficients, sprung_t
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_broken, is_yielding, new_spring, pass_limit, &
       reset_spring, spring_energy, spring_force, spring_limits, spring_plastic, spring_power, &
       spring_t, spring_tangent, turn_spring
-   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_problem_case, only: case_t, yielding_t
    implicit none
    private
 
-   public :: add_fuses, add_springs, add_yielding, follow_branches
-   public :: is_elastic_plastic, choose_springs, springs_power, springs_energy, springs_force
+   public :: follow_branches
+   public :: is_elastic_plastic, choose_springs
+   public :: fuses_power, fuses_energy, fuses_force, yielding_power, yielding_energy
    public :: tendon_power
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, moves
@@ -31,57 +31,6 @@ module rwmf_model_hysteresis_spring_set
    !! of every law
 
 contains
-
-   !> Part of the yielding frame in the equation of motion, beyond the elastic one that is in the
-   !> equation already.
-   subroutine add_yielding(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
-
-      associate (p => equation%p)
-         moment = moment + frame_mass(equation)*kin%lever*((p%omega_squared &
-            - equation%frame_slope)*kin%u - equation%side*equation%frame_offset/p%R)
-      end associate
-   end subroutine add_yielding
-
-   !> Part of the fuses in the equation of motion: of the one whose corner lifts.
-   subroutine add_fuses(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
-      integer :: n
-
-      ! the fuses come last, left and right
-      n = size(equation%springs)
-      if (equation%side == place_left) n = n - 1
-      associate (fuse => equation%springs(n), R => equation%p%R)
-         moment = moment - 2*equation%sin_alpha*kin%half_cosine*(fuse%offset/R &
-            + 4*equation%sin_alpha*kin%half_sine*fuse%slope)
-      end associate
-   end subroutine add_fuses
-
-   !> Both.
-   subroutine add_springs(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
-
-      call add_yielding(equation, t, y, kin, inertia, moment, y_dot)
-      call add_fuses(equation, t, y, kin, inertia, moment, y_dot)
-   end subroutine add_springs
 
    !> Straight lines of the branches that are in force; to be called when one has changed.
    subroutine follow_branches(equation)
@@ -97,10 +46,12 @@ contains
          end if
       end associate
       associate (cable => equation%cable)
-         if (.not. cable%is_tendon .or. cable%is_straight) return
-         cable%line_0 = spring_force(cable%tendon, 0.0_wp)
-         cable%line_rate = spring_tangent(cable%tendon)*cable%b
+         if (cable%is_tendon .and. .not. cable%is_straight) then
+            cable%line_0 = spring_force(cable%tendon, 0.0_wp)
+            cable%line_rate = spring_tangent(cable%tendon)*cable%b
+         end if
       end associate
+      call renew_coefficients(equation)
    end subroutine follow_branches
 
    !> The springs that a case calls for.
@@ -205,34 +156,36 @@ contains
       moves = place == place_frame .or. place == equation%side
    end function moves
 
-   !> Power that fuses and frame dissipate by yielding [W/kg].
-   real(wp) function springs_power(equation, t, y) result(power)
+   !> Power that the fuses dissipate by yielding [W/kg].
+   real(wp) function fuses_power(equation, t, y) result(power)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp) :: phi
-      real(wp) :: rate
-      !! of the frame's displacement [m/s]
       integer :: i
 
       power = 0
-      phi = equation%side*y(1)
-      rate = frame_velocity(equation, y)
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
-            if (.not. moves(equation, place)) cycle
-            if (place == place_frame) then
-               power = power + frame_mass(equation)*spring_power(spring, rate)
-            else
-               power = power + spring_power(spring, 2*equation%p%R*equation%sin_alpha &
-                  *cos(phi/2)*equation%side*y(2))
-            end if
+            if (place == equation%side) power = power + spring_power(spring, 2*equation%p%R &
+               *equation%sin_alpha*cos(y(1)/2)*equation%side*y(2))
          end associate
       end do
-   end function springs_power
+   end function fuses_power
 
-   !> Energy in fuses and frame, beyond the elastic one of the frame that the ledger has [J/kg].
-   real(wp) function springs_energy(equation, y) result(energy)
+   !> Power that the frame dissipates by yielding [W/kg].
+   real(wp) function yielding_power(equation, t, y) result(power)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+
+      associate (springs => equation%springs)
+         power = frame_mass(equation)*sum(spring_power(springs%spring, &
+            frame_velocity(equation, y)), springs%place == place_frame)
+      end associate
+   end function yielding_power
+
+   !> Energy in the fuses [J/kg].
+   real(wp) function fuses_energy(equation, y) result(energy)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: x
@@ -241,22 +194,34 @@ contains
       energy = 0
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
-            if (place == place_frame) then
-               x = elongation_of(equation, i, equation%side*y(1))
-               energy = energy + frame_mass(equation)*(spring_energy(spring, x) &
-                  - equation%parts(i)*(equation%p%omega_s*x)**2/2)
-            else
-               x = 0
-               if (moves(equation, place)) x = elongation_of(equation, i, equation%side*y(1))
-               energy = energy + spring_energy(spring, x)
-            end if
+            if (place == place_frame) cycle
+            x = 0
+            if (moves(equation, place)) x = elongation_of(equation, i, equation%side*y(1))
+            energy = energy + spring_energy(spring, x)
          end associate
       end do
-   end function springs_energy
+   end function fuses_energy
+
+   !> Energy in the yielding frame beyond the elastic one that the ledger has [J/kg].
+   real(wp) function yielding_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x
+      integer :: i
+
+      energy = 0
+      x = frame_displacement(equation, y(1))
+      do i = 1, size(equation%springs)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+            if (place == place_frame) energy = energy + frame_mass(equation)*(spring_energy( &
+               spring, x) - equation%parts(i)*(equation%p%omega_s*x)**2/2)
+         end associate
+      end do
+   end function yielding_energy
 
    !> Forces of the fuses on the wall: along the chord at the lifting corner, vertical at the pivot,
    !> where what an earlier stroke has left behind acts.
-   subroutine springs_force(equation, t, y, y_ddot, force)
+   subroutine fuses_force(equation, t, y, y_ddot, force)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -278,7 +243,7 @@ contains
             end if
          end associate
       end do
-   end subroutine springs_force
+   end subroutine fuses_force
 
    !> Power that yielding of the tendon dissipates [W/kg].
    real(wp) function tendon_power(equation, y) result(power)

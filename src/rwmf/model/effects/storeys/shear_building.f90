@@ -14,21 +14,19 @@ module rwmf_model_effects_storeys_shear_building
       frame_velocity, ground
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: spring_energy
-   use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_right_hand_sides, only: kept_part
    use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
 
-   public :: prepare_storeys, add_excited_mass, excited_mass_input, add_storeys, storey_sizes
-   public :: storey_power, storey_energy, storey_input, resistance, floor_inertia
-   public :: fill_rows, floor_motion, put_floors
+   public :: set_storeys, storey_coefficients, excited_mass_coefficients, excited_mass_input
+   public :: storey_sizes, storey_power, storey_energy, storey_input, resistance, floor_inertia
+   public :: floor_motion, put_floors
 
 contains
 
    !> Put the frame's storeys into the equation. In a spectrum all stiffnesses follow the period.
-   subroutine prepare_storeys(case, equation)
+   subroutine set_storeys(case, equation)
       type(case_t), intent(in) :: case
       !! with `&storeys` and its modes
       type(equation_t), intent(inout) :: equation
@@ -61,66 +59,41 @@ contains
       equation%floor_mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       equation%floors%slope = equation%floors%k
-      call fill_rows(equation%floors)
       equation%max_frequency = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
+      equation%frame_slope = 0
       equation%p%xi_s = 0
       equation%p%two_xi_omega = 0
       equation%moves_at_rest = equation%has_impacts .and. n > 1
-   end subroutine prepare_storeys
+   end subroutine set_storeys
 
-   !> Constants of the rates, for the branches of the storeys that are in force, in the order in
-   !> which `move_floors` uses them: of each acceleration by 1, by the displacements of the storeys
-   !> below and above, by the velocities of roof and floors; of the force on the roof over m_w by 1,
-   !> by the displacement of the storey below, by the velocities. First those of the uppermost floor
-   !> and of the roof, in which two by the velocity of a floor stand together.
-   pure subroutine fill_rows(floors)
-      type(floors_t), intent(inout) :: floors
-      real(wp) :: k(floors%n)
-      real(wp) :: drag(floors%n, floors%n)
-      !! a floor in each column
-      real(wp) :: leans(floors%n)
-      real(wp), allocatable :: rows(:)
-      integer :: i, n
+   !> Coefficients of the loop of all modes, as `add_floors` reads them.
+   pure subroutine storey_coefficients(equation, coef)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(out) :: coef(:)
+      integer :: n
 
-      n = floors%n
-      if (n == 1) return
-      k = floors%slope
-      drag = floors%c
-      leans = 0
-      if (allocated(floors%offset)) leans = floors%offset - [floors%offset(2:), 0.0_wp]
-      rows = [row(n - 1), leans(n), k(n), drag(n, n), &
-         [(-drag(i, n - 1)/floors%m(n - 1), drag(i, n), i=1, n - 1)]]
-      do i = 1, n - 2
-         rows = [rows, row(i), -drag(:n - 1, i)/floors%m(i)]
-      end do
-      call move_alloc(rows, floors%rows)
-
-   contains
-
-      !> Of the acceleration of a floor, but for the velocities of the floors.
-      pure function row(i)
-         integer, intent(in) :: i
-         real(wp) :: row(4)
-
-         row = [-leans(i), -k(i), k(i + 1), -drag(n, i)]/floors%m(i)
-      end function row
-   end subroutine fill_rows
+      associate (floors => equation%floors)
+         n = floors%n
+         coef(:1 + 2*n) = [equation%p%R, floors%slope, [(0.0_wp, n=1, floors%n)]]
+         n = floors%n
+         if (allocated(floors%offset)) coef(n + 2:2*n + 1) = floors%offset
+         coef(2*n + 2:3*n + 1) = 1/floors%m
+         coef(3*n + 2:3*n + 1 + n**2) = reshape(transpose(floors%c), [n**2])
+         if (.not. allocated(floors%laws)) return
+         coef(3*n + 2 + n**2:) = [floors%laws%force_at_z1, 1/floors%laws%u_y, floors%laws%lost, &
+            floors%laws%exponent]
+      end associate
+   end subroutine storey_coefficients
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
-   subroutine add_excited_mass(equation, t, y, kin, inertia, moment, y_dot)
+   pure subroutine excited_mass_coefficients(equation, coef)
       class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
+      real(wp), intent(out) :: coef(:)
 
-      moment = moment - frame_mass(equation)*(equation%excited_mass_ratio - 1)*kin%lever &
-         *equation%side*ground(equation, t)/equation%p%R
-   end subroutine add_excited_mass
+      coef(1) = frame_mass(equation)*(equation%excited_mass_ratio - 1)
+   end subroutine excited_mass_coefficients
 
    !> Power of that push [W/kg].
    real(wp) function excited_mass_input(equation, t, y) result(power)
@@ -131,35 +104,6 @@ contains
       power = -frame_mass(equation)*(equation%excited_mass_ratio - 1)*ground(equation, t) &
          *frame_velocity(equation, y)
    end function excited_mass_input
-
-   !> Force of the storeys on the roof beyond that of the spring between roof and ground; velocities
-   !> and accelerations of the floors below the roof.
-   subroutine add_storeys(equation, t, y, kin, inertia, moment, y_dot)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(inout) :: inertia
-      real(wp), intent(inout) :: moment
-      real(wp), intent(inout) :: y_dot(equation%n)
-      real(wp) :: force(equation%floors%n)
-
-      associate (floors => equation%floors, n => equation%floors%n, R => equation%p%R)
-         force = resistance_to(floors, y, equation%side*R*kin%u, R*kin%j*y(2))
-         moment = moment - kin%lever*(equation%side*force(n)/R - floors%k(n)*kin%u)
-         associate (first => floors%first)
-            if (allocated(floors%laws)) then
-               associate (laws => floors%laws, &
-                          v => [0.0_wp, y(first + n - 1:first + 2*n - 3), R*kin%j*y(2)])
-                  y_dot(laws%place) = (v(2:) - v(:n))/laws%u_y*kept_part(laws, y(laws%place))
-               end associate
-            end if
-            y_dot(first:first + n - 2) = y(first + n - 1:first + 2*n - 3)
-            y_dot(first + n - 1:first + 2*n - 3) = -force(:n - 1)/floors%m(:n - 1) &
-               - ground(equation, t)
-         end associate
-      end associate
-   end subroutine add_storeys
 
    !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
    !> roof [m/s2].

@@ -2,6 +2,13 @@
 module rwmf_model_effects_storeys_storeys
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_storeys_floors, only: floor_coefficients, no_hysteresis
+   use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
+      excited_mass_input, set_storeys, storey_coefficients, storey_energy, storey_input, &
+      storey_power, storey_sizes
+   use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs, &
+      storeys_plastic_power
+   use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
@@ -13,7 +20,7 @@ module rwmf_model_effects_storeys_storeys
    implicit none
    private
 
-   public :: storeys_group
+   public :: storeys_group, prepare_storeys
 
 contains
 
@@ -119,6 +126,39 @@ contains
       case%storeys%coupling = text_of(case%values, 'storeys', 'coupling')
       call set_equivalent_frame(case, error)
    end subroutine fill_storeys
+
+   !> All modes, whose storeys may yield one by one, or one mode.
+   subroutine prepare_storeys(case, equation, storeys)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(out) :: storeys
+
+      equation%floors%first = equation%scene%n + 1
+      call set_storeys(case, equation)
+      if (case%storeys%coupling /= 'full') then
+         storeys%n_coef = 1
+         storeys%coefficients => excited_mass_coefficients
+         storeys%input => excited_mass_input
+         return
+      end if
+      storeys%n = equation%floors%n
+      storeys%law = no_hysteresis
+      storeys%states = 2*equation%floors%n - 2
+      if (allocated(case%yielding)) then
+         call choose_storey_springs(case, equation)
+         storeys%plastic_power => storeys_plastic_power
+         if (allocated(equation%floors%laws)) then
+            storeys%law = equation%floors%laws(1)%factors
+            storeys%states = storeys%states + equation%floors%n
+         end if
+      end if
+      storeys%n_coef = floor_coefficients(storeys%n, storeys%law)
+      storeys%coefficients => storey_coefficients
+      storeys%power => storey_power
+      storeys%energy => storey_energy
+      storeys%input => storey_input
+      storeys%sizes => storey_sizes
+   end subroutine prepare_storeys
 
    pure logical function has_storeys(case)
       type(case_t), intent(in) :: case

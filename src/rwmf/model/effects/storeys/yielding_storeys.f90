@@ -6,14 +6,13 @@
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_storeys_shear_building, only: fill_rows, floor_motion
-   use rwmf_model_equation, only: equation_t, floors_t
+   use rwmf_model_effects_storeys_shear_building, only: floor_motion
+   use rwmf_model_equation, only: equation_t, floors_t, renew_coefficients
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_yielding, new_spring, pass_limit, reset_spring, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
-   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
+   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, kept_part, new_hysteresis
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
-   use rwmf_model_right_hand_sides, only: kept_part
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -68,7 +67,7 @@ contains
 
       equation%floors%slope = spring_tangent(equation%floors%springs)
       equation%floors%offset = spring_force(equation%floors%springs, 0.0_wp)
-      call fill_rows(equation%floors)
+      call renew_coefficients(equation)
    end subroutine follow_storeys
 
    !> Storeys that have not moved before, at an initial state: loaded once from zero and let go.
@@ -116,6 +115,7 @@ contains
                call follow_signs(law, law%loading_direction, y(law%place))
             end associate
          end do
+         call renew_coefficients(equation)
          return
       end if
       do i = 1, equation%floors%n

@@ -1,0 +1,163 @@
+!> Loops over lanes of a frame with storeys: all its modes, whose floors below the roof have states
+!> of their own, or one mode.
+module rwmf_model_effects_storeys_floors
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   implicit none
+   private
+
+   public :: add_floors, add_excited_mass
+   public :: no_hysteresis, floor_coefficients
+
+   integer, parameter :: no_hysteresis = -1
+   !! storeys on straight lines; else the factors of Bouc and Wen's power
+
+contains
+
+   !> Number of coefficients of `add_floors`.
+   pure integer function floor_coefficients(n, law) result(n_coef)
+      integer, intent(in) :: n
+      !! number of storeys
+      integer, intent(in) :: law
+      !! `no_hysteresis`, or smooth storeys
+
+      n_coef = 1 + 3*n + n**2
+      if (law /= no_hysteresis) n_coef = n_coef + 4*n
+   end function floor_coefficients
+
+   !> Rates of the floors below the roof, and the force of the uppermost storey on the roof.
+   pure subroutine add_floors(n, law, coef, y, motion, y_dot)
+      integer, intent(in) :: n
+      !! number of storeys, from the ground to the roof
+      integer, intent(in) :: law
+      !! `no_hysteresis`, or the factors of the power of smooth storeys (`raise_state`)
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! R [m]; of each storey slope [1/s2] and offset [m/s2] of its line, over the unit of mass; of
+      !! each floor one over its mass [-]; damping by rows [1/s]; of smooth storeys force at z = 1
+      !! [m/s2], one over the displacement at yield [1/m], part lost, exponent
+      real(wp), intent(in) :: y(lane_count, *)
+      !! displacements [m] and velocities [m/s] of the floors below the roof, states z of smooth
+      !! storeys [-]
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(inout) :: y_dot(lane_count, *)
+      !! their rates
+      real(wp) :: u_roof(lane_count), v_roof(lane_count)
+      !! [m], [m/s]
+      real(wp) :: shear(lane_count, n + 1)
+      !! of the columns of each storey; none above the roof [m/s2]
+      real(wp) :: force(lane_count)
+      !! that resists a floor [m/s2]
+      integer :: i, j, m
+
+      m = 2*n + 1
+      !$omp simd
+      do i = 1, lane_count
+         u_roof(i) = coef(i, 1)*(motion%side(i)*motion%u(i))
+         v_roof(i) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
+         shear(i, n + 1) = 0
+      end do
+      call find_shears(n, coef, y, u_roof, shear)
+      if (law /= no_hysteresis) call add_smooth_shears(n, law, coef(1, 3*n + 2 + n**2), y, v_roof, &
+         shear, y_dot)
+      do j = 1, n
+         !$omp simd
+         do i = 1, lane_count
+            force(i) = shear(i, j) - shear(i, j + 1)
+         end do
+         do m = 1, n - 1
+            !$omp simd
+            do i = 1, lane_count
+               force(i) = force(i) + coef(i, 3*n + 1 + (j - 1)*n + m)*y(i, n - 1 + m)
+            end do
+         end do
+         !$omp simd
+         do i = 1, lane_count
+            force(i) = force(i) + coef(i, 3*n + 1 + j*n)*v_roof(i)
+         end do
+         if (j == n) exit
+         !$omp simd
+         do i = 1, lane_count
+            y_dot(i, j) = y(i, n - 1 + j)
+            y_dot(i, n - 1 + j) = -(coef(i, 2*n + 1 + j)*force(i) + motion%ground(i))
+         end do
+      end do
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - motion%lever(i)*(motion%side(i)*force(i)/coef(i, 1))
+      end do
+   end subroutine add_floors
+
+   !> Shears of storeys on straight lines.
+   pure subroutine find_shears(n, coef, u, u_roof, shear)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! as those of `add_floors`
+      real(wp), intent(in) :: u(lane_count, *)
+      !! displacements of the floors below the roof [m]
+      real(wp), intent(in) :: u_roof(lane_count)
+      !! [m]
+      real(wp), intent(inout) :: shear(lane_count, n + 1)
+      real(wp) :: below(lane_count)
+      integer :: i, j
+
+      below = 0
+      do j = 1, n - 1
+         !$omp simd
+         do i = 1, lane_count
+            shear(i, j) = coef(i, 1 + j)*(u(i, j) - below(i)) + coef(i, n + 1 + j)
+            below(i) = u(i, j)
+         end do
+      end do
+      !$omp simd
+      do i = 1, lane_count
+         shear(i, n) = coef(i, 1 + n)*(u_roof(i) - below(i)) + coef(i, 2*n + 1)
+      end do
+   end subroutine find_shears
+
+   !> Hysteretic parts of the shears of smooth storeys, and the rates of their states.
+   pure subroutine add_smooth_shears(n, factors, coef, y, v_roof, shear, y_dot)
+      integer, intent(in) :: n
+      integer, intent(in) :: factors
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! of smooth storeys, as `add_floors` says
+      real(wp), intent(in) :: y(lane_count, *)
+      !! states, as those of `add_floors`
+      real(wp), intent(in) :: v_roof(lane_count)
+      !! [m/s]
+      real(wp), intent(inout) :: shear(lane_count, n + 1)
+      real(wp), intent(inout) :: y_dot(lane_count, *)
+      real(wp) :: rate(lane_count), below(lane_count), power(lane_count)
+      integer :: i, j
+
+      below = 0
+      do j = 1, n
+         if (j < n) then
+            rate = y(:, n - 1 + j) - below
+            below = y(:, n - 1 + j)
+         else
+            rate = v_roof - below
+         end if
+         call raise_state(factors, coef(1, 3*n + j), y(1, 2*n - 2 + j), power)
+         !$omp simd
+         do i = 1, lane_count
+            shear(i, j) = shear(i, j) + coef(i, j)*y(i, 2*n - 2 + j)
+            y_dot(i, 2*n - 2 + j) = coef(i, n + j)*rate(i)*(1 - coef(i, 2*n + j)*power(i))
+         end do
+      end do
+   end subroutine add_smooth_shears
+
+   !> One mode: the ground pushes more of the frame than moves with the roof.
+   pure subroutine add_excited_mass(coef, motion)
+      real(wp), intent(in) :: coef(lane_count)
+      !! mass over m_w that it pushes beyond that [-]
+      type(lane_motion_t), intent(inout) :: motion
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - coef(i)*motion%lever(i)*motion%push(i)
+      end do
+   end subroutine add_excited_mass
+
+end module rwmf_model_effects_storeys_floors

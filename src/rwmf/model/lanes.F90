@@ -1,0 +1,232 @@
+!> Lanes: runs of one scene that advance together, each at its own time, in the first index of every
+!> array; and the kinematics that all effects of a lane share.
+!>
+!> Compiled for one lane, which is what single runs are, and for sixteen (`lane_count`). What a lane
+!> does depends on nothing in the others, so that its bits are the same in every company.
+!>
+!> With phi = |theta| and the displacement |u_s| = R u(phi) of the frame away from the pivot,
+!> j = du/dphi and k = dj/dphi. `lever` is the arm of the link's force; virtual work says that it
+!> equals j, which Eq. (10) of the paper violates (docs/theory.md).
+module rwmf_model_lanes
+   use rwmf_core_kinds, only: wp
+   implicit none
+   private
+
+   public :: lane_count, lane_motion_t
+   public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
+   public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, add_straight_cable
+
+#ifdef RWMF_LANES
+   integer, parameter :: lane_count = RWMF_LANES
+#else
+   integer, parameter :: lane_count = 1
+#endif
+
+   integer, parameter :: wall_coefficients = 8
+   integer, parameter :: frame_coefficients = 4
+   integer, parameter :: cable_coefficients = 4
+   integer, parameter :: link_coefficients = 4
+
+   !> Motion of the lanes at one instant, and the equation inertia*phi'' = moment that effects add
+   !> to, per m_w R**2. A bare frame is the same with u in place of phi, R = 1 and m_s in place of
+   !> m_w.
+   type :: lane_motion_t
+      real(wp) :: ground(lane_count)
+      !! horizontal acceleration of the ground [m/s2]
+      real(wp) :: vertical(lane_count)
+      !! vertical one, positive upward [m/s2]
+      real(wp) :: side(lane_count)
+      !! sign of theta, +1 or -1
+      real(wp) :: push(lane_count)
+      !! horizontal acceleration of the ground towards that side, over R [1/s2]
+      real(wp) :: phi(lane_count)
+      !! [rad]
+      real(wp) :: rate(lane_count)
+      !! phi' [rad/s]
+      real(wp) :: half_sine(lane_count)
+      !! sin(phi/2)
+      real(wp) :: half_cosine(lane_count)
+      !! cos(phi/2)
+      real(wp) :: s(lane_count)
+      !! arm of gravity over R; of a wall that rocks sin(alpha - phi) [-]
+      real(wp) :: c(lane_count)
+      !! arm of the ground's inertia force over R; cos(alpha - phi) [-]
+      real(wp) :: u(lane_count)
+      real(wp) :: j(lane_count)
+      real(wp) :: k(lane_count)
+      real(wp) :: lever(lane_count)
+      real(wp) :: inertia(lane_count)
+      !! [-]
+      real(wp) :: moment(lane_count)
+      !! away from the base [1/s2]
+   end type lane_motion_t
+
+contains
+
+   !> Kinematics of a wall on a corner or on a hinge, its own inertia and weight.
+   !>
+   !> The same formula holds at the top corner above the lifting base corner, u = 2 (sin(alpha) -
+   !> sin(alpha - phi)), and, with 0 in place of sin(alpha), at a point above the pivot: the other
+   !> top corner, or all of a hinged wall. It keeps all digits of a small rotation.
+   pure subroutine move_wall(coef, theta, theta_dot, motion)
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! side; 1/R [1/m]; cos(alpha); sin(alpha), or 0 above the pivot, for gravity, for the link's
+      !! displacement and for the arm of its force; inertia over m_w R**2; g/R [1/s2]
+      real(wp), intent(in) :: theta(lane_count)
+      !! [rad]
+      real(wp), intent(in) :: theta_dot(lane_count)
+      !! [rad/s]
+      type(lane_motion_t), intent(inout) :: motion
+      !! with the ground's acceleration
+      real(wp) :: x, y, rise
+      integer :: i
+
+      !$omp simd private(x, y, rise)
+      do i = 1, lane_count
+         motion%side(i) = coef(i, 1)
+         motion%phi(i) = coef(i, 1)*theta(i)
+         motion%rate(i) = coef(i, 1)*theta_dot(i)
+         motion%push(i) = coef(i, 1)*motion%ground(i)*coef(i, 2)
+         x = sine(0.5_wp*motion%phi(i))
+         y = sqrt(max(1 - x*x, 0.0_wp))
+         motion%half_sine(i) = x
+         motion%half_cosine(i) = y
+         motion%s(i) = coef(i, 4) - 2*x*(coef(i, 4)*x + coef(i, 3)*y)
+         motion%c(i) = coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 4)*y)
+         rise = 4*x*(coef(i, 5)*x + coef(i, 3)*y)
+         motion%u(i) = rise
+         motion%j(i) = 2*(coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 5)*y))
+         motion%k(i) = 2*coef(i, 5) - rise
+         motion%lever(i) = 2*(coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 6)*y))
+         motion%inertia(i) = coef(i, 7)
+         motion%moment(i) = -(coef(i, 8)*motion%s(i) + motion%c(i)*motion%push(i))
+      end do
+   end subroutine move_wall
+
+   !> A frame without wall: its displacement is the rotation of an arm of one metre.
+   pure subroutine move_bare_frame(u, u_dot, motion)
+      real(wp), intent(in) :: u(lane_count)
+      !! [m]
+      real(wp), intent(in) :: u_dot(lane_count)
+      !! [m/s]
+      type(lane_motion_t), intent(inout) :: motion
+      !! with the ground's acceleration
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%side(i) = 1
+         motion%phi(i) = u(i)
+         motion%rate(i) = u_dot(i)
+         motion%push(i) = motion%ground(i)
+         motion%half_sine(i) = 0
+         motion%half_cosine(i) = 1
+         motion%s(i) = 0
+         motion%c(i) = 0
+         motion%u(i) = u(i)
+         motion%j(i) = 1
+         motion%k(i) = 0
+         motion%lever(i) = 1
+         motion%inertia(i) = 0
+         motion%moment(i) = 0
+      end do
+   end subroutine move_bare_frame
+
+   !> Link of finite length l, Eqs (2), (3): its end rises by v on a circle and tilts it, which adds
+   !> +-(l - sqrt(l**2 - v**2)) to the displacement.
+   pure subroutine tilt_link(coef, motion)
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! l over R; +1 where the tilt pushes the frame on, -1 where it holds it back; 4 cos(alpha);
+      !! 4 sin(alpha) where the link is above the lifting corner, 0 where it is above the pivot
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp) :: v, root, tilt_1
+      integer :: i
+
+      !$omp simd private(v, root, tilt_1)
+      do i = 1, lane_count
+         v = motion%half_sine(i)*(coef(i, 4)*motion%half_cosine(i) - coef(i, 3)*motion%half_sine(i))
+         root = sqrt(max(coef(i, 1)*coef(i, 1) - v*v, 0.0_wp))
+         ! tilt = l - root has root*tilt' = v v', which is differentiated twice; v' = k, v'' = -j
+         tilt_1 = v*motion%k(i)/root
+         motion%u(i) = motion%u(i) + coef(i, 2)*(v*v/(coef(i, 1) + root))
+         motion%k(i) = motion%k(i) + coef(i, 2)*((motion%k(i)*motion%k(i) - v*motion%j(i) &
+            + tilt_1*tilt_1)/root)
+         motion%j(i) = motion%j(i) + coef(i, 2)*tilt_1
+         motion%lever(i) = motion%j(i)
+      end do
+   end subroutine tilt_link
+
+   !> Mass, damper and spring of the frame, whose spring is on a straight line.
+   pure subroutine add_frame(coef, motion)
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! gamma; 2 xi_s omega_s [1/s]; slope of the spring's line over m_s [1/s2]; its force at zero
+      !! displacement over m_s R [1/s2]
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp) :: force
+      integer :: i
+
+      !$omp simd private(force)
+      do i = 1, lane_count
+         force = motion%k(i)*motion%rate(i)*motion%rate(i) + coef(i, 2)*(motion%j(i)*motion%rate(i))
+         force = force + (coef(i, 3)*motion%u(i) + (motion%side(i)*coef(i, 4) + motion%push(i)))
+         motion%inertia(i) = motion%inertia(i) + coef(i, 1)*(motion%lever(i)*motion%j(i))
+         motion%moment(i) = motion%moment(i) - coef(i, 1)*(motion%lever(i)*force)
+      end do
+   end subroutine add_frame
+
+   !> Cable of Eq. (1): force and moment are linear in the rotation.
+   pure subroutine add_linear_cable(coef, motion)
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! moment at phi = 0 over m_w R**2 [1/s2]; its rate [1/(rad s2)]
+      type(lane_motion_t), intent(inout) :: motion
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - (coef(i, 1) + coef(i, 2)*motion%phi(i))
+      end do
+   end subroutine add_linear_cable
+
+   !> Straight cable from the middle of the base to the middle of the top, whose force is on a line
+   !> over its elongation: l**2 = 4h**2 + 2b**2 (1 - cos(phi)) + 4hb sin(phi).
+   pure subroutine add_straight_cable(coef, motion)
+      real(wp), intent(in) :: coef(lane_count, *)
+      !! force at no elongation, over m_w R**2 [1/(m s2)]; its slope [1/(m2 s2)]; h [m]; b [m]
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp) :: sine_phi, rise, length, arm
+      integer :: i
+
+      !$omp simd private(sine_phi, rise, length, arm)
+      do i = 1, lane_count
+         associate (h => coef(i, 3), b => coef(i, 4), half_sine => motion%half_sine(i))
+            sine_phi = 2*half_sine*motion%half_cosine(i)
+            rise = 4*b*(b*half_sine*half_sine + h*sine_phi)
+            length = sqrt(4*h*h + rise)
+            arm = b*(b*sine_phi + 2*h*(1 - 2*half_sine*half_sine))/length
+            motion%moment(i) = motion%moment(i) - (coef(i, 1) + coef(i, 2)*(rise/(length &
+               + 2*h)))*arm
+         end associate
+      end do
+   end subroutine add_straight_cable
+
+   !> sin(x) for |x| <= pi/4, where the next term is 1e-19 of it; a polynomial, because a call would
+   !> leave the vector. Quadruple precision asks the library.
+   elemental real(wp) function sine(x)
+      real(wp), intent(in) :: x
+      !! [rad]
+#ifdef RWMF_QUAD
+
+      sine = sin(x)
+#else
+      real(wp) :: s
+      real(wp) :: s_2
+
+      s = x*x
+      s_2 = s*s
+      sine = x - x*s*((1/6.0_wp - s*(1/120.0_wp)) + s_2*((1/5040.0_wp - s*(1/362880.0_wp)) &
+         + s_2*((1/39916800.0_wp - s*(1/6227020800.0_wp)) + s_2*(1/1307674368000.0_wp &
+         - s*(1/355687428096000.0_wp)))))
+#endif
+   end function sine
+
+end module rwmf_model_lanes
