@@ -73,16 +73,28 @@ as_root() {
    fi
 }
 
+may_install() { [[ "$(id -u)" == 0 ]] || sudo -n true 2>/dev/null; }
+
+install_packages() {
+   prepare_apt
+   say "installing Debian packages: $*"
+   quietly "$cache/apt-install.log" as_root apt-get "${apt_options[@]}" install --yes \
+      --no-install-recommends "$@"
+}
+
 install_system_packages() {
    local packages
    mapfile -t packages < <(missing_packages | tr ' ' '\n')
    [[ ${#packages[@]} -gt 0 ]] || return 0
-   if [[ "$(id -u)" != 0 ]] && ! sudo -n true 2>/dev/null; then
-      die "missing: ${packages[*]}. Neither root nor sudo without password here; ask for:
+   may_install || die "missing: ${packages[*]}. Neither root nor sudo without password here; ask for:
    apt-get install ${packages[*]}"
-   fi
-   prepare_apt
-   say "installing Debian packages: ${packages[*]}"
-   quietly "$cache/apt-install.log" as_root apt-get "${apt_options[@]}" install --yes \
-      --no-install-recommends "${packages[@]}"
+   install_packages "${packages[@]}"
+}
+
+# What only tests use: they are skipped without it, so that its lack stops nothing.
+install_test_packages() {
+   ! command -v valgrind >/dev/null || return 0
+   if may_install && command -v apt-get >/dev/null &&
+      (trap drop_apt EXIT; install_packages valgrind); then return 0; fi
+   say "no valgrind: tests that need it are skipped"
 }

@@ -1,0 +1,181 @@
+"""The counts that are kept in the repository, and what of them may change how."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self
+
+from instruction_counts.calls import CALLS, NAMES
+
+LIMIT = 1.03
+"""A call whose count exceeds this times the recorded one has grown."""
+NOISE = 1.01
+"""The same program counted again: a host's counts differ by 0.03 %, those of Python by 0.5 %."""
+
+_HEAD = """\
+# Instructions of the standard calls, counted by valgrind's callgrind; written by tools/counts, see
+# docs/bench.md. First what they depend on. Below a count: when it grew, from what, and the reason.
+"""
+_ARROW = " -> "
+
+
+class ReasonMissingError(Exception):
+    """Something has grown, and nobody says why."""
+
+
+class OtherSettingError(Exception):
+    """The counts come from another compiler, machine or library than the recorded ones."""
+
+
+@dataclass
+class Ledger:
+    """Recorded counts.
+
+    Attributes
+    ----------
+    setting : dict of str to str
+        What they depend on besides the sources.
+    counts : dict of str to int
+        Instructions by name of the call.
+    reasons : dict of str to list of str
+        One line for each time a count grew.
+    """
+
+    setting: dict[str, str] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    reasons: dict[str, list[str]] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read a file; none is an empty ledger."""
+        ledger = cls()
+        name = ""
+        for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():
+            if line.startswith("#") or not line.strip():
+                continue
+            if line.startswith(" "):
+                ledger.reasons.setdefault(name, []).append(line.strip())
+                continue
+            name, value = line.split("\t")
+            if value.isdecimal():
+                ledger.counts[name] = int(value)
+            else:
+                ledger.setting[name] = value
+        return ledger
+
+    def write(self, path: Path) -> None:
+        """Write a file."""
+        lines = [f"{key}\t{value}" for key, value in self.setting.items()]
+        lines.append("")
+        for name in NAMES:
+            if name in self.counts:
+                lines.append(f"{name}\t{self.counts[name]}")
+                lines += [f"   {reason}" for reason in self.reasons.get(name, ())]
+        path.write_text(_HEAD + "\n".join(lines) + "\n", encoding="utf-8")
+
+    def differences(self, setting: Mapping[str, str], name: str) -> list[str]:
+        """Say in what a setting differs from the recorded one, as far as a call depends on it."""
+        is_python = any(call.name == name and call.program == "python" for call in CALLS)
+        return [
+            f"{key}: counts are of '{self.setting[key]}', here is '{value}'"
+            for key, value in setting.items()
+            if key in self.setting and self.setting[key] != value
+            if is_python or key != "python"
+        ]
+
+    def grown(self, counts: Mapping[str, int]) -> list[str]:
+        """Say which calls have grown by more than the limit, or were never recorded.
+
+        Parameters
+        ----------
+        counts : mapping of str to int
+            What was measured.
+
+        Returns
+        -------
+        list of str
+            A line each.
+        """
+        lines = []
+        for name, new in counts.items():
+            old = self.counts.get(name)
+            if old is None:
+                lines.append(f"{name} has no recorded count: tools/counts --accept {name}")
+            elif new > LIMIT * old:
+                lines.append(
+                    f"{name} has grown by {100 * (new / old - 1):.1f} %: from {old} to {new} "
+                    f"instructions, ratio {new / old:.3f}. "
+                    f"On purpose? tools/counts --accept {name} 'the reason'"
+                )
+        return lines
+
+    def accept(self, measured: Mapping[str, int], setting: Mapping[str, str], reason: str) -> None:
+        """Record counts in the place of older ones.
+
+        A count that is the same but for noise stays, so that small growth cannot add up.
+
+        Parameters
+        ----------
+        measured : mapping of str to int
+            New counts.
+        setting : mapping of str to str
+            What they depend on.
+        reason : str
+            Why what has grown may; '' where nothing has.
+
+        Raises
+        ------
+        ReasonMissingError
+            When something has grown and there is no reason.
+        OtherSettingError
+            When only a part of the counts would belong to the new setting.
+        """
+        reason = " ".join(reason.split())
+        kept = self.counts.keys() - measured.keys()
+        others = {line for name in kept for line in self.differences(setting, name)}
+        if others:
+            raise OtherSettingError(
+                "; ".join(sorted(others)) + ": renew all counts, tools/counts --accept all"
+            )
+        above = {
+            name: f"{self.counts[name]}{_ARROW}{new}"
+            for name, new in measured.items()
+            if name in self.counts and new > NOISE * self.counts[name]
+        }
+        if above and not reason:
+            listed = "; ".join(f"{name} has grown, {change}" for name, change in above.items())
+            raise ReasonMissingError(f"{listed}: say why, tools/counts --accept NAME 'the reason'")
+        for name, change in above.items():
+            self.reasons.setdefault(name, []).append(f"{change}: {reason}")
+        for name, new in measured.items():
+            old = self.counts.get(name)
+            if old is None or name in above or NOISE * new < old:
+                self.counts[name] = new
+        self.setting = dict(setting)
+
+
+def names_of(words: Iterable[str]) -> list[str]:
+    """Names of calls; ``all`` or none stands for every call.
+
+    Parameters
+    ----------
+    words : iterable of str
+        As typed.
+
+    Returns
+    -------
+    list of str
+        In the order of the ledger.
+
+    Raises
+    ------
+    KeyError
+        With the word that names no call.
+    """
+    asked = set(words)
+    for word in asked - {"all"}:
+        if word not in NAMES:
+            raise KeyError(word)
+    return [name for name in NAMES if not asked or "all" in asked or name in asked]
