@@ -22,15 +22,15 @@ module rwmf_model_assembly
       wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: add_term, first_wall, frame_term, linear_cable_term, &
-      straight_cable_term
+      straight_cable_term, term_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    implicit none
    private
 
    public :: equation_t, build_equation, enter_interval, enter_side, interval_of
-   public :: rhs, rates_at, moment_at_rest, second_derivative, kinematics_at, cable_at, lift_off_drive
-   public :: frame_displacement
+   public :: rhs, rates_at, moment_at_rest, second_derivative, kinematics_at, cable_at
+   public :: lift_off_drive, frame_displacement
 
 contains
 
@@ -53,8 +53,8 @@ contains
       equation%has_impacts = .false.
       allocate (equation%scene%terms(0))
       if (equation%has_wall) call add_wall(case, equation)
-      if (equation%has_frame) call add_term(equation%scene, frame_term, 0, 0, &
-         frame_coefficients, 0, is_first=.false.)
+      if (equation%has_frame) call add_term(equation%scene, term_t(frame_term, &
+         n_coef=frame_coefficients))
       call choose_cable(case, equation)
       call choose_contributions(case, equation)
       equation%n = equation%scene%n
@@ -143,8 +143,8 @@ contains
          equation%cable%line_rate = equation%cable%rate
       end if
       if (has_tendon(case)) call choose_tendon(case, equation)
-      call add_term(equation%scene, merge(straight_cable_term, linear_cable_term, &
-         equation%cable%is_straight), 0, 0, cable_coefficients, 0, is_first=.false.)
+      call add_term(equation%scene, term_t(merge(straight_cable_term, linear_cable_term, &
+         equation%cable%is_straight), n_coef=cable_coefficients))
    end subroutine choose_cable
 
    !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.

@@ -5,7 +5,7 @@ module rwmf_model_equation
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_bilinear, only: spring_t
    use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, wall_row
-   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
+   use rwmf_model_lanes, only: wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term
@@ -325,12 +325,17 @@ contains
          wall_row(equation%geometry, equation%side, equation%p%R, equation%inertia, equation%p%g)
       do i = 1, size(equation%scene%terms)
          associate (term => equation%scene%terms(i))
-            if (term%effect == frame_term) equation%coef(1, term%coef:term%coef &
-               + frame_coefficients - 1) = [frame_mass(equation), equation%p%two_xi_omega, &
-               equation%frame_slope, equation%frame_offset/equation%p%R]
-            if (term%effect == linear_cable_term .or. term%effect == straight_cable_term) &
-               equation%coef(1, term%coef:term%coef + cable_coefficients - 1) = &
-               cable_row(equation%cable, equation%side, equation%p%g_over_R)
+            associate (row => equation%coef(1, term%coef:term%coef + term%n_coef - 1))
+               select case (term%effect)
+               case (frame_term)
+                  row = [frame_mass(equation), equation%p%two_xi_omega, equation%frame_slope, &
+                     equation%frame_offset/equation%p%R]
+               case (linear_cable_term, straight_cable_term)
+                  row = cable_row(equation%cable, equation%side, equation%p%g_over_R)
+               case default
+                  ! an effect, below
+               end select
+            end associate
          end associate
       end do
       if (.not. allocated(equation%effects)) return
