@@ -38,7 +38,6 @@ LARGE: dict[str, str] = {
     "rwmf_spectrum_fast_stage_kernel:state_at_node": _ONE_LANE,
     "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
     "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
-    "rwmf_model_right_hand_sides:move_floors": "a loop over floors on plain arrays",
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,

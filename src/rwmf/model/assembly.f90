@@ -14,8 +14,8 @@ module rwmf_model_assembly
    use rwmf_model_effects_list, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
-      frame_displacement, ground, interval_of, kinematics_at, lift_off_drive, &
-      renew_coefficients, vertical_ground
+      frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &
+      lift_off_drive, renew_coefficients, vertical_ground
    use rwmf_model_hysteresis_bilinear, only: new_spring
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
@@ -67,7 +67,7 @@ contains
       equation%uplift_acceleration = equation%threshold
       equation%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
       equation%effects_act_at_rest = equation%has_impacts &
-         .and. (allocated(equation%effects) .or. equation%has_bilinear_springs)
+         .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
 
    !> The wall, on its corners or hinged in the middle of its base: m_w (4/3 h**2 + b**2/3) about

@@ -31,7 +31,9 @@ contains
       do i = 1, size(effects)
          if (.not. effects(i)%is_present(case)) cycle
          call prepare_effect(i, case, equation, effect)
-         call append_contribution(equation, i, effect)
+         ! a base, a rule of impacts, a law of the cable have neither
+         if (associated(effect%coefficients) .or. associated(effect%energy)) call &
+            append_contribution(equation, i, effect)
       end do
    end subroutine choose_contributions
 

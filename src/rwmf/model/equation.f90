@@ -17,7 +17,7 @@ module rwmf_model_equation
    public :: equation_t, contribution_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients
-   public :: vertical_ground
+   public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
    public :: frame_velocity, frame_motion, frame_travel, frame_mass, corner_share
 
@@ -346,6 +346,14 @@ contains
          end associate
       end do
    end subroutine renew_coefficients
+
+   !> Does anything act beyond wall, frame, cable and their kinematics?
+   pure logical function has_further_effects(equation)
+      type(equation_t), intent(in) :: equation
+
+      has_further_effects = allocated(equation%effects)
+      if (has_further_effects) has_further_effects = .not. all(equation%effects%is_kinematic)
+   end function has_further_effects
 
    !> Ground acceleration of the interval in force [m/s2].
    real(wp) function ground(equation, t)
