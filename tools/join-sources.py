@@ -1,19 +1,31 @@
 #!/usr/bin/env python3
 """Join source files, so that the compiler can put their procedures into each other."""
 
-import sys
+import argparse
+import re
 from pathlib import Path
+
+MODULE = re.compile(r"^module (\w+)$", re.MULTILINE)
 
 
 def main() -> None:
     """Write the files one after the other; messages of the compiler still name them.
 
-    The arguments are the file to be written and those to be joined, in the order in which one
-    module uses another.
+    A file that is compiled once more, for more lanes or other instructions, gives its modules
+    names with a suffix.
     """
-    target, *sources = sys.argv[1:]
-    parts = [f'# 1 "{name}"\n{Path(name).read_text(encoding="utf-8")}\n' for name in sources]
-    Path(target).write_text("".join(parts), encoding="utf-8")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("target", type=Path, help="the file to be written")
+    parser.add_argument("sources", nargs="+", type=Path, help="in the order of their use")
+    parser.add_argument("--suffix", default="", help="of the names of the modules")
+    parser.add_argument("--define", default="", help="a macro and its value, NAME=VALUE")
+    options = parser.parse_args()
+    parts = [f"#define {options.define.replace('=', ' ')}\n"] if options.define else []
+    parts += [f'# 1 "{name}"\n{name.read_text(encoding="utf-8")}\n' for name in options.sources]
+    text = "".join(parts)
+    for module in MODULE.findall(text) if options.suffix else []:
+        text = re.sub(rf"\b{module}\b", module + options.suffix, text)
+    options.target.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

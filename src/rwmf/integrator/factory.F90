@@ -2,9 +2,10 @@
 !>
 !> The quadruple-precision build has only our own: SUNDIALS computes in double precision.
 module rwmf_integrator_factory
-   use rwmf_integrator_dop853, only: dop853_t
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_extrapolation, only: extrapolation_t
    use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_integrator_pairs, only: dormand_prince_853
 #ifndef RWMF_QUAD
    use rwmf_integrator_sundials_cvode, only: cvode_t
    use rwmf_integrator_sundials_arkode, only: erk_t
@@ -45,7 +46,11 @@ contains
       select case (run_method(method))
       case ('dop853', 'fast')
          ! A single run has no lanes.
-         allocate (dop853_t :: integrator)
+         allocate (explicit_pair_t :: integrator)
+         select type (integrator)
+         type is (explicit_pair_t)
+            integrator%pair = dormand_prince_853()
+         end select
 #ifndef RWMF_QUAD
       case ('adams', 'bdf')
          allocate (cvode_t :: integrator)

@@ -12,7 +12,7 @@ module rwmf_integrator_one_step
    implicit none
    private
 
-   public :: one_step_t, error_norm
+   public :: one_step_t, begin_at, error_norm
 
    !> A one-step method with error estimate.
    type, abstract, extends(integrator_t) :: one_step_t
@@ -84,6 +84,20 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
+
+      call begin_at(self, t, y, span, error)
+   end subroutine start_one_step
+
+   !> The same for one who takes the steps himself and lets the integrator look into them.
+   subroutine begin_at(self, t, y, span, error)
+      class(one_step_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: span
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
       real(wp) :: scale(size(self%y1))
       real(wp) :: rate
 
@@ -100,7 +114,7 @@ contains
          self%h = 0.01_wp/max(rate, 1.0_wp)
       end if
       self%h = min(self%h, span)
-   end subroutine start_one_step
+   end subroutine begin_at
 
    subroutine step_one_step(self, t_limit, error)
       class(one_step_t), intent(inout) :: self

@@ -11,7 +11,7 @@ module rwmf_model_assembly
    use rwmf_model_cable, only: cable_elongation, linear_cable, no_cable, signed_linear_cable, &
       spring_cable
    use rwmf_model_contributions, only: choose_contributions
-   use rwmf_model_effects_list, only: lane_rates
+   use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
       frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &

@@ -2,12 +2,11 @@
 !> common.
 module rwmf_model_contributions
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_list, only: all_effects, prepare_effect
+   use rwmf_model_effects_list, only: effect_count, prepare_effect
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, is_elastic_plastic
    use rwmf_model_scene, only: add_term, term_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_case_group, only: case_group_t
    implicit none
    private
 
@@ -20,20 +19,15 @@ contains
    subroutine choose_contributions(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      type(case_group_t), allocatable :: effects(:)
       type(contribution_t) :: effect
       integer :: i
 
-      effects = all_effects()
       if (allocated(case%fuse) .or. equation%cable%is_tendon .or. is_bilinear(case)) then
          call choose_springs(case, is_bilinear(case), equation)
       end if
-      do i = 1, size(effects)
-         if (.not. effects(i)%is_present(case)) cycle
+      do i = 1, effect_count
          call prepare_effect(i, case, equation, effect)
-         ! a base, a rule of impacts, a law of the cable have neither
-         if (associated(effect%coefficients) .or. associated(effect%energy)) call &
-            append_contribution(equation, i, effect)
+         if (effect%is_present) call append_contribution(equation, i, effect)
       end do
    end subroutine choose_contributions
 

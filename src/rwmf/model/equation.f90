@@ -24,6 +24,8 @@ module rwmf_model_equation
    !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
    !> force on the wall that belong to it (docs/effects.md).
    type :: contribution_t
+      logical :: is_present = .false.
+      !! the case calls for it
       procedure(coefficients_i), pointer, nopass :: coefficients => null()
       !! that its loop reads; not associated: it has no loop
       integer :: n_coef = 0

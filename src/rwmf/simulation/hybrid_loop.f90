@@ -35,7 +35,7 @@ module rwmf_simulation_hybrid_loop
    implicit none
    private
 
-   public :: hybrid_t, start_hybrid, advance_hybrid
+   public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest
    public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
 
    real(wp), parameter :: negligible = 0.01_wp
@@ -240,28 +240,56 @@ contains
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       type(error_t), allocatable, intent(out) :: error
-      type(storey_end_t) :: ending
-      type(step_view_t) :: step
       real(wp) :: t_limit
-      integer :: event
+      real(wp) :: span
 
-      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
-      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
-         ! An event within round-off of a knot: no integrator can step that far.
-         hybrid%t = t_limit
-         call pass_knot(hybrid, equation, integrator%steps)
-         return
-      end if
-      if (hybrid%must_restart) then
-         if (equation%has_bilinear_springs) call renew_window(equation)
-         if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
-         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
-         call integrator%start(hybrid%t, hybrid%y, flight_time(hybrid, equation), error)
-      end if
+      call begin_step(hybrid, equation, integrator%steps, t_target, t_limit, span)
+      if (t_limit <= hybrid%t) return
+      if (hybrid%must_restart) call integrator%start(hybrid%t, hybrid%y, span, error)
       if (allocated(error)) return
       hybrid%must_restart = .false.
       call integrator%step(t_limit, error)
-      if (allocated(error)) return
+      if (.not. allocated(error)) call end_step(hybrid, equation, integrator, recorder, error)
+   end subroutine integrate_step
+
+   !> How far the next step may go, and what a new piece of motion needs to know.
+   subroutine begin_step(hybrid, equation, steps, t_target, t_limit, span)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      integer(i8), intent(in) :: steps
+      !! that the integrator has taken
+      real(wp), intent(in) :: t_target
+      real(wp), intent(out) :: t_limit
+      !! not beyond the present time: there was no way to go, and a knot has been passed [s]
+      real(wp), intent(out) :: span
+      !! within which the motion is expected to change its course, where it begins anew [s]
+
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
+      span = huge(span)
+      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
+         ! An event within round-off of a knot: no integrator can step that far.
+         hybrid%t = t_limit
+         call pass_knot(hybrid, equation, steps)
+         return
+      end if
+      if (.not. hybrid%must_restart) return
+      if (equation%has_bilinear_springs) call renew_window(equation)
+      if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
+      if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
+      span = flight_time(hybrid, equation)
+   end subroutine begin_step
+
+   !> Look at the integrator's last step, and let what happens first in it happen.
+   subroutine end_step(hybrid, equation, integrator, recorder, error)
+      type(hybrid_t), intent(inout), target :: hybrid
+      type(equation_t), intent(inout), target :: equation
+      class(integrator_t), intent(inout), target :: integrator
+      type(recorder_t), intent(inout) :: recorder
+      type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
+      type(step_view_t) :: step
+      integer :: event
+
       call view_step(step, equation, integrator)
       if (equation%floors%yields) call stop_at_storey(step, ending, error)
       if (allocated(error)) return
@@ -297,7 +325,7 @@ contains
          if (ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
       end select
       call pass_knot(hybrid, equation, integrator%steps)
-   end subroutine integrate_step
+   end subroutine end_step
 
    !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
    !> peak it is known already.

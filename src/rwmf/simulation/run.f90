@@ -28,6 +28,7 @@ module rwmf_simulation_run
    private
 
    public :: run_once, restitution, impact_law, guess_size, tolerances, initial_state
+   public :: begin_run, is_much_smaller, most_passes
 
    integer, parameter :: most_passes = 5
 
@@ -73,8 +74,8 @@ contains
       size_guess = guess_size(case, equation)
       do pass = 1, most_passes
          call integrate(case, equation, integrator, size_guess, size_found, control, result, error)
-         if (allocated(error) .or. allocated(case%solver%atol)) return
-         if (all(size_found <= 0) .or. all(size_found > 0.1_wp*size_guess)) return
+         if (allocated(error)) return
+         if (.not. is_much_smaller(case, size_found, size_guess)) return
          size_guess = merge(size_found, size_guess, size_found < 0.1_wp*size_guess)
       end do
    end subroutine repeat_until_scaled
@@ -117,16 +118,7 @@ contains
       type(recorder_t) :: recorder
 
       size_found = 0
-      equation%rhs_evaluations = 0
-      call integrator%create(equation, above_round_off(tolerances(case, equation, size_guess), &
-         equation, size_guess), error)
-      if (allocated(error)) return
-      hybrid%restitution = impact_law(case, equation%p%alpha)
-      hybrid%overturning_angle = case%model%overturning_angle
-      hybrid%rtol = case%solver%rtol
-      hybrid%max_steps = case%solver%max_steps
-      call start_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
-      call create_recorder(recorder, case, equation, case%solver%t_end, hybrid%y, error)
+      call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
       call advance_hybrid(hybrid, equation, integrator, recorder, case%solver%t_end, control, error)
       if (allocated(error)) return
@@ -137,6 +129,38 @@ contains
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
    end subroutine integrate
+
+   !> Everything at t = 0, for the tolerances of an expected size.
+   subroutine begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: size_guess(2)
+      type(equation_t), intent(inout), target :: equation
+      class(integrator_t), intent(inout) :: integrator
+      type(hybrid_t), intent(out) :: hybrid
+      type(recorder_t), intent(out) :: recorder
+      type(error_t), allocatable, intent(out) :: error
+
+      equation%rhs_evaluations = 0
+      call integrator%create(equation, above_round_off(tolerances(case, equation, size_guess), &
+         equation, size_guess), error)
+      if (allocated(error)) return
+      hybrid%restitution = impact_law(case, equation%p%alpha)
+      hybrid%overturning_angle = case%model%overturning_angle
+      hybrid%rtol = case%solver%rtol
+      hybrid%max_steps = case%solver%max_steps
+      call start_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
+      call create_recorder(recorder, case, equation, case%solver%t_end, hybrid%y, error)
+   end subroutine begin_run
+
+   !> Has the response turned out to be much smaller than expected, so that it has to be repeated?
+   pure logical function is_much_smaller(case, size_found, size_guess) result(is_smaller)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: size_found(2)
+      real(wp), intent(in) :: size_guess(2)
+
+      is_smaller = .not. allocated(case%solver%atol) .and. any(size_found > 0) &
+         .and. any(size_found <= 0.1_wp*size_guess)
+   end function is_much_smaller
 
    !> Local error per step from the tolerance that the case asks for.
    type(tolerance_t) function tolerances(case, equation, size_guess) result(tolerance)

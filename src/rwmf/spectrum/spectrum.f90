@@ -12,6 +12,8 @@ module rwmf_spectrum_spectrum
    use rwmf_spectrum_fast_bare_frame, only: run_frames
    use rwmf_spectrum_fast_driver, only: run_fast
    use rwmf_spectrum_fast_eligibility, only: is_supported
+   use rwmf_spectrum_fast_schedule, only: order_by_cost
+   use rwmf_spectrum_lanes, only: ordinate_t, run_ordinates
    !$ use omp_lib, only: omp_get_max_threads
    implicit none
    private
@@ -145,6 +147,11 @@ contains
       if (spectrum_method(case%solver%method) == 'fast') then
          call run_lanes(case, motion, control, spectrum)
       end if
+      if (spectrum_method(case%solver%method) == 'fast' &
+          .and. .not. allocated(case%solver%accuracy)) then
+         call run_general_lanes(case, motion, control, spectrum)
+         return
+      end if
       evaluations = 0_i8
       !$omp parallel do num_threads(spectrum%threads) schedule(dynamic) default(shared) &
       !$omp reduction(+:evaluations)
@@ -175,6 +182,46 @@ contains
       end if
       where (is_done) spectrum%status = 'ok'
    end subroutine run_lanes
+
+   !> Compute the ordinates that are still to be done in general lanes, the shortest periods first.
+   subroutine run_general_lanes(case, motion, control, spectrum)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(spectrum_t), intent(inout) :: spectrum
+      type(ordinate_t), allocatable :: ordinates(:)
+      integer, allocatable :: order(:), place(:)
+      integer :: i, j, k, n, m
+
+      order = order_by_cost(spectrum%T_s, spread(0, 1, size(spectrum%T_s)), 0)
+      allocate (ordinates(size(spectrum%u_s_max)), place(size(spectrum%u_s_max)))
+      n = 0
+      do m = 1, size(order)
+         i = order(m)
+         do k = 1, size(spectrum%u_s_max, 3)
+            do j = 1, size(spectrum%u_s_max, 2)
+               if (spectrum%status(i, j, k) == 'ok') cycle
+               n = n + 1
+               ordinates(n)%T_s = spectrum%T_s(i)
+               if (allocated(spectrum%gamma)) ordinates(n)%gamma = spectrum%gamma(j)
+               if (allocated(spectrum%b)) ordinates(n)%b = spectrum%b(k)
+               place(n) = i + size(spectrum%T_s)*(j - 1 + size(spectrum%u_s_max, 2)*(k - 1))
+            end do
+         end do
+      end do
+      call run_ordinates(case, motion, spectrum%threads, control, ordinates(:n))
+      if (is_cancelled(control)) return
+      spectrum%rhs_evaluations = sum(ordinates(:n)%rhs_evaluations)
+      do m = 1, n
+         i = mod(place(m) - 1, size(spectrum%T_s)) + 1
+         j = mod((place(m) - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
+         k = (place(m) - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
+         spectrum%status(i, j, k) = ordinates(m)%failure
+         if (ordinates(m)%failure /= '') cycle
+         spectrum%u_s_max(i, j, k) = ordinates(m)%u_s_max
+         spectrum%status(i, j, k) = merge('overturned', 'ok        ', ordinates(m)%overturned)
+      end do
+   end subroutine run_general_lanes
 
    !> Compute one ordinate by the general kernel, with local work space only: threads run it at
    !> once.

@@ -7,7 +7,6 @@ module rwmf_model_effects_corner_damper
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, corner_share, equation_t
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_problem_case, only: case_t, damper_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -16,7 +15,7 @@ module rwmf_model_effects_corner_damper
    private
 
    public :: damper_group
-   public :: prepare_damper, add_damper
+   public :: prepare_damper
 
 contains
 
@@ -48,6 +47,8 @@ contains
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: damper
 
+      damper%is_present = has_damper(case)
+      if (.not. damper%is_present) return
       equation%damper_c = corner_share(equation)*case%damper%c_over_m_w
       damper%n_coef = 1
       damper%coefficients => damper_coefficients
@@ -61,20 +62,6 @@ contains
 
       coef(1) = equation%damper_c*(2*equation%sin_alpha)**2
    end subroutine damper_coefficients
-
-   !> Part of the damper in the equation of motion.
-   pure subroutine add_damper(coef, motion)
-      real(wp), intent(in) :: coef(lane_count)
-      !! c (2b)**2 over m_w R**2 [1/s]
-      type(lane_motion_t), intent(inout) :: motion
-      integer :: i
-
-      !$omp simd
-      do i = 1, lane_count
-         motion%moment(i) = motion%moment(i) - coef(i)*motion%half_cosine(i)*motion%half_cosine(i) &
-            *motion%rate(i)
-      end do
-   end subroutine add_damper
 
    !> Power that it takes [W/kg].
    real(wp) function damper_power(equation, t, y) result(power)

@@ -8,7 +8,6 @@ module rwmf_model_effects_corner_inerter
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, corner_share, equation_t
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_problem_case, only: case_t, inerter_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -17,7 +16,7 @@ module rwmf_model_effects_corner_inerter
    private
 
    public :: inerter_group
-   public :: prepare_inerter, add_inerter
+   public :: prepare_inerter
 
 contains
 
@@ -49,6 +48,8 @@ contains
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: inerter
 
+      inerter%is_present = has_inerter(case)
+      if (.not. inerter%is_present) return
       equation%inertance = corner_share(equation)*case%inerter%inertance_over_m_w
       inerter%n_coef = 1
       inerter%coefficients => inerter_coefficients
@@ -62,21 +63,6 @@ contains
 
       coef(1) = equation%inertance*(2*equation%sin_alpha)**2
    end subroutine inerter_coefficients
-
-   !> Part of the inerter in the equation of motion.
-   pure subroutine add_inerter(coef, motion)
-      real(wp), intent(in) :: coef(lane_count)
-      !! B (2b)**2 over m_w R**2 [-]
-      type(lane_motion_t), intent(inout) :: motion
-      integer :: i
-
-      !$omp simd
-      do i = 1, lane_count
-         motion%inertia(i) = motion%inertia(i) + coef(i)*motion%half_cosine(i)*motion%half_cosine(i)
-         motion%moment(i) = motion%moment(i) + 0.5_wp*coef(i)*motion%half_sine(i) &
-            *motion%half_cosine(i)*motion%rate(i)*motion%rate(i)
-      end do
-   end subroutine add_inerter
 
    !> Kinetic energy of the inerter [J/kg].
    real(wp) function inerter_energy(equation, y) result(energy)

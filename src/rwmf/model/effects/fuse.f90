@@ -4,7 +4,6 @@ module rwmf_model_effects_fuse
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, equation_t, place_left
    use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force, fuses_power
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: group_values_t, real_of
@@ -13,7 +12,7 @@ module rwmf_model_effects_fuse
    implicit none
    private
 
-   public :: fuse_group, prepare_fuse, add_fuse
+   public :: fuse_group, prepare_fuse
 
 contains
 
@@ -66,6 +65,8 @@ contains
       !! with its springs
       type(contribution_t), intent(out) :: fuse
 
+      fuse%is_present = has_fuse(case)
+      if (.not. fuse%is_present) return
       fuse%n_coef = 2
       fuse%coefficients => fuse_coefficients
       fuse%plastic_power => fuses_power
@@ -84,22 +85,6 @@ contains
       coef = 2*equation%sin_alpha*[equation%springs(n)%offset/equation%p%R, &
          4*equation%sin_alpha*equation%springs(n)%slope]
    end subroutine fuse_coefficients
-
-   !> Part of the fuse in the equation of motion: a force on a line over the stroke 4b sin(phi/2)
-   !> with the arm 2b cos(phi/2).
-   pure subroutine add_fuse(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, 2)
-      !! 2b times the force at no stroke over m_w R**2 [1/s2]; 8b**2 times its slope over m_w R**2
-      !! [1/s2]
-      type(lane_motion_t), intent(inout) :: motion
-      integer :: i
-
-      !$omp simd
-      do i = 1, lane_count
-         motion%moment(i) = motion%moment(i) - motion%half_cosine(i)*(coef(i, 1) &
-            + coef(i, 2)*motion%half_sine(i))
-      end do
-   end subroutine add_fuse
 
    pure subroutine add_branch_event(case, names)
       type(case_t), intent(in) :: case

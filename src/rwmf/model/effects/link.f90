@@ -59,9 +59,12 @@ contains
    end subroutine fill_link
 
    !> The tilt of the link belongs to the kinematics that all lanes share (`tilt_link`).
-   subroutine prepare_link(link)
+   subroutine prepare_link(case, link)
+      type(case_t), intent(in) :: case
       type(contribution_t), intent(out) :: link
 
+      link%is_present = has_link(case)
+      if (.not. link%is_present) return
       link%n_coef = link_coefficients
       link%is_kinematic = .true.
       link%coefficients => coefficients_of_link

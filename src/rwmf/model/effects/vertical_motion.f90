@@ -7,7 +7,6 @@ module rwmf_model_effects_vertical_motion
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, equation_t, kinematics_at, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
    use rwmf_problem_case, only: case_t
@@ -20,7 +19,7 @@ module rwmf_model_effects_vertical_motion
    private
 
    public :: vertical_group
-   public :: prepare_vertical, add_vertical, vertical_power, lowest_vertical
+   public :: prepare_vertical, vertical_power, lowest_vertical
 
 contains
 
@@ -99,6 +98,8 @@ contains
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: vertical
 
+      vertical%is_present = has_vertical(case)
+      if (.not. vertical%is_present) return
       equation%has_vertical = .true.
       equation%weight_share = tan(equation%p%alpha) &
          /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
@@ -112,19 +113,6 @@ contains
 
       coef(1) = 1/equation%p%R
    end subroutine vertical_coefficients
-
-   !> Part of the vertical motion in the equation of motion.
-   pure subroutine add_vertical(coef, motion)
-      real(wp), intent(in) :: coef(lane_count)
-      !! 1/R [1/m]
-      type(lane_motion_t), intent(inout) :: motion
-      integer :: i
-
-      !$omp simd
-      do i = 1, lane_count
-         motion%moment(i) = motion%moment(i) - coef(i)*motion%vertical(i)*motion%s(i)
-      end do
-   end subroutine add_vertical
 
    !> Power that it puts in while the wall's centroid rises [W/kg].
    real(wp) function vertical_power(equation, t, y) result(power)

@@ -6,9 +6,7 @@ module rwmf_model_effects_yielding
    use rwmf_model_equation, only: contribution_t, equation_t, frame_mass
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_power, bouc_wen_sizes, &
       prepare_bouc_wen
-   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, yielding_energy, yielding_power
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
@@ -19,7 +17,7 @@ module rwmf_model_effects_yielding
    implicit none
    private
 
-   public :: yielding_group, prepare_yielding, add_bouc_wen
+   public :: yielding_group, prepare_yielding
 
 contains
 
@@ -230,6 +228,8 @@ contains
       !! with its springs
       type(contribution_t), intent(out) :: yielding
 
+      yielding%is_present = has_yielding(case)
+      if (.not. yielding%is_present) return
       if (equation%floors%n > 0) return
       if (is_elastic_plastic(case%yielding)) then
          yielding%plastic_power => yielding_power
@@ -254,29 +254,6 @@ contains
          coef = [frame_mass(equation)*law%force_at_z1/R, R/law%u_y, law%lost, law%exponent]
       end associate
    end subroutine bouc_wen_coefficients
-
-   !> Hysteretic part of the frame's force, and the rate of its state.
-   pure subroutine add_bouc_wen(factors, coef, z, motion, z_dot)
-      integer, intent(in) :: factors
-      !! of the power, see `raise_state`
-      real(wp), intent(in) :: coef(lane_count, 4)
-      !! force at z = 1 over m_w R [1/s2]; R over the displacement at yield [-]; part lost [-];
-      !! exponent [-]
-      real(wp), intent(in) :: z(lane_count)
-      !! [-]
-      type(lane_motion_t), intent(inout) :: motion
-      real(wp), intent(out) :: z_dot(lane_count)
-      !! [1/s]
-      real(wp) :: power(lane_count)
-      integer :: i
-
-      call raise_state(factors, coef(1, 4), z, power)
-      !$omp simd
-      do i = 1, lane_count
-         motion%moment(i) = motion%moment(i) - motion%side(i)*coef(i, 1)*motion%lever(i)*z(i)
-         z_dot(i) = motion%side(i)*coef(i, 2)*motion%j(i)*motion%rate(i)*(1 - coef(i, 3)*power(i))
-      end do
-   end subroutine add_bouc_wen
 
    !> The smooth law has a state of its own: one for the frame, or one for each storey.
    pure subroutine add_hysteretic_states(case, names)

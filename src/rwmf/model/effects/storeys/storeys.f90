@@ -2,7 +2,7 @@
 module rwmf_model_effects_storeys_storeys
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_storeys_floors, only: floor_coefficients, floor_states, &
+   use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
       no_hysteresis
    use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
       excited_mass_input, set_storeys, storey_coefficients, storey_energy, storey_input, &
@@ -134,6 +134,8 @@ contains
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: storeys
 
+      storeys%is_present = has_storeys(case)
+      if (.not. storeys%is_present) return
       equation%floors%first = equation%scene%n + 1
       call set_storeys(case, equation)
       if (case%storeys%coupling /= 'full') then

@@ -1,6 +1,6 @@
 !> Loops over lanes of a frame with storeys: all its modes, whose floors below the roof have states
 !> of their own, or one mode.
-module rwmf_model_effects_storeys_floors
+module rwmf_model_effects_storeys_storeys_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_lanes, only: lane_count, lane_motion_t
@@ -170,4 +170,4 @@ contains
       end do
    end subroutine add_excited_mass
 
-end module rwmf_model_effects_storeys_floors
+end module rwmf_model_effects_storeys_storeys_loop

@@ -1,0 +1,50 @@
+!> Columns of the table in which every lane keeps where it is and how far it may go.
+module rwmf_integrator_lane_columns
+   implicit none
+   private
+
+   public :: column_count
+   public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
+      of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch
+   public :: is_done, is_rejected, needs_look, at_limit
+
+   integer, parameter :: of_time = 1
+   !! present time [s]
+   integer, parameter :: of_limit = 2
+   !! to which it may step: a knot of the motion, or the end [s]
+   integer, parameter :: of_length = 3
+   !! length of a step that the last estimate of the error allows [s]; 0: the lane is idle
+   integer, parameter :: of_trial = 4
+   !! length of the step that is tried [s]
+   integer, parameter :: of_line = 5
+   !! and two more: line of the ground acceleration, a_0 [m/s2], slope [m/s3], t_0 [s]
+   integer, parameter :: of_vertical_line = 8
+   !! and one more: the same of the vertical acceleration, with the same t_0
+   integer, parameter :: of_low = 10
+   !! rotation (bare frame: displacement) down to which nothing happens [rad]
+   integer, parameter :: of_high = 11
+   !! and up to which nothing does [rad]
+   integer, parameter :: of_bottom = 12
+   !! a turn that may lie below it has to be located [rad]
+   integer, parameter :: of_top = 13
+   !! and one that may lie above it [rad]
+   integer, parameter :: of_longest = 14
+   !! step that the events of the lane can be seen in [s]
+   integer, parameter :: of_fastest = 15
+   !! largest |theta'| at the ends of steps [rad/s]
+   integer, parameter :: of_rejected = 16
+   !! 1: the last trial was rejected
+   integer, parameter :: of_watch = 17
+   !! 1: every step is looked at
+   integer, parameter :: column_count = 17
+
+   integer, parameter :: is_done = 0
+   !! the step is accepted, and nothing happens in it
+   integer, parameter :: is_rejected = 1
+   !! its error is too large
+   integer, parameter :: needs_look = 2
+   !! something may happen in it: it is neither accepted nor rejected yet
+   integer, parameter :: at_limit = 3
+   !! as `is_done`, and the lane has come to its limit
+
+end module rwmf_integrator_lane_columns

@@ -1,0 +1,112 @@
+!> Lengths of the steps of lanes, and which steps are plain: accepted without a look.
+module rwmf_integrator_lane_control
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
+      needs_look, of_bottom, of_fastest, of_high, of_length, of_limit, of_line, of_longest, of_low, &
+      of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
+   use rwmf_integrator_pairs, only: most_stages, pair_t
+   use rwmf_model_lanes, only: lane_count
+   implicit none
+   private
+
+   public :: plan_step, judge_step
+
+contains
+
+   !> Length of the next step of each lane: an equal share of the way to its limit, so that no
+   !> sliver is left there; and the acceleration of the ground on straight lines at the nodes.
+   pure subroutine plan_step(pair, table, ground)
+      type(pair_t), intent(in) :: pair
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      real(wp), intent(out) :: ground(lane_count, most_stages, 2)
+      !! horizontal and vertical [m/s2]
+      real(wp) :: rest, length
+      integer :: i, s
+
+      !$omp simd private(rest, length)
+      do i = 1, lane_count
+         rest = table(i, of_limit) - table(i, of_time)
+         length = min(table(i, of_length), rest)
+         ! a length far below the rest is not worth equal parts
+         length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
+            length < 1.0e-8_wp*rest)
+         table(i, of_trial) = merge(length, 0.0_wp, table(i, of_length) > 0)
+      end do
+      do s = 1, pair%stages
+         !$omp simd private(length)
+         do i = 1, lane_count
+            length = (table(i, of_time) + pair%c(s)*table(i, of_trial)) - table(i, of_line + 2)
+            ground(i, s, 1) = table(i, of_line) + table(i, of_line + 1)*length
+            ground(i, s, 2) = table(i, of_vertical_line) + table(i, of_vertical_line + 1)*length
+         end do
+      end do
+   end subroutine plan_step
+
+   !> Accept the steps that are accurate and in which nothing happens; the lengths of the next ones.
+   !>
+   !> Something may happen where a state leaves its window, where theta' changes its sign, or where a
+   !> parabola through theta' and its slope says that it may do so twice, unless a bound of the turn
+   !> stays inside of all that matters.
+   subroutine judge_step(n, table, y, y_dot, y_new, error, mark)
+      integer, intent(in) :: n
+      !! number of states
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      real(wp), intent(inout) :: y(lane_count, n)
+      !! on return at the ends of accepted steps
+      real(wp), intent(in) :: y_dot(lane_count, n)
+      !! at the beginning
+      real(wp), intent(in) :: y_new(lane_count, n)
+      real(wp), intent(in) :: error(lane_count)
+      integer, intent(out) :: mark(lane_count)
+      !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
+      real(wp) :: h, h_new, root, reach, bend, drop, lowest
+      logical :: is_accurate, is_plain, turns, dips
+      integer :: i, m
+
+      !$omp simd private(h, h_new, root, reach, bend, drop, lowest, is_accurate, is_plain, turns, dips)
+      do i = 1, lane_count
+         h = table(i, of_trial)
+         ! the eighth root, which the lengths follow at any order
+         root = sqrt(sqrt(sqrt(max(error(i), tiny(h)))))
+         is_accurate = error(i) <= 1
+         h_new = h*min(6.0_wp, 0.9_wp/root)
+         h_new = merge(min(h_new, h), max(h_new, merge(table(i, of_length), 0.0_wp, &
+            h < table(i, of_length))), table(i, of_rejected) > 0)
+         h_new = merge(h_new, h*merge(max(0.1_wp, min(0.9_wp, 0.9_wp/root)), 0.1_wp, &
+            error(i) < huge(h)), is_accurate)
+         table(i, of_length) = min(h_new, table(i, of_longest))
+         table(i, of_rejected) = merge(0.0_wp, 1.0_wp, is_accurate)
+         reach = 0.25_wp*h*(abs(y(i, 2)) + abs(y_new(i, 2)))
+         turns = y(i, 2)*y_new(i, 2) <= 0
+         drop = h*y_dot(i, 2)
+         bend = y_new(i, 2) - y(i, 2) - drop
+         ! theta' where it is least, between two values of one sign
+         lowest = y(i, 2) - drop*drop/(4*merge(bend, 1.0_wp, abs(bend) > 0))
+         dips = drop*y(i, 2) < 0 .and. bend*y(i, 2) > 0 .and. abs(drop) < 2*abs(bend) &
+            .and. lowest*sign(1.0_wp, y(i, 2)) < 0.1_wp*max(abs(y(i, 2)), abs(y_new(i, 2)))
+         is_plain = is_accurate .and. y_new(i, 1) > table(i, of_low) &
+            .and. y_new(i, 1) < table(i, of_high) .and. .not. table(i, of_watch) > 0
+         is_plain = is_plain .and. (.not. (turns .or. dips) &
+            .or. (max(y(i, 1), y_new(i, 1)) + reach < min(table(i, of_top), table(i, of_high)) &
+            .and. min(y(i, 1), y_new(i, 1)) - reach > max(table(i, of_bottom), table(i, of_low))))
+         mark(i) = merge(merge(is_done, needs_look, is_plain), is_rejected, is_accurate)
+         table(i, of_fastest) = merge(max(table(i, of_fastest), abs(y_new(i, 2))), &
+            table(i, of_fastest), is_plain)
+      end do
+      do m = 1, n
+         !$omp simd
+         do i = 1, lane_count
+            y(i, m) = merge(y_new(i, m), y(i, m), mark(i) == is_done)
+         end do
+      end do
+      !$omp simd private(h)
+      do i = 1, lane_count
+         h = table(i, of_time) + table(i, of_trial)
+         mark(i) = merge(at_limit, mark(i), mark(i) == is_done &
+            .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time))
+         table(i, of_time) = merge(h, table(i, of_time), mark(i) == is_done)
+         table(i, of_time) = merge(table(i, of_limit), table(i, of_time), mark(i) == at_limit)
+      end do
+   end subroutine judge_step
+
+end module rwmf_integrator_lane_control

@@ -1,0 +1,49 @@
+!> The steps of sixteen lanes for the processor at hand.
+!>
+!> On x86-64 they are compiled three times: for every such processor (two lanes an instruction),
+!> with AVX2 (four) and with AVX-512 (eight). The choice is made at run time and changes no bit of a
+!> result.
+module rwmf_integrator_lane_kernels
+   use rwmf_integrator_lane_control_l16, only: judge_step, plan_step
+   use rwmf_integrator_lane_step_l16, only: attempt_step
+   use rwmf_model_lanes_l16, only: team_width => lane_count
+#ifdef FAST_LEVELS
+   use rwmf_integrator_lane_control_l16_v3, only: judge_step_v3 => judge_step, &
+      plan_step_v3 => plan_step
+   use rwmf_integrator_lane_control_l16_v4, only: judge_step_v4 => judge_step, &
+      plan_step_v4 => plan_step
+   use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
+   use rwmf_integrator_lane_step_l16_v4, only: attempt_step_v4 => attempt_step
+#endif
+   implicit none
+   private
+
+   public :: lane_kernels_t, lane_kernels_of, team_width
+
+   !> The loops, compiled for one instruction set.
+   type :: lane_kernels_t
+      procedure(plan_step), pointer, nopass :: plan_step => null()
+      procedure(attempt_step), pointer, nopass :: attempt_step => null()
+      procedure(judge_step), pointer, nopass :: judge_step => null()
+   end type lane_kernels_t
+
+contains
+
+   !> The loops for an instruction set.
+   pure type(lane_kernels_t) function lane_kernels_of(level) result(kernels)
+      integer, intent(in) :: level
+      !! 1, 3 or 4, at most that of the processor
+
+      select case (level)
+#ifdef FAST_LEVELS
+      case (4)
+         kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, judge_step_v4)
+      case (3)
+         kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, judge_step_v3)
+#endif
+      case default
+         kernels = lane_kernels_t(plan_step, attempt_step, judge_step)
+      end select
+   end function lane_kernels_of
+
+end module rwmf_integrator_lane_kernels

@@ -1,0 +1,28 @@
+!> Loop over lanes of the fuses.
+module rwmf_model_effects_fuse_loop
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   implicit none
+   private
+
+   public :: add_fuse
+
+contains
+
+   !> Part of the fuse in the equation of motion: a force on a line over the stroke 4b sin(phi/2)
+   !> with the arm 2b cos(phi/2).
+   pure subroutine add_fuse(coef, motion)
+      real(wp), intent(in) :: coef(lane_count, 2)
+      !! 2b times the force at no stroke over m_w R**2 [1/s2]; 8b**2 times its slope over m_w R**2
+      !! [1/s2]
+      type(lane_motion_t), intent(inout) :: motion
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - motion%half_cosine(i)*(coef(i, 1) &
+            + coef(i, 2)*motion%half_sine(i))
+      end do
+   end subroutine add_fuse
+
+end module rwmf_model_effects_fuse_loop

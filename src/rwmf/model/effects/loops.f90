@@ -1,0 +1,91 @@
+!> The equation of motion of the lanes: kinematics, and the loops of a scene one after the other.
+module rwmf_model_effects_loops
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_corner_damper_loop, only: add_damper
+   use rwmf_model_effects_corner_inerter_loop, only: add_inerter
+   use rwmf_model_effects_fuse_loop, only: add_fuse
+   use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_floors
+   use rwmf_model_effects_vertical_motion_loop, only: add_vertical
+   use rwmf_model_effects_yielding_loop, only: add_bouc_wen
+   use rwmf_model_lanes, only: add_frame, add_linear_cable, add_straight_cable, lane_count, &
+      lane_motion_t, move_bare_frame, move_wall, tilt_link
+   use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
+      straight_cable_term, term_t
+   implicit none
+   private
+
+   public :: lane_rates
+
+contains
+
+   !> First-order form of the equation of motion: kinematics, then what each loop of the scene adds
+   !> to inertia and moment, and the rates of its own states.
+   subroutine lane_rates(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      !! states: theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of effects
+      type(lane_motion_t), intent(inout) :: motion
+      !! in: accelerations of the ground; out: kinematics, inertia and moment
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+      integer :: i
+
+      if (scene%has_wall) then
+         call move_wall(coef(1, first_wall), y(1, 1), y(1, 2), motion)
+      else
+         call move_bare_frame(y(1, 1), y(1, 2), motion)
+      end if
+      do i = 1, size(scene%terms)
+         ! without states of its own none is read
+         associate (term => scene%terms(i), own => min(scene%terms(i)%state, scene%n))
+            call add_effect(term, coef(1, term%coef), y(1, own), motion, y_dot(1, own))
+         end associate
+      end do
+      !$omp simd
+      do i = 1, lane_count
+         y_dot(i, 1) = y(i, 2)
+         y_dot(i, 2) = coef(i, 1)*(motion%side(i)*motion%moment(i)/motion%inertia(i))
+      end do
+   end subroutine lane_rates
+
+   !> What one loop of a scene adds.
+   pure subroutine add_effect(term, coef, own, motion, own_dot)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: own(lane_count, term%n_states)
+      !! its states
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(inout) :: own_dot(lane_count, term%n_states)
+      !! their rates
+
+      select case (term%effect)
+      case (frame_term)
+         call add_frame(coef, motion)
+      case (linear_cable_term)
+         call add_linear_cable(coef, motion)
+      case (straight_cable_term)
+         call add_straight_cable(coef, motion)
+      case (1)
+         if (term%n > 0) then
+            call add_floors(term%n, term%law, coef, own, motion, own_dot)
+         else
+            call add_excited_mass(coef, motion)
+         end if
+      case (2)
+         call tilt_link(coef, motion)
+      case (3)
+         call add_damper(coef, motion)
+      case (4)
+         call add_inerter(coef, motion)
+      case (5)
+         call add_fuse(coef, motion)
+      case (6)
+         call add_bouc_wen(term%law, coef, own, motion, own_dot)
+      case (7)
+         call add_vertical(coef, motion)
+      case default
+         ! has no loop, and therefore no term
+      end select
+   end subroutine add_effect
+
+end module rwmf_model_effects_loops

@@ -1,0 +1,36 @@
+!> Loop over lanes of a frame whose hysteresis is smooth.
+module rwmf_model_effects_yielding_loop
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   implicit none
+   private
+
+   public :: add_bouc_wen
+
+contains
+
+   !> Hysteretic part of the frame's force, and the rate of its state.
+   pure subroutine add_bouc_wen(factors, coef, z, motion, z_dot)
+      integer, intent(in) :: factors
+      !! of the power, see `raise_state`
+      real(wp), intent(in) :: coef(lane_count, 4)
+      !! force at z = 1 over m_w R [1/s2]; R over the displacement at yield [-]; part lost [-];
+      !! exponent [-]
+      real(wp), intent(in) :: z(lane_count)
+      !! [-]
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: z_dot(lane_count)
+      !! [1/s]
+      real(wp) :: power(lane_count)
+      integer :: i
+
+      call raise_state(factors, coef(1, 4), z, power)
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - motion%side(i)*coef(i, 1)*motion%lever(i)*z(i)
+         z_dot(i) = motion%side(i)*coef(i, 2)*motion%j(i)*motion%rate(i)*(1 - coef(i, 3)*power(i))
+      end do
+   end subroutine add_bouc_wen
+
+end module rwmf_model_effects_yielding_loop

@@ -1,0 +1,471 @@
+!> Ordinates of a spectrum in lanes: runs of one scene, sixteen at a time, each with its own clock,
+!> step and events.
+!>
+!> The lanes of a team step together. A step in which something may happen is looked at alone, by the
+!> hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue, the
+!> shortest periods first. No number of a lane depends on the others.
+module rwmf_spectrum_lanes
+   use rwmf_core_control, only: control_t, count_done, is_cancelled
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, pi, wp
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_rejected, needs_look, &
+      of_bottom, of_fastest, of_high, of_length, of_limit, of_line, of_longest, of_low, of_rejected, &
+      of_time, of_top, of_trial, of_vertical_line, of_watch
+   use rwmf_integrator_lane_control, only: judge_one => judge_step, plan_one => plan_step
+   use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t, team_width
+   use rwmf_integrator_lane_step, only: attempt_one => attempt_step
+   use rwmf_integrator_one_step, only: begin_at
+   use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
+   use rwmf_model_assembly, only: build_equation, equation_t, interval_of
+   use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_hybrid_loop, only: begin_step, end_step, hybrid_t, mode_overturned, &
+      mode_rest, mode_rocking, stay_at_rest
+   use rwmf_simulation_hybrid_state, only: pass_knot
+   use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
+   use rwmf_simulation_run, only: begin_run, guess_size, is_much_smaller, most_passes
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: ordinate_t, run_ordinates
+
+   real(wp), parameter :: longest_angle = 0.7_wp
+   !! of the frame's vibration in a step, so that its events can be seen [rad]
+
+   !> What is asked for, and what comes of it.
+   type :: ordinate_t
+      real(wp) :: T_s = 0
+      !! period of the frame [s]
+      real(wp) :: gamma = 0
+      !! mass ratio [-]; of a wall, as the following
+      real(wp) :: b = 0
+      !! half width [m]
+      real(wp) :: u_s_max = 0
+      !! [m]
+      logical :: overturned = .false.
+      integer(i8) :: rhs_evaluations = 0
+      character(24) :: failure = ''
+      !! name of the error
+   end type ordinate_t
+
+   !> One lane between the steps of the team.
+   type :: lane_t
+      integer :: ordinate = 0
+      !! its number; 0: the lane is idle
+      integer :: pass = 0
+      type(case_t) :: case
+      type(equation_t) :: equation
+      type(hybrid_t) :: hybrid
+      type(recorder_t) :: recorder
+      type(explicit_pair_t) :: integrator
+      !! the last step of the lane, for whoever looks into it
+      real(wp) :: size_guess(2)
+      type(error_t), allocatable :: error
+   end type lane_t
+
+   !> Lanes that step together.
+   type :: team_t
+      integer :: width
+      type(pair_t) :: pair
+      type(lane_kernels_t) :: kernels
+      real(wp), allocatable :: table(:, :)
+      !! (width, columns)
+      real(wp), allocatable :: coef(:, :)
+      !! (width, coefficients)
+      real(wp), allocatable :: tolerance(:, :)
+      !! (width, 0:states)
+      real(wp), allocatable :: ground(:, :, :)
+      !! (width, stages, 2) [m/s2]
+      real(wp), allocatable :: y(:, :), y_new(:, :)
+      !! (width, states)
+      real(wp), allocatable :: k(:, :, :)
+      !! (width, states, stages)
+      real(wp), allocatable :: error(:)
+      !! (width)
+      integer, allocatable :: mark(:)
+      !! (width)
+   end type team_t
+
+contains
+
+   !> Run all ordinates of a case; the number of threads changes no bit.
+   subroutine run_ordinates(case, motion, threads, control, ordinates)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      integer :: next
+
+      next = 0
+      !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
+      call run_team(case, motion, control, min(team_width, 1 + (team_width - 1) &
+         *min(1, size(ordinates)/(2*threads))), next, ordinates)
+      !$omp end parallel
+   end subroutine run_ordinates
+
+   !> Steps of one team, until the queue is empty and its lanes are idle.
+   subroutine run_team(case, motion, control, width, next, ordinates)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      integer, intent(in) :: width
+      !! number of lanes
+      integer, intent(inout) :: next
+      !! number of ordinates that have been taken, by all threads
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      type(lane_t), allocatable, target :: lanes(:)
+      type(team_t) :: team
+      integer :: i
+
+      allocate (lanes(width))
+      do i = 1, width
+         call take_ordinate(case, motion, control, next, ordinates, lanes(i))
+      end do
+      if (all(lanes%ordinate == 0)) return
+      call create_team(case, lanes(1)%equation, width, team)
+      do i = 1, width
+         if (lanes(i)%ordinate > 0) call enter_team(lanes(i), i, motion, team)
+      end do
+      do
+         do i = 1, width
+            do while (lanes(i)%ordinate > 0 .and. .not. team%table(i, of_length) > 0)
+               call finish_ordinate(control, lanes(i), ordinates(lanes(i)%ordinate))
+               if (lanes(i)%ordinate == 0) call take_ordinate(case, motion, control, next, &
+                  ordinates, lanes(i))
+               if (lanes(i)%ordinate > 0) call enter_team(lanes(i), i, motion, team)
+            end do
+         end do
+         if (all(lanes%ordinate == 0)) return
+         call step_team(lanes, motion, team)
+      end do
+   end subroutine run_team
+
+   !> Work space of a team, with numbers that are finite in idle lanes.
+   subroutine create_team(case, equation, width, team)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      !! of any lane: the scene is the same
+      integer, intent(in) :: width
+      type(team_t), intent(out) :: team
+
+      team%width = width
+      team%pair = pair_for(case)
+      team%kernels = lane_kernels_of(best_level())
+      associate (n => equation%n)
+         allocate (team%table(width, column_count), source=0.0_wp)
+         team%coef = spread(equation%coef(1, :), 1, width)
+         allocate (team%tolerance(width, 0:n), source=1.0_wp)
+         allocate (team%ground(width, most_stages, 2), team%y(width, n), team%y_new(width, n), &
+            team%k(width, n, most_stages), source=0.0_wp)
+         allocate (team%error(width), source=0.0_wp)
+         allocate (team%mark(width), source=0)
+      end associate
+   end subroutine create_team
+
+   !> The pair for a tolerance.
+   pure type(pair_t) function pair_for(case) result(pair)
+      type(case_t), intent(in) :: case
+
+      if (case%solver%method == 'dop853' .or. case%solver%rtol < 1.0e-8_wp) then
+         pair = dormand_prince_853()
+      else
+         pair = verner_65()
+      end if
+   end function pair_for
+
+   !> Take the next ordinate from the queue and begin its run; none: the lane stays idle.
+   subroutine take_ordinate(case, motion, control, next, ordinates, lane)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      integer, intent(inout) :: next
+      type(ordinate_t), intent(in) :: ordinates(:)
+      type(lane_t), intent(inout), target :: lane
+      integer :: number
+
+      lane%ordinate = 0
+      if (is_cancelled(control)) return
+      !$omp atomic capture
+      next = next + 1
+      number = next
+      !$omp end atomic
+      if (number > size(ordinates)) return
+      lane%ordinate = number
+      lane%case%structure_t = case%structure_t
+      lane%case%solver = case%solver
+      lane%case%frame%T_s = ordinates(number)%T_s
+      if (allocated(lane%case%wall)) then
+         lane%case%frame%gamma = ordinates(number)%gamma
+         lane%case%wall%b = ordinates(number)%b
+      end if
+      call build_equation(lane%case, motion, lane%equation)
+      lane%size_guess = guess_size(lane%case, lane%equation)
+      lane%pass = 1
+      call begin_lane(lane)
+   end subroutine take_ordinate
+
+   !> Begin the run of a lane for its expected size.
+   subroutine begin_lane(lane)
+      type(lane_t), intent(inout), target :: lane
+
+      lane%integrator%pair = pair_for(lane%case)
+      call begin_run(lane%case, lane%size_guess, lane%equation, lane%integrator, lane%hybrid, &
+         lane%recorder, lane%error)
+   end subroutine begin_lane
+
+   !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
+   !> of a step.
+   subroutine enter_team(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      real(wp) :: t_limit
+      real(wp) :: span
+
+      team%table(i, of_length) = 0
+      associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%case%solver%t_end)
+         do
+            if (allocated(lane%error)) return
+            if (hybrid%t >= t_end .or. hybrid%mode == mode_overturned) return
+            if (lane%integrator%steps > hybrid%max_steps) then
+               call fail(lane%error, err_numerical, 'more than &solver max_steps steps by t = ' &
+                  //trim(real_to_text(hybrid%t))//' s', 'too_many_steps')
+               return
+            end if
+            if (hybrid%mode == mode_rest) then
+               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, lane%error)
+               cycle
+            end if
+            call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
+            if (t_limit > hybrid%t) exit
+         end do
+      end associate
+      call load_lane(lane, i, t_limit, span, motion, team)
+   end subroutine enter_team
+
+   !> Put a lane into the table of its team.
+   subroutine load_lane(lane, i, t_limit, span, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: t_limit
+      real(wp), intent(in) :: span
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
+                 recorder => lane%recorder)
+         if (hybrid%must_restart) call begin_at(lane%integrator, hybrid%t, hybrid%y, span, &
+            lane%error)
+         if (allocated(lane%error)) return
+         hybrid%must_restart = .false.
+         team%y(i, :) = hybrid%y
+         team%coef(i, :) = equation%coef(1, :)
+         team%tolerance(i, :) = [lane%integrator%tolerance%rtol, lane%integrator%tolerance%atol]
+         table(i, of_time) = hybrid%t
+         table(i, of_fastest) = recorder%theta_dot_max
+         table(i, of_rejected) = 0
+         table(i, of_longest) = longest_step(equation, motion)
+         table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
+         table(i, of_watch) = merge(1, 0, equation%floors%yields .or. equation%has_loading_direction)
+         table(i, [of_low, of_high]) = [-huge(1.0_wp), huge(1.0_wp)]
+         if (equation%has_wall) table(i, [of_low, of_high]) = hybrid%overturning_angle*[-1, 1]
+         if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, equation%side > 0)) = 0
+         if (equation%has_bilinear_springs) then
+            table(i, of_low) = max(table(i, of_low), equation%low)
+            table(i, of_high) = min(table(i, of_high), equation%high)
+         end if
+         table(i, [of_bottom, of_top]) = [recorder%theta_min, recorder%theta_max]
+         if (equation%ends_at_peak) table(i, [of_bottom, of_top]) = [huge(1.0_wp), -huge(1.0_wp)]
+      end associate
+      call load_line(lane, i, t_limit, team)
+   end subroutine load_lane
+
+   !> The interval of the motion that is in force.
+   subroutine load_line(lane, i, t_limit, team)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: t_limit
+      type(team_t), intent(inout) :: team
+
+      team%table(i, of_limit) = t_limit
+      associate (line => lane%equation%line, vertical => lane%equation%vertical_line)
+         team%table(i, of_line:of_line + 2) = [line%a_0, line%slope, line%t_0]
+         team%table(i, of_vertical_line:of_vertical_line + 1) = [vertical%a_0, vertical%slope]
+      end associate
+   end subroutine load_line
+
+   !> Longest step in which the events of a lane can be seen [s].
+   real(wp) function longest_step(equation, motion) result(longest)
+      type(equation_t), intent(in) :: equation
+      type(motion_t), intent(in) :: motion
+      real(wp) :: rate
+      !! the fastest in the scene [rad/s]
+
+      rate = max(equation%p%omega_s, equation%max_frequency/2, fastest_rate(motion))
+      if (equation%has_wall) rate = max(rate, sqrt(equation%p%g_over_R))
+      longest = longest_angle/rate
+   end function longest_step
+
+   !> One step of all lanes, and what happens in it.
+   subroutine step_team(lanes, motion, team)
+      type(lane_t), intent(inout), target :: lanes(:)
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      integer :: i
+
+      associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n)
+         if (team%width == 1) then
+            call plan_one(team%pair, team%table, team%ground)
+            call follow_curves(lanes, team)
+            call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
+               team%tolerance, team%y, .false., team%k, team%y_new, team%error)
+            call judge_one(n, team%table, team%y, team%k, team%y_new, team%error, team%mark)
+         else
+            call team%kernels%plan_step(team%pair, team%table, team%ground)
+            call follow_curves(lanes, team)
+            call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
+               team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
+               team%error)
+            call team%kernels%judge_step(n, team%table, team%y, team%k, team%y_new, team%error, &
+               team%mark)
+         end if
+      end associate
+      do i = 1, team%width
+         if (lanes(i)%ordinate == 0) cycle
+         select case (team%mark(i))
+         case (needs_look)
+            call look_at_step(lanes(i), i, motion, team)
+         case (at_limit)
+            call pass_limit(lanes(i), i, motion, team)
+         case (is_rejected)
+            call check_length(lanes(i), i, team)
+         case default
+            lanes(i)%integrator%steps = lanes(i)%integrator%steps + 1_i8
+         end select
+      end do
+   end subroutine step_team
+
+   !> Accelerations of the ground where they are not on a straight line.
+   subroutine follow_curves(lanes, team)
+      type(lane_t), intent(in) :: lanes(:)
+      type(team_t), intent(inout) :: team
+      real(wp) :: t
+      integer :: i, s
+
+      do i = 1, team%width
+         if (lanes(i)%ordinate == 0) cycle
+         associate (equation => lanes(i)%equation)
+            if (equation%line%is_straight) cycle
+            do s = 1, team%pair%stages
+               t = team%table(i, of_time) + team%pair%c(s)*team%table(i, of_trial)
+               team%ground(i, s, 1) = ground(equation, t)
+               if (equation%has_vertical) team%ground(i, s, 2) = vertical_ground(equation, t)
+            end do
+         end associate
+      end do
+   end subroutine follow_curves
+
+   !> A step that is too short for the clock.
+   subroutine check_length(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      if (team%table(i, of_length) > 8*spacing(team%table(i, of_time))) return
+      team%table(i, of_length) = 0
+      call fail(lane%error, err_numerical, 'the step has become too small at t = ' &
+         //trim(real_to_text(team%table(i, of_time)))//' s')
+   end subroutine check_length
+
+   !> The lane has come to a knot of the motion or to its end without an event.
+   subroutine pass_limit(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      real(wp) :: t_limit
+
+      lane%integrator%steps = lane%integrator%steps + 1_i8
+      lane%hybrid%t = team%table(i, of_time)
+      lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      associate (t_end => lane%case%solver%t_end)
+         if (lane%hybrid%t < t_end .and. .not. lane%hybrid%must_restart) then
+            call pass_knot(lane%hybrid, lane%equation, lane%integrator%steps)
+            t_limit = min(t_end, interval_end(motion, interval_of(lane%equation)))
+            if (t_limit - lane%hybrid%t > 8*spacing(t_limit) .and. .not. lane%hybrid%must_restart) then
+               call load_line(lane, i, t_limit, team)
+               return
+            end if
+         end if
+      end associate
+      lane%integrator%h = team%table(i, of_length)
+      lane%hybrid%y(:) = team%y(i, :)
+      call enter_team(lane, i, motion, team)
+   end subroutine pass_limit
+
+   !> Look at the step of one lane as a single run does.
+   subroutine look_at_step(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+
+      lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      associate (step => lane%integrator)
+         step%steps = step%steps + 1_i8
+         step%h = team%table(i, of_length)
+         step%t0 = team%table(i, of_time)
+         step%y0(:) = team%y(i, :)
+         step%f0(:) = team%k(i, :, 1)
+         step%t1 = step%t0 + team%table(i, of_trial)
+         if (team%table(i, of_trial) >= team%table(i, of_limit) - step%t0) step%t1 = &
+            team%table(i, of_limit)
+         step%y1(:) = team%y_new(i, :)
+      end associate
+      call end_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, lane%error)
+      if (allocated(lane%error)) then
+         team%table(i, of_length) = 0
+      else
+         call enter_team(lane, i, motion, team)
+      end if
+   end subroutine look_at_step
+
+   !> The run of a lane is over: keep its result, or run it again for a smaller response.
+   subroutine finish_ordinate(control, lane, ordinate)
+      type(control_t), intent(in) :: control
+      type(lane_t), intent(inout), target :: lane
+      type(ordinate_t), intent(inout) :: ordinate
+      real(wp) :: size_found(2)
+
+      ordinate%rhs_evaluations = ordinate%rhs_evaluations + lane%equation%rhs_evaluations &
+         + lane%integrator%pair%stages*lane%integrator%steps
+      if (.not. allocated(lane%error)) then
+         call finish_recorder(lane%recorder, lane%equation, lane%hybrid%t, lane%hybrid%y, &
+            lane%hybrid%mode == mode_rest)
+         associate (recorder => lane%recorder)
+            size_found = [max(recorder%theta_max, -recorder%theta_min), recorder%theta_dot_max]
+            ordinate%u_s_max = recorder%u_max
+         end associate
+         ordinate%overturned = lane%hybrid%mode == mode_overturned
+         if (is_much_smaller(lane%case, size_found, lane%size_guess) &
+             .and. lane%pass < most_passes) then
+            lane%pass = lane%pass + 1
+            lane%size_guess = merge(size_found, lane%size_guess, size_found < 0.1_wp*lane%size_guess)
+            call begin_lane(lane)
+            return
+         end if
+      else
+         ordinate%failure = lane%error%name
+         deallocate (lane%error)
+      end if
+      call count_done(control)
+      lane%ordinate = 0
+   end subroutine finish_ordinate
+
+end module rwmf_spectrum_lanes
