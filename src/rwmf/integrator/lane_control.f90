@@ -2,8 +2,8 @@
 module rwmf_integrator_lane_control
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      needs_look, of_bottom, of_fastest, of_high, of_length, of_limit, of_line, of_longest, of_low, &
-      of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
+      needs_look, of_bottom, of_fastest, of_goal, of_high, of_length, of_limit, of_line, of_longest, &
+      of_low, of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
@@ -30,6 +30,7 @@ contains
          ! a length far below the rest is not worth equal parts
          length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
             length < 1.0e-8_wp*rest)
+         length = merge(table(i, of_goal), length, table(i, of_goal) > 0)
          table(i, of_trial) = merge(length, 0.0_wp, table(i, of_length) > 0)
       end do
       do s = 1, pair%stages

@@ -35,7 +35,7 @@ module rwmf_simulation_hybrid_loop
    implicit none
    private
 
-   public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest
+   public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, apply_event, stay_at_rest
    public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
 
    real(wp), parameter :: negligible = 0.01_wp
@@ -301,11 +301,26 @@ contains
       if (allocated(error)) return
       call observe_piece(recorder, step, error)
       if (allocated(error)) return
+      call apply_event(hybrid, equation, recorder, event, error)
+      if (allocated(error)) return
+      ! When nothing else happened, the flight goes on with the next step.
+      if (event == 0 .and. ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
+      call pass_knot(hybrid, equation, integrator%steps)
+   end subroutine end_step
+
+   !> Let the event at the present time happen.
+   subroutine apply_event(hybrid, equation, recorder, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      integer, intent(in) :: event
+      !! one of the `event_` numbers, or 0
+      type(error_t), allocatable, intent(out) :: error
+
       select case (event)
       case (event_impact)
          call apply_impact(hybrid, equation, recorder)
          if (equation%has_vertical) call check_ground(hybrid, equation, error)
-         if (allocated(error)) return
       case (event_branch)
          call enter_branch(hybrid, equation, recorder)
       case (event_peak)
@@ -321,11 +336,9 @@ contains
          hybrid%mode = mode_overturned
          call observe_event(recorder, event_overturned, hybrid%t, hybrid%y)
       case default
-         ! Nothing else happened: the flight goes on with the next step.
-         if (ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
+         ! nothing
       end select
-      call pass_knot(hybrid, equation, integrator%steps)
-   end subroutine end_step
+   end subroutine apply_event
 
    !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
    !> peak it is known already.
@@ -417,7 +430,8 @@ contains
       hybrid%y(:2) = [0.0_wp, after]
       call turn_back(equation, 0.0_wp)
       call enter_side(equation, -equation%side)
-      call find_uplift_acceleration(equation, hybrid%y)
+      if (equation%has_bilinear_springs .or. equation%has_loading_direction &
+          .or. equation%moves_at_rest) call find_uplift_acceleration(equation, hybrid%y)
       if (equation%moves_at_rest) then
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &

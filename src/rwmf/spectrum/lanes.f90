@@ -10,21 +10,23 @@ module rwmf_spectrum_lanes
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_rejected, needs_look, &
-      of_bottom, of_fastest, of_high, of_length, of_limit, of_line, of_longest, of_low, of_rejected, &
+      of_bottom, of_fastest, of_goal, of_high, of_length, of_limit, of_line, of_longest, of_low, of_rejected, &
       of_time, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, plan_one => plan_step
    use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t, team_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
-   use rwmf_model_assembly, only: build_equation, equation_t, interval_of
+   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_hybrid_loop, only: begin_step, end_step, hybrid_t, mode_overturned, &
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
+      quartic_of
+   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, hybrid_t, mode_overturned, &
       mode_rest, mode_rocking, stay_at_rest
-   use rwmf_simulation_hybrid_state, only: pass_knot
-   use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
+   use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_state, recorder_t
+   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_peak
    use rwmf_simulation_run, only: begin_run, guess_size, is_much_smaller, most_passes
    use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_text_strings, only: real_to_text
@@ -65,6 +67,12 @@ module rwmf_spectrum_lanes
       !! the last step of the lane, for whoever looks into it
       real(wp) :: size_guess(2)
       type(error_t), allocatable :: error
+      logical :: is_smooth = .false.
+      !! between its events all is seen in the rotation
+      integer :: goal = no_event
+      !! event that the lane steps to
+      integer :: trials = 0
+      !! steps that it has taken for that
    end type lane_t
 
    !> Lanes that step together.
@@ -260,9 +268,14 @@ contains
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
                  recorder => lane%recorder)
-         if (hybrid%must_restart) call begin_at(lane%integrator, hybrid%t, hybrid%y, span, &
-            lane%error)
-         if (allocated(lane%error)) return
+         if (hybrid%must_restart) then
+            if (lane%integrator%h > 0) then
+               lane%integrator%h = min(lane%integrator%h, span)
+            else
+               call begin_at(lane%integrator, hybrid%t, hybrid%y, span, lane%error)
+               if (allocated(lane%error)) return
+            end if
+         end if
          hybrid%must_restart = .false.
          team%y(i, :) = hybrid%y
          team%coef(i, :) = equation%coef(1, :)
@@ -272,7 +285,12 @@ contains
          table(i, of_rejected) = 0
          table(i, of_longest) = longest_step(equation, motion)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
-         table(i, of_watch) = merge(1, 0, equation%floors%yields .or. equation%has_loading_direction)
+         lane%is_smooth = .not. (equation%floors%yields .or. equation%has_loading_direction)
+         if (equation%has_fuses) lane%is_smooth = lane%is_smooth .and. -sum(equation%springs( &
+            size(equation%springs) - 1:)%offset) <= equation%p%g
+         lane%goal = no_event
+         table(i, of_goal) = 0
+         table(i, of_watch) = merge(0, 1, lane%is_smooth)
          table(i, [of_low, of_high]) = [-huge(1.0_wp), huge(1.0_wp)]
          if (equation%has_wall) table(i, [of_low, of_high]) = hybrid%overturning_angle*[-1, 1]
          if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, equation%side > 0)) = 0
@@ -340,10 +358,17 @@ contains
          if (lanes(i)%ordinate == 0) cycle
          select case (team%mark(i))
          case (needs_look)
-            call look_at_step(lanes(i), i, motion, team)
+            if (lanes(i)%goal /= no_event) then
+               call meet_event(lanes(i), i, motion, team)
+            else if (lanes(i)%is_smooth) then
+               call look_for_event(lanes(i), i, motion, team)
+            else
+               call look_at_step(lanes(i), i, motion, team)
+            end if
          case (at_limit)
             call pass_limit(lanes(i), i, motion, team)
          case (is_rejected)
+            call forget_goal(lanes(i), i, team)
             call check_length(lanes(i), i, team)
          case default
             lanes(i)%integrator%steps = lanes(i)%integrator%steps + 1_i8
@@ -395,10 +420,10 @@ contains
       lane%hybrid%t = team%table(i, of_time)
       lane%recorder%theta_dot_max = team%table(i, of_fastest)
       associate (t_end => lane%case%solver%t_end)
-         if (lane%hybrid%t < t_end .and. .not. lane%hybrid%must_restart) then
-            call pass_knot(lane%hybrid, lane%equation, lane%integrator%steps)
+         if (lane%hybrid%t < t_end) then
+            call enter_interval(lane%equation, interval_of(lane%equation) + 1)
             t_limit = min(t_end, interval_end(motion, interval_of(lane%equation)))
-            if (t_limit - lane%hybrid%t > 8*spacing(t_limit) .and. .not. lane%hybrid%must_restart) then
+            if (t_limit - lane%hybrid%t > 8*spacing(t_limit)) then
                call load_line(lane, i, t_limit, team)
                return
             end if
@@ -408,6 +433,149 @@ contains
       lane%hybrid%y(:) = team%y(i, :)
       call enter_team(lane, i, motion, team)
    end subroutine pass_limit
+
+   !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
+   subroutine look_for_event(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      real(wp) :: x
+
+      associate (table => team%table, y => team%y, y_new => team%y_new)
+         call first_event(quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], &
+            [y(i, 2), y_new(i, 2)], team%k(i, 2, 1)), table(i, [of_low, of_high]), &
+            table(i, [of_bottom, of_top]), lane%goal, x)
+         if (lane%goal == no_event) then
+            call accept_step(lane, i, motion, team)
+            return
+         end if
+         lane%trials = 0
+         table(i, of_goal) = max(x*table(i, of_trial), 4*spacing(table(i, of_time)))
+         table(i, of_watch) = 1
+      end associate
+   end subroutine look_for_event
+
+   subroutine forget_goal(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      lane%goal = no_event
+      team%table(i, of_goal) = 0
+      team%table(i, of_watch) = merge(0, 1, lane%is_smooth)
+   end subroutine forget_goal
+
+   !> Accept the step of a lane in which nothing happens.
+   subroutine accept_step(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+
+      call forget_goal(lane, i, team)
+      associate (table => team%table)
+         table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
+         team%y(i, :) = team%y_new(i, :)
+         if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
+            table(i, of_time) = table(i, of_limit)
+            call pass_limit(lane, i, motion, team)
+         else
+            table(i, of_time) = table(i, of_time) + table(i, of_trial)
+            lane%integrator%steps = lane%integrator%steps + 1_i8
+         end if
+      end associate
+   end subroutine accept_step
+
+   !> The lane has stepped to where an event was expected: the rest of the way by Newton's method,
+   !> as a Taylor series where it is short, else by another step.
+   subroutine meet_event(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      integer, parameter :: most_trials = 6
+      real(wp) :: short
+      !! part of the step that a Taylor series may go [-]
+      real(wp) :: rates(lane%equation%n)
+      real(wp) :: t, rest
+
+      associate (table => team%table, y_new => team%y_new)
+         t = table(i, of_time) + table(i, of_trial)
+         call rates_at(lane%equation, t, y_new(i, :), rates)
+         if (lane%goal == at_turn) then
+            rest = -y_new(i, 2)/rates(2)
+         else
+            rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
+         end if
+         short = merge(1.0e-4_wp, 1.0e-6_wp, lane%equation%n == 2)
+         if (abs(rest) <= max(short*table(i, of_trial), 2*spacing(t))) then
+            call happen(lane, i, t, rest, rates, motion, team)
+            return
+         end if
+         lane%trials = lane%trials + 1
+         if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
+            ! it comes after the knot
+            call accept_step(lane, i, motion, team)
+         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 0 &
+                  .or. .not. abs(rest) < table(i, of_length)) then
+            call look_at_step(lane, i, motion, team)
+         else
+            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) - table(i, of_time))
+         end if
+      end associate
+   end subroutine meet_event
+
+   !> The event that a lane has come to happens, a short time after the end of its step.
+   subroutine happen(lane, i, t, rest, rates, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: t
+      !! end of the step [s]
+      real(wp), intent(in) :: rest
+      !! [s]
+      real(wp), intent(in) :: rates(:)
+      !! (states) there
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      real(wp) :: bend(size(rates))
+      !! derivatives of the rates
+      integer :: event
+
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
+         bend = (rates - team%k(i, :, 1))/table(i, of_trial)
+         hybrid%t = min(t + rest, table(i, of_limit))
+         hybrid%y(:) = team%y_new(i, :) + rest*(rates + rest/2*bend)
+         event = event_peak
+         if (lane%goal == at_turn) then
+            hybrid%y(2) = 0
+         else
+            hybrid%y(1) = table(i, merge(of_low, of_high, lane%goal == at_low))
+            event = event_at_level(lane, hybrid%y(1))
+         end if
+         hybrid%is_rising = lane%goal == at_high
+         lane%integrator%steps = lane%integrator%steps + 1_i8
+         lane%integrator%h = table(i, of_length)
+         lane%recorder%theta_dot_max = max(table(i, of_fastest), abs(hybrid%y(2)))
+         if (event == event_peak) call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
+         if (event /= event_peak .or. equation%ends_at_peak) call apply_event(hybrid, equation, &
+            lane%recorder, event, lane%error)
+      end associate
+      call enter_team(lane, i, motion, team)
+   end subroutine happen
+
+   !> What happens at an end of the window.
+   pure integer function event_at_level(lane, level) result(event)
+      type(lane_t), intent(in) :: lane
+      real(wp), intent(in) :: level
+      !! [rad]
+
+      event = event_overturned
+      if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
+      if (.not. lane%equation%has_bilinear_springs) return
+      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) &
+         event = event_branch
+   end function event_at_level
 
    !> Look at the step of one lane as a single run does.
    subroutine look_at_step(lane, i, motion, team)
