@@ -266,7 +266,7 @@ contains
 
       t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       span = huge(span)
-      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
+      if (t_limit - hybrid%t <= 8*epsilon(t_limit)*t_limit) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%t = t_limit
          call pass_knot(hybrid, equation, steps)

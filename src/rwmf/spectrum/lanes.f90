@@ -162,7 +162,7 @@ contains
       type(team_t), intent(out) :: team
 
       team%width = width
-      team%pair = pair_for(case)
+      team%pair = pair_for(case, equation)
       team%kernels = lane_kernels_of(best_level())
       associate (n => equation%n)
          allocate (team%table(width, column_count), source=0.0_wp)
@@ -175,11 +175,14 @@ contains
       end associate
    end subroutine create_team
 
-   !> The pair for a tolerance.
-   pure type(pair_t) function pair_for(case) result(pair)
+   !> The pair for a tolerance. The local errors of smooth hysteresis add up, so that it gets the
+   !> higher order.
+   pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
 
-      if (case%solver%method == 'dop853' .or. case%solver%rtol < 1.0e-8_wp) then
+      if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
+          .or. allocated(equation%floors%laws)) then
          pair = dormand_prince_853()
       else
          pair = verner_65()
@@ -221,7 +224,7 @@ contains
    subroutine begin_lane(lane)
       type(lane_t), intent(inout), target :: lane
 
-      lane%integrator%pair = pair_for(lane%case)
+      lane%integrator%pair = pair_for(lane%case, lane%equation)
       call begin_run(lane%case, lane%size_guess, lane%equation, lane%integrator, lane%hybrid, &
          lane%recorder, lane%error)
    end subroutine begin_lane
@@ -423,7 +426,7 @@ contains
          if (lane%hybrid%t < t_end) then
             call enter_interval(lane%equation, interval_of(lane%equation) + 1)
             t_limit = min(t_end, interval_end(motion, interval_of(lane%equation)))
-            if (t_limit - lane%hybrid%t > 8*spacing(t_limit)) then
+            if (t_limit - lane%hybrid%t > 16*epsilon(t_limit)*t_limit) then
                call load_line(lane, i, t_limit, team)
                return
             end if
@@ -451,7 +454,7 @@ contains
             return
          end if
          lane%trials = 0
-         table(i, of_goal) = max(x*table(i, of_trial), 4*spacing(table(i, of_time)))
+         table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
          table(i, of_watch) = 1
       end associate
    end subroutine look_for_event
@@ -509,7 +512,7 @@ contains
             rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
          end if
          short = merge(1.0e-4_wp, 1.0e-6_wp, lane%equation%n == 2)
-         if (abs(rest) <= max(short*table(i, of_trial), 2*spacing(t))) then
+         if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
             call happen(lane, i, t, rest, rates, motion, team)
             return
          end if

@@ -343,8 +343,8 @@ contains
       end if
    end function elongation_of
 
-   !> Rotation (bare frame: displacement) at which a spring has the elongation x, by bisection
-   !> inside the range up to overturning, where all elongations are monotone; else +-huge.
+   !> Rotation (bare frame: displacement) at which a spring has the elongation x inside the range up
+   !> to overturning, where all elongations are monotone; else +-huge.
    real(wp) function rotation_at(equation, number, x) result(theta)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: number
@@ -368,11 +368,48 @@ contains
       if (x >= maxval(at_ends)) return
       theta = -theta
       if (x <= minval(at_ends)) return
+      theta = equation%side*angle_of(equation, number, x)
+      if (abs(theta) < huge(x)) return
       do while (bracket%is_open)
          call narrow(bracket, direction*(elongation_of(equation, number, bracket%middle) - x) >= 0)
       end do
       theta = equation%side*bracket%high
    end function rotation_at
+
+   !> |theta| at which a spring has an elongation that it comes to, where a formula says so; else
+   !> the largest number. A straight cable and the far end of a tilted link have none.
+   pure real(wp) function angle_of(equation, number, x) result(angle)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: number
+      !! of the spring; 0 is the tendon
+      real(wp), intent(in) :: x
+      !! [m]
+      real(wp) :: away
+      !! from the pivot over 2R [-]
+      real(wp) :: cosine
+      !! of alpha - phi
+
+      angle = huge(angle)
+      associate (R => equation%p%R, shape => equation%geometry)
+         if (number == 0) then
+            if (.not. equation%cable%is_straight) angle = x/equation%cable%b
+         else if (equation%springs(number)%place /= place_frame) then
+            angle = 2*asin(x/(4*R*equation%sin_alpha))
+         else if (.not. shape%link > 0) then
+            away = equation%side*x/(2*R)
+            if (shape%sine_link(equation%side) > 0) then
+               ! as a difference of sines that keeps all digits of a small rotation
+               associate (s => equation%sin_alpha, c => equation%cos_alpha)
+                  cosine = sqrt(c**2 + away*(2*s - away))
+                  angle = atan2(s*(away*(2*s - away)/(cosine + c)) + c*away, c*cosine &
+                     + s*(s - away))
+               end associate
+            else
+               angle = asin(away/equation%cos_alpha)
+            end if
+         end if
+      end associate
+   end function angle_of
 
    !> The rotation has come to a limit of the window: the springs whose limit it is go over to their
    !> next branch.
