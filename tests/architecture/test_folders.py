@@ -37,7 +37,7 @@ LARGE: dict[str, str] = {
     "rwmf_spectrum_fast_step_kernel:step_three_stages": "a vectorised loop, its stages written out",
     "rwmf_spectrum_fast_stage_kernel:state_at_node": _ONE_LANE,
     "rwmf_spectrum_fast_stage_kernel:remainder": _ONE_LANE,
-    "rwmf_integrator_lane_step:attempt_step": "blocks of lanes as plain arrays, for every lane count",
+    "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,

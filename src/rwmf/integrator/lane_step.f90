@@ -1,4 +1,4 @@
-!> One step of the lanes by an explicit pair: the stages, the solution and the estimate of its error.
+!> One step of the lanes by an explicit pair: stages, solution and the estimate of its error.
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_pairs, only: most_stages, pair_t
@@ -91,7 +91,8 @@ contains
       real(wp), intent(in) :: y_new(lane_count, n)
       real(wp), intent(in) :: k(lane_count, n, most_stages)
       real(wp), intent(out) :: error(lane_count)
-      real(wp) :: total(lane_count), total_low(lane_count), square(lane_count), square_low(lane_count)
+      real(wp) :: total(lane_count), total_low(lane_count)
+      real(wp) :: square(lane_count), square_low(lane_count)
       real(wp) :: scale
       integer :: i, j, m
 

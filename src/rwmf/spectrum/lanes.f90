@@ -149,6 +149,7 @@ contains
             end do
          end do
          if (all(lanes%ordinate == 0)) return
+         if (is_cancelled(control)) return
          call step_team(lanes, motion, team)
       end do
    end subroutine run_team
