@@ -1,4 +1,4 @@
-!> One step of the lanes by an explicit pair: the stages, the solution and the estimate of its error.
+!> One step of the lanes by an explicit pair: stages, solution and the estimate of its error.
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_pairs, only: most_stages, pair_t, sum_t

@@ -113,6 +113,7 @@ contains
       type(ordinate_t), intent(inout) :: ordinates(:)
       integer :: next
 
+      if (size(ordinates) == 0) return
       next = 0
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
       call run_team(case, motion, control, min(team_width, 1 + (team_width - 1) &
@@ -157,7 +158,7 @@ contains
                end do
             end do
          end if
-         if (.not. any(team%is_busy)) return
+         if (.not. any(team%is_busy) .or. is_cancelled(control)) return
          call step_team(lanes, motion, team)
       end do
    end subroutine run_team
