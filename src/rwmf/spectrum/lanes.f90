@@ -158,7 +158,8 @@ contains
                end do
             end do
          end if
-         if (.not. any(team%is_busy) .or. is_cancelled(control)) return
+         if (is_cancelled(control)) return
+         if (.not. any(team%is_busy)) return
          call step_team(lanes, motion, team)
       end do
    end subroutine run_team
