@@ -296,7 +296,7 @@ contains
       equation%interval = interval
       equation%line = line_of(equation%motion, interval)
       if (equation%has_vertical) equation%vertical_line = vertical_line_of(equation%motion, &
-         interval)
+         interval, equation%line)
    end subroutine enter_interval
 
    !> Interval of the motion that is in force.
