@@ -27,7 +27,8 @@ contains
       !$omp simd private(rest, length)
       do i = 1, lane_count
          rest = table(i, of_limit) - table(i, of_time)
-         length = min(table(i, of_length), rest)
+         ! of an idle lane any that can be divided by
+         length = merge(min(table(i, of_length), rest), 1.0_wp, table(i, of_length) > 0)
          ! a length far below the rest is not worth equal parts
          length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
             length < 1.0e-8_wp*rest)
