@@ -2,8 +2,8 @@
 module rwmf_integrator_lane_control
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      needs_look, of_bottom, of_fastest, of_goal, of_high, of_length, of_limit, of_line, of_longest, &
-      of_low, of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
+      needs_look, of_bottom, of_fastest, of_goal, of_high, of_length, of_limit, of_line, &
+      of_longest, of_low, of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
@@ -46,9 +46,9 @@ contains
 
    !> Accept the steps that are accurate and in which nothing happens; the lengths of the next ones.
    !>
-   !> Something may happen where a state leaves its window, where theta' changes its sign, or where a
-   !> parabola through theta' and its slope says that it may do so twice, unless a bound of the turn
-   !> stays inside of all that matters.
+   !> Something may happen where a state leaves its window, where theta' changes its sign, or where
+   !> a parabola through theta' and its slope says that it may do so twice, unless a bound of the
+   !> turn stays inside of all that matters.
    subroutine judge_step(n, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
