@@ -161,7 +161,8 @@ contains
          if (pair%e_low%terms == 0) cycle
          !$omp simd
          do i = 1, lane_count
-            square_low(i) = square_low(i) + total_low(i, m)*total(i, m)*(total_low(i, m)*total(i, m))
+            square_low(i) = square_low(i) &
+               + total_low(i, m)*total(i, m)*(total_low(i, m)*total(i, m))
          end do
       end do
       !$omp simd
