@@ -462,6 +462,27 @@ def test_equals_a_softer_frame(formulation: str | None) -> None:
         assert int(leaning["lift_offs"]) == int(other["lift_offs"])
 
 
+@pytest.mark.parametrize("base", ["rocking", "pinned"])
+@pytest.mark.parametrize("formulation", ["symmetric", "exact"])
+def test_reactions(formulation: str, base: str) -> None:
+    """The link carries what it does beside the softer frame: so does the pivot."""
+    T_s, Q, h_f = 1.1, 0.25, 4.0
+    mu, factor = Q * 4 * math.pi**2 * h_f / (G * T_s**2), 1 / math.sqrt(1 - Q)
+    common: dict[str, Any] = {
+        "solver": SOLVER | {"rtol": 1e-11, "t_end": 4.0},
+        "model": {"formulation": formulation},
+        "output": {"reactions": True},
+    }
+    if base == "pinned":
+        common |= {"wall": {"base": base}, "cable": None, "impact": None}
+    column = {"m_g_over_m_s": mu, "h_f": h_f, "drift_limit": 9.0}
+    leaning = rwmf.simulate(coupled(frame={"T_s": T_s, "xi_s": 0.04}, p_delta=column, **common))
+    softer = {"T_s": T_s * factor, "xi_s": 0.04 * factor}
+    other = rwmf.simulate(coupled(frame=softer, **common))
+    for key in ("base_shear_max_over_weight", "pivot_normal_min_over_m_w_g", "friction_demand_max"):
+        assert float(leaning[key]) == pytest.approx(float(other[key]), rel=1e-7), key
+
+
 def test_defaults_and_no_weight() -> None:
     """h_f is 2h with a wall, m_g_over_m_s is 1, drift_limit 0.1; without weight nothing changes."""
     given = {"m_g_over_m_s": 1.0, "h_f": 4.0, "drift_limit": 0.1}
