@@ -28,7 +28,7 @@ module rwmf_embedding_stepping
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_hybrid_loop, only: mode_overturned, mode_rest
+   use rwmf_simulation_hybrid_loop, only: mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_result, only: event_t
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -54,9 +54,11 @@ module rwmf_embedding_stepping
    !> Where the wall is. What the scene has not is zero.
    type :: wall_state_t
       real(wp) :: t
-      !! time of this state: that of the last advance, or of overturning [s]
+      !! time of this state: that of the last advance, or of overturning or collapse [s]
       logical :: at_rest
       logical :: overturned
+      logical :: collapsed
+      !! a drift passed the limit of an effect
       real(wp) :: theta = 0
       !! rotation [rad]
       real(wp) :: theta_dot = 0
@@ -352,6 +354,7 @@ contains
          state%t = hybrid%t
          state%at_rest = hybrid%mode == mode_rest
          state%overturned = hybrid%mode == mode_overturned
+         state%collapsed = hybrid%mode == mode_collapsed
          state%impacts = recorder%impacts
          state%lift_offs = recorder%lift_offs
          state%steps = stepping%instance%steps

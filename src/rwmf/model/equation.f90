@@ -54,6 +54,10 @@ module rwmf_model_equation
       !! that its states are expected to have
       integer :: first = 0
       !! place of its first state among all
+      integer :: drifts = 0
+      !! number of drifts that end the run when they pass their limits
+      procedure(drifts_i), pointer, nopass :: put_drifts => null()
+      !! those drifts
    end type contribution_t
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
@@ -243,6 +247,19 @@ module rwmf_model_equation
          real(wp), intent(in) :: y(:)
          !! (states)
       end function energy_i
+
+      !> Drifts over their limits, and how fast these ratios change.
+      subroutine drifts_i(equation, y, ratio, rate)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(out) :: ratio(:)
+         !! (drifts of the effect) with sign; the run ends at -1 and 1 [-]
+         real(wp), intent(out) :: rate(:)
+         !! (drifts of the effect) [1/s]
+      end subroutine drifts_i
 
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
       subroutine sizes_i(equation, size_guess, sizes)

@@ -41,7 +41,7 @@ module rwmf_simulation_events_storey_events
       !! displacement [m], its rate [m/s], and hysteretic state of a smooth storey [-] at both
    end type storey_span_t
 
-   !> End of a storey's branch.
+   !> End of a storey's branch, or of the motion.
    type :: storey_end_t
       integer :: storey = 0
       !! 0: none
@@ -53,6 +53,8 @@ module rwmf_simulation_events_storey_events
       !! its hysteretic force does; else it comes to a limit
       logical :: is_rising = .false.
       !! its displacement grows beyond
+      logical :: collapses = .false.
+      !! it is the number of a drift that passes its limit
    end type storey_end_t
 
 contains
