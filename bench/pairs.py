@@ -45,6 +45,7 @@ class Effect:
     name: str
     changes: Groups
     group: str
+    no_element: str = ""  # why an element of a host cannot have it, where matrix.py does not say
 
 
 EFFECTS = [

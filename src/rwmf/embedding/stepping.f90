@@ -21,6 +21,7 @@ module rwmf_embedding_stepping
    use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
       kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_residual
    use rwmf_model_kinematics, only: kinematics_t
@@ -409,6 +410,8 @@ contains
       !! force of spring and damper on the mass at the link [N]
       real(wp), allocatable :: floor_forces(:)
       !! (floors) of `&storeys` with all modes [N]
+      real(wp) :: on_frame(2)
+      !! forces of effects on the frame over that mass [m/s2]
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
@@ -435,6 +438,8 @@ contains
             forces%link = frame_mass*(state%u_s_ddot &
                + equation%excited_mass_ratio*instance%ground) + restoring
          end if
+         on_frame = effects_frame_force(equation, y)
+         if (equation%has_wall) forces%link = forces%link + instance%mass*on_frame(1)
          if (equation%has_cable) then
             cable = cable_at(equation, y(1))
             forces%cable = instance%mass*p%g*cable%force

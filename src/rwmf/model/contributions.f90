@@ -11,7 +11,7 @@ module rwmf_model_contributions
    private
 
    public :: choose_contributions
-   public :: state_sizes, effects_energy, effects_power, effects_input
+   public :: state_sizes, effects_energy, effects_power, effects_input, effects_frame_force
 
 contains
 
@@ -46,20 +46,23 @@ contains
       integer, intent(in) :: number
       !! in the list of effects
       type(contribution_t), intent(in) :: effect
+      type(contribution_t), allocatable :: effects(:)
       integer :: n
 
       n = 0
       if (allocated(equation%effects)) n = size(equation%effects)
-      if (n == 0) allocate (equation%effects(0))
-      equation%effects = [equation%effects, effect]
+      allocate (effects(n + 1))
+      if (n > 0) effects(:n) = equation%effects
+      effects(n + 1) = effect
+      call move_alloc(effects, equation%effects)
       associate (added => equation%effects(n + 1))
          ! what acts at both corners of a hinged wall is a couple
          if (.not. equation%has_impacts) added%force => null()
-         added%first = equation%scene%n + 1
+         if (effect%first == 0) added%first = equation%scene%n + 1
          added%coef = equation%scene%n_coef + 1
+         if (associated(effect%coefficients)) call add_term(equation%scene, number, effect%n, &
+            effect%law, effect%n_coef, effect%states, effect%is_kinematic, added%first)
       end associate
-      if (associated(effect%coefficients)) call add_term(equation%scene, number, effect%n, &
-         effect%law, effect%n_coef, effect%states, effect%is_kinematic)
    end subroutine append_contribution
 
    !> Expected sizes of all states from those of the first two, for absolute tolerances.
@@ -139,5 +142,23 @@ contains
          end if
       end do
    end function effects_input
+
+   !> Forces with which further effects resist the displaced frame: that the links to the wall pull
+   !> against; on floors that have states, together [m/s2].
+   function effects_frame_force(equation, y) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: force(2)
+      integer :: i
+
+      force = 0
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         if (associated(equation%effects(i)%frame_force)) then
+            force = force + equation%effects(i)%frame_force(equation, y)
+         end if
+      end do
+   end function effects_frame_force
 
 end module rwmf_model_contributions

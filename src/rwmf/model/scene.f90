@@ -24,7 +24,7 @@ module rwmf_model_scene
       integer :: coef = 1
       !! column of its first coefficient
       integer :: state = 1
-      !! number of its first state
+      !! number of the first state that it reads
    end type term_t
 
    !> The loops of a scene in their order.
@@ -40,7 +40,7 @@ module rwmf_model_scene
 contains
 
    !> Add a loop with its coefficients and states behind those that are there.
-   pure subroutine add_term(scene, effect, n, law, n_coef, n_states, is_first)
+   pure subroutine add_term(scene, effect, n, law, n_coef, n_states, is_first, state)
       type(scene_t), intent(inout) :: scene
       integer, intent(in) :: effect
       integer, intent(in) :: n
@@ -51,9 +51,12 @@ contains
       integer, intent(in) :: n_states
       logical, intent(in) :: is_first
       !! it runs before the others
+      integer, intent(in), optional :: state
+      !! number of the first state that it reads, where this is another effect's
       type(term_t) :: term
 
       term = term_t(effect, n, law, scene%n_coef + 1, scene%n + 1)
+      if (present(state)) term%state = state
       if (is_first) then
          scene%terms = [term, scene%terms]
       else
