@@ -50,23 +50,24 @@ contains
       type(case_t) :: case
       type(motion_t), target :: motion
       type(table_t) :: table
-      type(equation_t) :: equations(-1:1)
-      !! by side: what yields does so in the direction of the side
+      type(equation_t) :: equations(n_states)
+      !! of each state: what yields does so in the direction of its side
       type(hand_t) :: p
       type(result_t) :: result
       type(error_t), allocatable :: error
       procedure(hand_i), pointer :: by_hand
       real(wp) :: total
       real(wp) :: total_hand
-      integer :: side
+      integer :: j
 
       call read_case(path, case)
       motion = motion_from_case(case)
       call fill_times(case, table)
-      do side = -1, 1, 2
-         call prepare_side(case, motion, table, index(name, '_yielding') > 0, side, equations(side))
-      end do
+      call build_equation(case, motion, equations(1))
       call fill_states(case, equations(1)%n, table)
+      do j = 1, n_states
+         call prepare_state(case, motion, table, index(name, '_yielding') > 0, j, equations(j))
+      end do
       call prepare(case, p)
       p%n = equations(1)%n
       call follow_record(case, motion, table%t(1), p)
@@ -97,23 +98,26 @@ contains
       error stop 2
    end subroutine read_case
 
-   !> Equation of one side, before anything yields or after it has begun to.
-   subroutine prepare_side(case, motion, table, yields, side, equation)
+   !> Equation at one state, before anything yields or after it has begun to.
+   subroutine prepare_state(case, motion, table, yields, j, equation)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
       type(table_t), intent(in) :: table
       logical, intent(in) :: yields
-      integer, intent(in) :: side
+      integer, intent(in) :: j
+      !! number of the state
       type(equation_t), intent(out) :: equation
 
       call build_equation(case, motion, equation)
       call enter_interval(equation, interval_at(motion, table%t(1)))
-      if (equation%has_impacts) call enter_side(equation, side)
+      if (equation%has_impacts) call enter_side(equation, table%side(j))
+      equation%loading_direction = table%loading_direction(j)
+      if (equation%has_loading_direction) call follow_loading_direction(equation, table%y(3, j))
       if (.not. yields) return
       ! the first limit on the way out is the first yield
       call renew_window(equation)
       call pass_window(equation, is_rising=equation%side > 0)
-   end subroutine prepare_side
+   end subroutine prepare_state
 
    !> Times within one interval of the motion.
    subroutine fill_times(case, table)
@@ -171,22 +175,14 @@ contains
 
    !> All rates but theta' of the kernel, summed over all states.
    real(wp) function sum_of_kernel(equations, table) result(total)
-      type(equation_t), intent(inout) :: equations(-1:)
+      type(equation_t), intent(inout) :: equations(n_states)
       type(table_t), intent(in) :: table
       real(wp) :: y_dot(size(table%y, 1))
-      logical :: rocks
-      integer :: side
       integer :: j
 
-      rocks = equations(1)%has_impacts
-      side = 1
       total = 0
       do j = 1, n_states
-         if (rocks) side = table%side(j)
-         equations(side)%loading_direction = table%loading_direction(j)
-         if (equations(side)%has_loading_direction) call &
-            follow_loading_direction(equations(side), table%y(3, j))
-         call rhs(equations(side), table%t(j), table%y(:, j), y_dot)
+         call rhs(equations(j), table%t(j), table%y(:, j), y_dot)
          total = total + sum(y_dot(2:))
       end do
    end function sum_of_kernel

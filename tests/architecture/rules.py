@@ -11,8 +11,8 @@ from fortran import INTRINSIC, SUNDIALS, Source, Statement, Tree, build_lines
 PACKAGE = "rwmf"  # name of the facade, of the folder below it, and prefix of all modules
 EFFECTS = PurePosixPath("rwmf/model/effects")
 SUNDIALS_FOLDER = PurePosixPath("rwmf/integrator/sundials")
-# What every effect stands on, and what names them all.
-EFFECTS_BASE = {"effect", "list"}
+# What names them all: the list, and the loops over lanes.
+NAMES_EFFECTS = {"list", "loops"}
 
 MOST_LINES = 60
 MOST_ARGUMENTS = 8
@@ -130,17 +130,17 @@ def between_effects(tree: Tree, allowed: Mapping[tuple[str, str], str]) -> list[
         own = _effect(source.path)
         for name, line in source.used.items():
             target = _effect(tree.owners[name].path) if name in tree.owners else ""
-            if own and target and target != own and own != "list" and target != "effect":
+            if own and target and target != own and own not in NAMES_EFFECTS:
                 arrows[own, target] = f"{source.path}:{line}: {own} uses {name} of {target}"
     return _not_allowed(arrows, allowed)
 
 
 def _effect(path: Path) -> str:
-    """Effect that a file belongs to: its own name, or that of its folder below `effects`."""
+    """Effect that a file belongs to: its name but for `_loop`, or its folder below `effects`."""
     pure = PurePosixPath(path.as_posix())
     if not pure.is_relative_to(EFFECTS):
         return ""
-    return pure.relative_to(EFFECTS).with_suffix("").parts[0]
+    return pure.relative_to(EFFECTS).with_suffix("").parts[0].removesuffix("_loop")
 
 
 def foreign_sundials(tree: Tree) -> list[str]:

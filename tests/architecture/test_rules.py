@@ -189,11 +189,12 @@ def test_what_is_allowed_is_not_found(text: str, tmp_path: Path) -> None:
 
 def _effects(folder: Path) -> tuple[Tree, list[str]]:
     effects = {
-        "effect": "",
-        "damper": "use rwmf_model_effects_effect",
+        "damper_loop": "",
+        "damper": "use rwmf_model_effects_damper_loop",
         "storeys/yielding": "use rwmf_model_effects_storeys_building",
         "storeys/building": "use rwmf_model_effects_damper",
         "list": "use rwmf_model_effects_damper\nuse rwmf_model_effects_storeys_building",
+        "loops": "use rwmf_model_effects_damper_loop",
     }
     return _write(
         folder,
@@ -229,6 +230,10 @@ def test_a_file_that_is_compiled_twice_is_one_module(tmp_path: Path) -> None:
         "rwmf.f90": "module rwmf\nuse rwmf_model_wall_v3\nend module rwmf",
     }
     tree, order = _write(tmp_path, changes)
+    assert not any(_all_rules(tree, order).values())
+    assert tree.arrows["rwmf"] == {"rwmf_model_wall"}
+    lanes = {"rwmf.f90": "module rwmf\nuse rwmf_model_wall_l16_v4\nend module rwmf"}
+    tree, order = _write(tmp_path, {**changes, **lanes})
     assert not any(_all_rules(tree, order).values())
     assert tree.arrows["rwmf"] == {"rwmf_model_wall"}
     tree, _ = _write(

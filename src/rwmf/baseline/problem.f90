@@ -98,7 +98,9 @@ contains
       scene%angle_max = 0
       scene%impacts = 0
       allocate (scene%impact_times(64))
-      if (scene%y(1) < 0 .or. (abs(scene%y(1)) <= 0 .and. scene%y(2) < 0)) call enter_side(scene%equation, -1)
+      if (scene%y(1) < 0 .or. (abs(scene%y(1)) <= 0 .and. scene%y(2) < 0)) then
+         call enter_side(scene%equation, -1)
+      end if
       call observe(scene, scene%y)
    end subroutine create_problem
 

@@ -61,52 +61,57 @@ contains
       integer, intent(out) :: mark(lane_count)
       !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
       real(wp) :: h, h_new, root, reach, bend, drop, lowest
-      logical :: is_accurate, is_plain, turns, dips
+      ! 1 where it is so, 0 where not: logical variables would keep the loop from being vectorised
+      real(wp) :: is_accurate, is_inside, turns, is_far
+      real(wp) :: is_plain(lane_count), was_accurate(lane_count)
       integer :: i, m
 
-      !$omp simd private(h, h_new, root, reach, bend, drop, lowest, is_accurate, is_plain, turns, dips)
+      !$omp simd private(h, h_new, root, reach, bend, drop, lowest, is_accurate, is_inside, turns) &
+      !$omp& private(is_far)
       do i = 1, lane_count
          h = table(i, of_trial)
          ! the eighth root, which the lengths follow at any order
          root = sqrt(sqrt(sqrt(max(error(i), tiny(h)))))
-         is_accurate = error(i) <= 1
+         is_accurate = merge(1.0_wp, 0.0_wp, error(i) <= 1)
          h_new = h*min(6.0_wp, 0.9_wp/root)
          h_new = merge(min(h_new, h), max(h_new, merge(table(i, of_length), 0.0_wp, &
             h < table(i, of_length))), table(i, of_rejected) > 0)
-         h_new = merge(h_new, h*merge(max(0.1_wp, min(0.9_wp, 0.9_wp/root)), 0.1_wp, &
-            error(i) < huge(h)), is_accurate)
+         root = merge(max(0.1_wp, min(0.9_wp, 0.9_wp/root)), 0.1_wp, error(i) < huge(h))
+         h_new = merge(h_new, h*root, is_accurate > 0)
          table(i, of_length) = min(h_new, table(i, of_longest))
-         table(i, of_rejected) = merge(0.0_wp, 1.0_wp, is_accurate)
+         table(i, of_rejected) = 1 - is_accurate
          reach = 0.25_wp*h*(abs(y(i, 2)) + abs(y_new(i, 2)))
-         turns = y(i, 2)*y_new(i, 2) <= 0
          drop = h*y_dot(i, 2)
          bend = y_new(i, 2) - y(i, 2) - drop
          ! theta' where it is least, between two values of one sign
          lowest = y(i, 2) - drop*drop/(4*merge(bend, 1.0_wp, abs(bend) > 0))
-         dips = drop*y(i, 2) < 0 .and. bend*y(i, 2) > 0 .and. abs(drop) < 2*abs(bend) &
-            .and. lowest*sign(1.0_wp, y(i, 2)) < 0.1_wp*max(abs(y(i, 2)), abs(y_new(i, 2)))
-         is_plain = is_accurate .and. y_new(i, 1) > table(i, of_low) &
-            .and. y_new(i, 1) < table(i, of_high) .and. .not. table(i, of_watch) > 0
-         is_plain = is_plain .and. (.not. (turns .or. dips) &
-            .or. (max(y(i, 1), y_new(i, 1)) + reach < min(table(i, of_top), table(i, of_high)) &
-            .and. min(y(i, 1), y_new(i, 1)) - reach > max(table(i, of_bottom), table(i, of_low))))
-         mark(i) = merge(merge(is_done, needs_look, is_plain), is_rejected, is_accurate)
+         lowest = merge(lowest*sign(1.0_wp, y(i, 2)), huge(h), max(drop*y(i, 2), -bend*y(i, 2), &
+            abs(drop) - 2*abs(bend)) < 0)
+         turns = merge(1.0_wp, 0.0_wp, min(y(i, 2)*y_new(i, 2), lowest - 0.1_wp*max(abs(y(i, 2)), &
+            abs(y_new(i, 2)))) <= 0)
+         is_inside = merge(1.0_wp, 0.0_wp, max(table(i, of_low) - y_new(i, 1), y_new(i, 1) &
+            - table(i, of_high), table(i, of_watch) - 0.5_wp) < 0)
+         is_far = merge(1.0_wp, 0.0_wp, max(max(y(i, 1), y_new(i, 1)) + reach - min( &
+            table(i, of_top), table(i, of_high)), max(table(i, of_bottom), table(i, of_low)) &
+            - min(y(i, 1), y_new(i, 1)) + reach) < 0)
+         is_plain(i) = is_accurate*is_inside*max(1 - turns, is_far)
+         was_accurate(i) = is_accurate
          table(i, of_fastest) = merge(max(table(i, of_fastest), abs(y_new(i, 2))), &
-            table(i, of_fastest), is_plain)
+            table(i, of_fastest), is_plain(i) > 0)
+         h_new = merge(table(i, of_limit), table(i, of_time) + h, &
+            h >= table(i, of_limit) - table(i, of_time))
+         table(i, of_time) = merge(h_new, table(i, of_time), is_plain(i) > 0)
       end do
       do m = 1, n
          !$omp simd
          do i = 1, lane_count
-            y(i, m) = merge(y_new(i, m), y(i, m), mark(i) == is_done)
+            y(i, m) = merge(y_new(i, m), y(i, m), is_plain(i) > 0)
          end do
       end do
-      !$omp simd private(h)
       do i = 1, lane_count
-         h = table(i, of_time) + table(i, of_trial)
-         mark(i) = merge(at_limit, mark(i), mark(i) == is_done &
-            .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time))
-         table(i, of_time) = merge(h, table(i, of_time), mark(i) == is_done)
-         table(i, of_time) = merge(table(i, of_limit), table(i, of_time), mark(i) == at_limit)
+         mark(i) = merge(needs_look, is_rejected, was_accurate(i) > 0)
+         if (is_plain(i) > 0) mark(i) = merge(at_limit, is_done, table(i, of_time) &
+            >= table(i, of_limit))
       end do
    end subroutine judge_step
 

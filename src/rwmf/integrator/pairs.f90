@@ -4,9 +4,16 @@ module rwmf_integrator_pairs
    implicit none
    private
 
-   public :: pair_t, most_stages, dormand_prince_853, verner_65
+   public :: pair_t, sum_t, most_stages, sum_of, dormand_prince_853, verner_65
 
    integer, parameter :: most_stages = 12
+
+   !> A weighted sum of stages without those that do not count.
+   type :: sum_t
+      integer :: terms = 0
+      integer :: stage(most_stages) = 1
+      real(wp) :: weight(most_stages) = 0
+   end type sum_t
 
    !> A method with one or two embedded ones that estimate its error.
    type :: pair_t
@@ -15,17 +22,33 @@ module rwmf_integrator_pairs
       !! the estimated local error shrinks as h**error_order
       real(wp) :: c(most_stages) = 0
       !! nodes
-      real(wp) :: a(most_stages, most_stages) = 0
-      !! (j, i) weight of stage j in stage i
-      real(wp) :: b(most_stages) = 0
+      type(sum_t) :: a(2:most_stages)
+      !! weights of the stages before in each stage
+      type(sum_t) :: b
       !! weights of the solution
-      real(wp) :: e(most_stages) = 0
+      type(sum_t) :: e
       !! difference of an embedded solution from it
-      real(wp) :: e_low(most_stages) = 0
+      type(sum_t) :: e_low
       !! the same of a second one of lower order, by which Hairer divides; 0: there is none
    end type pair_t
 
 contains
+
+   !> The sum with given weights.
+   pure type(sum_t) function sum_of(weights) result(total)
+      real(wp), intent(in) :: weights(:)
+      !! (stages)
+      integer :: j, n
+
+      n = 0
+      do j = 1, size(weights)
+         if (abs(weights(j)) <= 0) cycle
+         n = n + 1
+         total%stage(n) = j
+         total%weight(n) = weights(j)
+      end do
+      total%terms = n
+   end function sum_of
 
    !> Dormand and Prince's method of order 8 with error estimators of orders 5 and 3 (Hairer,
    !> Norsett, Wanner, Solving Ordinary Differential Equations I, II.5).
@@ -51,17 +74,20 @@ contains
          21.230051448181193_wp, 15.279233632882423_wp, -33.28821096898486_wp, &
          -0.020331201708508627_wp, &
          -0.9371424300859873_wp, 0.0_wp, 0.0_wp, 5.186372428844064_wp, 1.0914373489967295_wp, &
-         -8.149787010746927_wp, -18.52006565999696_wp, 22.739487099350505_wp, 2.4936055526796523_wp, &
+         -8.149787010746927_wp, -18.52006565999696_wp, 22.739487099350505_wp, &
+         2.4936055526796523_wp, &
          -3.0467644718982196_wp, &
          2.273310147516538_wp, 0.0_wp, 0.0_wp, -10.53449546673725_wp, -2.0008720582248625_wp, &
          -17.9589318631188_wp, 27.94888452941996_wp, -2.8589982771350235_wp, -8.87285693353063_wp, &
          12.360567175794303_wp, 0.6433927460157636_wp]
       !! weights of the stages before, stage by stage from the second on
       real(wp), parameter :: b(s) = [0.054293734116568765_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
-         4.450312892752409_wp, 1.8915178993145003_wp, -5.801203960010585_wp, 0.3111643669578199_wp, &
+         4.450312892752409_wp, 1.8915178993145003_wp, -5.801203960010585_wp, &
+         0.3111643669578199_wp, &
          -0.1521609496625161_wp, 0.20136540080403034_wp, 0.04471061572777259_wp]
       real(wp), parameter :: e3(s) = [-0.18980075407240762_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
-         4.450312892752409_wp, 1.8915178993145003_wp, -5.801203960010585_wp, -0.4226823213237919_wp, &
+         4.450312892752409_wp, 1.8915178993145003_wp, -5.801203960010585_wp, &
+         -0.4226823213237919_wp, &
          -0.1521609496625161_wp, 0.20136540080403034_wp, 0.02265179219836082_wp]
       real(wp), parameter :: e5(s) = [0.01312004499419488_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
          -1.2251564463762044_wp, -0.4957589496572502_wp, 1.6643771824549864_wp, &
@@ -73,11 +99,11 @@ contains
       pair%error_order = 8
       pair%c(:s) = c
       do i = 2, s
-         pair%a(:i - 1, i) = a((i - 1)*(i - 2)/2 + 1:i*(i - 1)/2)
+         pair%a(i) = sum_of(a((i - 1)*(i - 2)/2 + 1:i*(i - 1)/2))
       end do
-      pair%b(:s) = b
-      pair%e(:s) = e5
-      pair%e_low(:s) = e3
+      pair%b = sum_of(b)
+      pair%e = sum_of(e5)
+      pair%e_low = sum_of(e3)
    end function dormand_prince_853
 
    !> Verner's method of order 6 with an error estimator of order 5 (SIAM J. Numer. Anal. 15, 1978;
@@ -85,23 +111,25 @@ contains
    pure type(pair_t) function verner_65() result(pair)
       integer, parameter :: s = 8
       !! stages
+      real(wp) :: b(s)
 
       pair%stages = s
       pair%error_order = 6
       pair%c(:s) = [0.0_wp, 1/6.0_wp, 4/15.0_wp, 2/3.0_wp, 5/6.0_wp, 1.0_wp, 1/15.0_wp, 1.0_wp]
-      pair%a(:1, 2) = [1/6.0_wp]
-      pair%a(:2, 3) = [4/75.0_wp, 16/75.0_wp]
-      pair%a(:3, 4) = [5/6.0_wp, -8/3.0_wp, 5/2.0_wp]
-      pair%a(:4, 5) = [-165/64.0_wp, 55/6.0_wp, -425/64.0_wp, 85/96.0_wp]
-      pair%a(:5, 6) = [12/5.0_wp, -8.0_wp, 4015/612.0_wp, -11/36.0_wp, 88/255.0_wp]
-      pair%a(:6, 7) = [-8263/15000.0_wp, 124/75.0_wp, -643/680.0_wp, -81/250.0_wp, &
-         2484/10625.0_wp, 0.0_wp]
-      pair%a(:7, 8) = [3501/1720.0_wp, -300/43.0_wp, 297275/52632.0_wp, -319/2322.0_wp, &
-         24068/84065.0_wp, 0.0_wp, 3850/26703.0_wp]
-      pair%b(:s) = [3/40.0_wp, 0.0_wp, 875/2244.0_wp, 23/72.0_wp, 264/1955.0_wp, 0.0_wp, &
+      pair%a(2) = sum_of([1/6.0_wp])
+      pair%a(3) = sum_of([4/75.0_wp, 16/75.0_wp])
+      pair%a(4) = sum_of([5/6.0_wp, -8/3.0_wp, 5/2.0_wp])
+      pair%a(5) = sum_of([-165/64.0_wp, 55/6.0_wp, -425/64.0_wp, 85/96.0_wp])
+      pair%a(6) = sum_of([12/5.0_wp, -8.0_wp, 4015/612.0_wp, -11/36.0_wp, 88/255.0_wp])
+      pair%a(7) = sum_of([-8263/15000.0_wp, 124/75.0_wp, -643/680.0_wp, -81/250.0_wp, &
+         2484/10625.0_wp, 0.0_wp])
+      pair%a(8) = sum_of([3501/1720.0_wp, -300/43.0_wp, 297275/52632.0_wp, -319/2322.0_wp, &
+         24068/84065.0_wp, 0.0_wp, 3850/26703.0_wp])
+      b = [3/40.0_wp, 0.0_wp, 875/2244.0_wp, 23/72.0_wp, 264/1955.0_wp, 0.0_wp, &
          125/11592.0_wp, 43/616.0_wp]
-      pair%e(:s) = pair%b(:s) - [13/160.0_wp, 0.0_wp, 2375/5984.0_wp, 5/16.0_wp, 12/85.0_wp, &
-         3/44.0_wp, 0.0_wp, 0.0_wp]
+      pair%b = sum_of(b)
+      pair%e = sum_of(b - [13/160.0_wp, 0.0_wp, 2375/5984.0_wp, 5/16.0_wp, 12/85.0_wp, &
+         3/44.0_wp, 0.0_wp, 0.0_wp])
    end function verner_65
 
 end module rwmf_integrator_pairs

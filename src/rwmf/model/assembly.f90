@@ -14,23 +14,23 @@ module rwmf_model_assembly
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
-      frame_displacement, ground, interval_of, kinematics_at, lift_off_drive, &
-      renew_coefficients, vertical_ground
+      frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &
+      lift_off_drive, renew_coefficients, vertical_ground
    use rwmf_model_hysteresis_bilinear, only: new_spring
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: add_term, first_wall, frame_term, linear_cable_term, &
-      straight_cable_term
+      straight_cable_term, term_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    implicit none
    private
 
    public :: equation_t, build_equation, enter_interval, enter_side, interval_of
-   public :: rhs, rates_at, moment_at_rest, second_derivative, kinematics_at, cable_at, lift_off_drive
-   public :: frame_displacement
+   public :: rhs, rates_at, moment_at_rest, second_derivative, kinematics_at, cable_at
+   public :: lift_off_drive, frame_displacement
 
 contains
 
@@ -53,8 +53,8 @@ contains
       equation%has_impacts = .false.
       allocate (equation%scene%terms(0))
       if (equation%has_wall) call add_wall(case, equation)
-      if (equation%has_frame) call add_term(equation%scene, frame_term, 0, 0, &
-         frame_coefficients, 0, is_first=.false.)
+      if (equation%has_frame) call add_term(equation%scene, term_t(frame_term, &
+         n_coef=frame_coefficients))
       call choose_cable(case, equation)
       call choose_contributions(case, equation)
       equation%n = equation%scene%n
@@ -67,7 +67,7 @@ contains
       equation%uplift_acceleration = equation%threshold
       equation%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
       equation%effects_act_at_rest = equation%has_impacts &
-         .and. (allocated(equation%effects) .or. equation%has_bilinear_springs)
+         .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
 
    !> The wall, on its corners or hinged in the middle of its base: m_w (4/3 h**2 + b**2/3) about
@@ -143,8 +143,8 @@ contains
          equation%cable%line_rate = equation%cable%rate
       end if
       if (has_tendon(case)) call choose_tendon(case, equation)
-      call add_term(equation%scene, merge(straight_cable_term, linear_cable_term, &
-         equation%cable%is_straight), 0, 0, cable_coefficients, 0, is_first=.false.)
+      call add_term(equation%scene, term_t(merge(straight_cable_term, linear_cable_term, &
+         equation%cable%is_straight), n_coef=cable_coefficients))
    end subroutine choose_cable
 
    !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.

@@ -5,7 +5,7 @@ module rwmf_model_contributions
    use rwmf_model_effects_list, only: effect_count, prepare_effect
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, is_elastic_plastic
-   use rwmf_model_scene, only: add_term
+   use rwmf_model_scene, only: add_term, term_t
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -58,11 +58,20 @@ contains
       associate (added => equation%effects(n + 1))
          ! what acts at both corners of a hinged wall is a couple
          if (.not. equation%has_impacts) added%force => null()
-         if (effect%first == 0) added%first = equation%scene%n + 1
+         if (effect%reads == 0) added%first = equation%scene%n + 1
          added%coef = equation%scene%n_coef + 1
-         if (associated(effect%coefficients)) call add_term(equation%scene, number, effect%n, &
-            effect%law, effect%n_coef, effect%states, effect%is_kinematic, added%first)
       end associate
+      if (.not. associated(effect%coefficients)) return
+      call add_term(equation%scene, term_t(number, effect%n, effect%law, effect%n_coef, &
+         effect%states))
+      if (effect%reads > 0) then
+         associate (term => equation%scene%terms(size(equation%scene%terms)))
+            term%state = effect%first
+            term%n_states = effect%reads
+         end associate
+      end if
+      ! before the loops that read the kinematics
+      if (effect%is_kinematic) equation%scene%terms = cshift(equation%scene%terms, -1)
    end subroutine append_contribution
 
    !> Expected sizes of all states from those of the first two, for absolute tolerances.

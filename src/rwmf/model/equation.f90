@@ -5,7 +5,7 @@ module rwmf_model_equation
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_bilinear, only: spring_t
    use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, wall_row
-   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
+   use rwmf_model_lanes, only: wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term
@@ -17,7 +17,7 @@ module rwmf_model_equation
    public :: equation_t, contribution_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients, constants_of
-   public :: vertical_ground
+   public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
    public :: frame_velocity, frame_motion, frame_travel, frame_mass, corner_share
 
@@ -59,7 +59,9 @@ module rwmf_model_equation
       procedure(sizes_i), pointer, nopass :: sizes => null()
       !! that its states are expected to have
       integer :: first = 0
-      !! place of its first state among all; or of the first that its loop reads of another effect's
+      !! place of its first state among all, or of the first that it reads
+      integer :: reads = 0
+      !! number of states of another effect that its loop reads, and whose rates it adds to
       integer :: drifts = 0
       !! number of drifts that end the run when they pass their limits
       procedure(drifts_i), pointer, nopass :: put_drifts => null()
@@ -343,7 +345,7 @@ contains
       equation%interval = interval
       equation%line = line_of(equation%motion, interval)
       if (equation%has_vertical) equation%vertical_line = vertical_line_of(equation%motion, &
-         interval)
+         interval, equation%line)
    end subroutine enter_interval
 
    !> Interval of the motion that is in force.
@@ -374,12 +376,17 @@ contains
          wall_row(equation%geometry, equation%side, equation%p%R, equation%inertia, equation%p%g)
       do i = 1, size(equation%scene%terms)
          associate (term => equation%scene%terms(i))
-            if (term%effect == frame_term) equation%coef(1, term%coef:term%coef &
-               + frame_coefficients - 1) = [frame_mass(equation), equation%p%two_xi_omega, &
-               equation%frame_slope, equation%frame_offset/equation%p%R]
-            if (term%effect == linear_cable_term .or. term%effect == straight_cable_term) &
-               equation%coef(1, term%coef:term%coef + cable_coefficients - 1) = &
-               cable_row(equation%cable, equation%side, equation%p%g_over_R)
+            associate (row => equation%coef(1, term%coef:term%coef + term%n_coef - 1))
+               select case (term%effect)
+               case (frame_term)
+                  row = [frame_mass(equation), equation%p%two_xi_omega, equation%frame_slope, &
+                     equation%frame_offset/equation%p%R]
+               case (linear_cable_term, straight_cable_term)
+                  row = cable_row(equation%cable, equation%side, equation%p%g_over_R)
+               case default
+                  ! an effect, below
+               end select
+            end associate
          end associate
       end do
       if (.not. allocated(equation%effects)) return
@@ -390,6 +397,14 @@ contains
          end associate
       end do
    end subroutine renew_coefficients
+
+   !> Does anything act beyond wall, frame, cable and their kinematics?
+   pure logical function has_further_effects(equation)
+      type(equation_t), intent(in) :: equation
+
+      has_further_effects = allocated(equation%effects)
+      if (has_further_effects) has_further_effects = .not. all(equation%effects%is_kinematic)
+   end function has_further_effects
 
    !> Ground acceleration of the interval in force [m/s2].
    real(wp) function ground(equation, t)

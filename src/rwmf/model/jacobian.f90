@@ -3,7 +3,7 @@ module rwmf_model_jacobian
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at, equation_t, kinematics_at, rates_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_equation, only: ground
+   use rwmf_model_equation, only: ground, has_further_effects
    use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
@@ -62,7 +62,7 @@ contains
       real(wp) :: inertia
       real(wp) :: moment_1
 
-      if (allocated(equation%effects)) then
+      if (has_further_effects(equation)) then
          call difference_quotients(equation, t, y, by_theta, by_theta_dot)
          return
       end if

@@ -69,7 +69,7 @@ contains
    !> sin(alpha - phi)), and, with 0 in place of sin(alpha), at a point above the pivot: the other
    !> top corner, or all of a hinged wall. It keeps all digits of a small rotation.
    pure subroutine move_wall(coef, theta, theta_dot, motion)
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, wall_coefficients)
       !! side; 1/R [1/m]; cos(alpha); sin(alpha), or 0 above the pivot, for gravity, for the link's
       !! displacement and for the arm of its force; inertia over m_w R**2; g/R [1/s2]
       real(wp), intent(in) :: theta(lane_count)
@@ -135,7 +135,7 @@ contains
    !> Link of finite length l, Eqs (2), (3): its end rises by v on a circle and tilts it, which adds
    !> +-(l - sqrt(l**2 - v**2)) to the displacement.
    pure subroutine tilt_link(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, link_coefficients)
       !! l over R; +1 where the tilt pushes the frame on, -1 where it holds it back; 4 cos(alpha);
       !! 4 sin(alpha) where the link is above the lifting corner, 0 where it is above the pivot
       type(lane_motion_t), intent(inout) :: motion
@@ -158,7 +158,7 @@ contains
 
    !> Mass, damper and spring of the frame, whose spring is on a straight line.
    pure subroutine add_frame(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, frame_coefficients)
       !! gamma; 2 xi_s omega_s [1/s]; slope of the spring's line over m_s [1/s2]; its force at zero
       !! displacement over m_s R [1/s2]
       type(lane_motion_t), intent(inout) :: motion
@@ -176,7 +176,7 @@ contains
 
    !> Cable of Eq. (1): force and moment are linear in the rotation.
    pure subroutine add_linear_cable(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, cable_coefficients)
       !! moment at phi = 0 over m_w R**2 [1/s2]; its rate [1/(rad s2)]
       type(lane_motion_t), intent(inout) :: motion
       integer :: i
@@ -190,7 +190,7 @@ contains
    !> Straight cable from the middle of the base to the middle of the top, whose force is on a line
    !> over its elongation: l**2 = 4h**2 + 2b**2 (1 - cos(phi)) + 4hb sin(phi).
    pure subroutine add_straight_cable(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, cable_coefficients)
       !! force at no elongation, over m_w R**2 [1/(m s2)]; its slope [1/(m2 s2)]; h [m]; b [m]
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: sine_phi, rise, length, arm

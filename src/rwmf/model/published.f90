@@ -1,4 +1,5 @@
-!> The coefficients A_i and B_i of Eq. (15), in the paper's letters, and the equation with them.
+!> The coefficients A_i and B_i of Eq. (15), in the paper's letters: the measure of what the
+!> loops over lanes add up to (tests/unit/test_equation.f90).
 !>
 !>    theta'' = A_1 theta'**2 + A_2 theta' + A_3 u_g'' + A_4   for theta < 0   (15a)
 !>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)
@@ -7,32 +8,13 @@
 !> digits of a small rotation: sin(alpha) - sin(alpha - phi), with phi = |theta|, in b_5 and a_7.
 module rwmf_model_published
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, ground
    use rwmf_model_parameters, only: parameters_t
    implicit none
    private
 
-   public :: coefficients_a, coefficients_b, published
+   public :: coefficients_a, coefficients_b
 
 contains
-
-   !> Eq. (15).
-   subroutine published(equation, t, y, y_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(equation%n)
-      real(wp), intent(out) :: y_dot(equation%n)
-      real(wp) :: C(4)
-      !! A_i or B_i
-
-      if (equation%side > 0) then
-         C = coefficients_b(equation%p, y(1))
-      else
-         C = coefficients_a(equation%p, y(1))
-      end if
-      y_dot(1) = y(2)
-      y_dot(2) = (C(1)*y(2) + C(2))*y(2) + C(3)*ground(equation, t) + C(4)
-   end subroutine published
 
    !> A_1 to A_4 of Eq. (15a), theta < 0.
    pure function coefficients_a(p, theta) result(A)

@@ -1,5 +1,5 @@
-!> What a scene is made of, in numbers: the effects whose loops run, and where their coefficients and
-!> states stand. Runs of one scene differ only in the numbers.
+!> What a scene is made of, in numbers: the effects whose loops run, and where their coefficients
+!> and states stand. Runs of one scene differ only in the coefficients' values.
 module rwmf_model_scene
    implicit none
    private
@@ -21,10 +21,14 @@ module rwmf_model_scene
       !! how many parts it has (floors)
       integer :: law = 0
       !! which law it follows
+      integer :: n_coef = 0
+      !! number of its coefficients
+      integer :: n_states = 0
+      !! number of states of its own, or of another's that it reads
       integer :: coef = 1
-      !! column of its first coefficient
+      !! column of the first of these coefficients
       integer :: state = 1
-      !! number of the first state that it reads
+      !! number of the first of these states
    end type term_t
 
    !> The loops of a scene in their order.
@@ -40,30 +44,18 @@ module rwmf_model_scene
 contains
 
    !> Add a loop with its coefficients and states behind those that are there.
-   pure subroutine add_term(scene, effect, n, law, n_coef, n_states, is_first, state)
+   pure subroutine add_term(scene, term)
       type(scene_t), intent(inout) :: scene
-      integer, intent(in) :: effect
-      integer, intent(in) :: n
-      !! how many parts it has
-      integer, intent(in) :: law
-      !! which law it follows
-      integer, intent(in) :: n_coef
-      integer, intent(in) :: n_states
-      logical, intent(in) :: is_first
-      !! it runs before the others
-      integer, intent(in), optional :: state
-      !! number of the first state that it reads, where this is another effect's
-      type(term_t) :: term
+      type(term_t), intent(in) :: term
+      !! without the places of its coefficients and states
 
-      term = term_t(effect, n, law, scene%n_coef + 1, scene%n + 1)
-      if (present(state)) term%state = state
-      if (is_first) then
-         scene%terms = [term, scene%terms]
-      else
-         scene%terms = [scene%terms, term]
-      end if
-      scene%n_coef = scene%n_coef + n_coef
-      scene%n = scene%n + n_states
+      scene%terms = [scene%terms, term]
+      associate (added => scene%terms(size(scene%terms)))
+         added%coef = scene%n_coef + 1
+         added%state = scene%n + 1
+         scene%n_coef = scene%n_coef + added%n_coef
+         scene%n = scene%n + added%n_states
+      end associate
    end subroutine add_term
 
 end module rwmf_model_scene

@@ -286,16 +286,18 @@ contains
 
       vertical = motion%vertical_ratio*acceleration(motion, interval, t)
       if (.not. allocated(motion%vertical)) return
-      line = vertical_line_of(motion, interval)
+      line = vertical_line_of(motion, interval, line_of(motion, interval))
       vertical = line%a_0 + line%slope*(t - line%t_0)
    end function vertical_acceleration
 
    !> Straight line of the vertical motion.
-   pure type(line_t) function vertical_line_of(motion, interval) result(line)
+   pure type(line_t) function vertical_line_of(motion, interval, horizontal) result(line)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      type(line_t), intent(in) :: horizontal
+      !! line of the horizontal motion there
 
-      line = line_of(motion, interval)
+      line = horizontal
       line%a_0 = motion%vertical_ratio*line%a_0
       line%slope = motion%vertical_ratio*line%slope
       if (.not. allocated(motion%vertical)) return

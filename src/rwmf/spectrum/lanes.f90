@@ -97,6 +97,10 @@ module rwmf_spectrum_lanes
       !! (width)
       integer, allocatable :: mark(:)
       !! (width)
+      logical :: has_curves
+      !! the motion is not one of straight lines
+      logical, allocatable :: is_busy(:)
+      !! (width) the lane has an ordinate
    end type team_t
 
 contains
@@ -110,6 +114,7 @@ contains
       type(ordinate_t), intent(inout) :: ordinates(:)
       integer :: next
 
+      if (size(ordinates) == 0) return
       next = 0
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
       call run_team(case, motion, control, min(team_width, 1 + (team_width - 1) &
@@ -137,19 +142,25 @@ contains
       end do
       if (all(lanes%ordinate == 0)) return
       call create_team(case, lanes(1)%equation, width, team)
+      team%has_curves = fastest_rate(motion) > 0
       do i = 1, width
-         if (lanes(i)%ordinate > 0) call enter_team(lanes(i), i, motion, team)
+         team%is_busy(i) = lanes(i)%ordinate > 0
+         if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
       end do
       do
-         do i = 1, width
-            do while (lanes(i)%ordinate > 0 .and. .not. team%table(i, of_length) > 0)
-               call finish_ordinate(control, lanes(i), ordinates(lanes(i)%ordinate))
-               if (lanes(i)%ordinate == 0) call take_ordinate(case, motion, control, next, &
-                  ordinates, lanes(i))
-               if (lanes(i)%ordinate > 0) call enter_team(lanes(i), i, motion, team)
+         if (any(team%is_busy .and. .not. team%table(:, of_length) > 0)) then
+            do i = 1, width
+               do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
+                  call finish_ordinate(control, lanes(i), ordinates(lanes(i)%ordinate))
+                  if (lanes(i)%ordinate == 0) call take_ordinate(case, motion, control, next, &
+                     ordinates, lanes(i))
+                  team%is_busy(i) = lanes(i)%ordinate > 0
+                  if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
+               end do
             end do
-         end do
-         if (all(lanes%ordinate == 0)) return
+         end if
+         if (is_cancelled(control)) return
+         if (.not. any(team%is_busy)) return
          call step_team(lanes, motion, team)
       end do
    end subroutine run_team
@@ -173,6 +184,7 @@ contains
             team%k(width, n, most_stages), source=0.0_wp)
          allocate (team%error(width), source=0.0_wp)
          allocate (team%mark(width), source=0)
+         allocate (team%is_busy(width), source=.false.)
       end associate
    end subroutine create_team
 
@@ -360,7 +372,7 @@ contains
          end if
       end associate
       do i = 1, team%width
-         if (lanes(i)%ordinate == 0) cycle
+         if (.not. team%is_busy(i)) cycle
          select case (team%mark(i))
          case (needs_look)
             if (lanes(i)%goal /= no_event) then
@@ -388,6 +400,7 @@ contains
       real(wp) :: t
       integer :: i, s
 
+      if (.not. team%has_curves) return
       do i = 1, team%width
          if (lanes(i)%ordinate == 0) cycle
          associate (equation => lanes(i)%equation)

@@ -14,7 +14,7 @@ contains
    pure subroutine add_bouc_wen(factors, coef, z, motion, z_dot)
       integer, intent(in) :: factors
       !! of the power, see `raise_state`
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, 4)
       !! force at z = 1 over m_w R [1/s2]; R over the displacement at yield [-]; part lost [-];
       !! exponent [-]
       real(wp), intent(in) :: z(lane_count)

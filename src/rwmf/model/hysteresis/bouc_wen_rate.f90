@@ -48,6 +48,8 @@ contains
             end do
          end do
       else
+         ! the power of libm for one lane after the other: vectorised ones have other last bits
+         !GCC$ novector
          do i = 1, lane_count
             power(i) = min(min(abs(z(i)), largest_state)**exponent(i), largest)
          end do

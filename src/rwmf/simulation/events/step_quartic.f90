@@ -120,7 +120,8 @@ contains
       turn(0) = 0
       n = 0
       do i = 1, m
-         associate (at_begin => slope_at(quartic, edge(i - 1)), at_end => slope_at(quartic, edge(i)))
+         associate (at_begin => slope_at(quartic, edge(i - 1)), &
+            at_end => slope_at(quartic, edge(i)))
             if (at_begin*at_end >= 0 .and. .not. (i == m .and. abs(at_end) <= 0)) cycle
          end associate
          n = n + 1

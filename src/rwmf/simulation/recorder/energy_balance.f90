@@ -5,6 +5,7 @@ module rwmf_simulation_recorder_energy_balance
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_energy, only: dissipates_hysteretically, hysteretic_power, input_power, &
       stored_energy, stored_energy_t, viscous_power
+   use rwmf_model_equation, only: has_further_effects
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_result, only: energy_t
@@ -62,7 +63,7 @@ contains
       if (equation%has_wall) call put(row, 'energy_gravity_J_per_kg', stored%gravity)
       if (equation%has_cable) call put(row, 'energy_cable_J_per_kg', stored%cable)
       if (stores_in_effects(equation)) call put(row, 'energy_effects_J_per_kg', stored%effects)
-      if (equation%has_frame .or. allocated(equation%effects)) then
+      if (equation%has_frame .or. has_further_effects(equation)) then
          call put(row, 'energy_viscous_J_per_kg', energy%viscous)
       end if
       if (dissipates_hysteretically(equation)) then

@@ -11,6 +11,7 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
       maximum_t, narrow, vertex_of_parabola
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_model_equation, only: has_further_effects
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
@@ -136,7 +137,8 @@ contains
          call sample(span, span%t_a, at_begin, error)
          call sample(span, span%t_b, at_end, error)
          ! Without further effects nothing but the ground varies, from end to end of the span.
-         if (allocated(equation%effects) .or. any(max(at_begin, at_end) > forces%largest)) then
+         if (has_further_effects(equation) &
+             .or. any(max(at_begin, at_end) > forces%largest)) then
             call search_span(forces, span, error)
          end if
          span%t_a = span%t_b

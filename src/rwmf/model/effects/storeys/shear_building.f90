@@ -72,15 +72,16 @@ contains
    pure subroutine storey_coefficients(equation, coef)
       class(equation_t), intent(in) :: equation
       real(wp), intent(out) :: coef(:)
-      integer :: n
+      integer :: i
 
-      associate (floors => equation%floors)
-         n = floors%n
-         coef(:1 + 2*n) = [equation%p%R, floors%slope, [(0.0_wp, n=1, floors%n)]]
-         n = floors%n
+      associate (floors => equation%floors, n => equation%floors%n)
+         coef(:n + 1) = [equation%p%R, floors%slope]
+         coef(n + 2:2*n + 1) = 0
          if (allocated(floors%offset)) coef(n + 2:2*n + 1) = floors%offset
          coef(2*n + 2:3*n + 1) = 1/floors%m
-         coef(3*n + 2:3*n + 1 + n**2) = reshape(transpose(floors%c), [n**2])
+         do i = 1, n
+            coef(3*n + 2 + (i - 1)*n:3*n + 1 + i*n) = floors%c(i, :)
+         end do
          if (.not. allocated(floors%laws)) return
          coef(3*n + 2 + n**2:) = [floors%laws%force_at_z1, 1/floors%laws%u_y, floors%laws%lost, &
             floors%laws%exponent]

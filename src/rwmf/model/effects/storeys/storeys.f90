@@ -2,7 +2,8 @@
 module rwmf_model_effects_storeys_storeys
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, no_hysteresis
+   use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
+      no_hysteresis
    use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
       excited_mass_input, set_storeys, storey_coefficients, storey_energy, storey_input, &
       storey_power, storey_sizes
@@ -145,15 +146,12 @@ contains
       end if
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
-      storeys%states = 2*equation%floors%n - 2
       if (allocated(case%yielding)) then
          call choose_storey_springs(case, equation)
          storeys%plastic_power => storeys_plastic_power
-         if (allocated(equation%floors%laws)) then
-            storeys%law = equation%floors%laws(1)%factors
-            storeys%states = storeys%states + equation%floors%n
-         end if
+         if (allocated(equation%floors%laws)) storeys%law = equation%floors%laws(1)%factors
       end if
+      storeys%states = floor_states(storeys%n, storeys%law)
       storeys%n_coef = floor_coefficients(storeys%n, storeys%law)
       storeys%coefficients => storey_coefficients
       storeys%power => storey_power

@@ -8,7 +8,7 @@ module rwmf_model_effects_storeys_storeys_loop
    private
 
    public :: add_floors, add_excited_mass
-   public :: no_hysteresis, floor_coefficients
+   public :: no_hysteresis, floor_coefficients, floor_states
 
    integer, parameter :: no_hysteresis = -1
    !! storeys on straight lines; else the factors of Bouc and Wen's power
@@ -26,21 +26,32 @@ contains
       if (law /= no_hysteresis) n_coef = n_coef + 4*n
    end function floor_coefficients
 
+   !> Number of states of its own that `add_floors` moves.
+   pure integer function floor_states(n, law) result(n_states)
+      integer, intent(in) :: n
+      !! number of storeys
+      integer, intent(in) :: law
+      !! `no_hysteresis`, or smooth storeys
+
+      n_states = 2*n - 2
+      if (law /= no_hysteresis) n_states = n_states + n
+   end function floor_states
+
    !> Rates of the floors below the roof, and the force of the uppermost storey on the roof.
    pure subroutine add_floors(n, law, coef, y, motion, y_dot)
       integer, intent(in) :: n
       !! number of storeys, from the ground to the roof
       integer, intent(in) :: law
       !! `no_hysteresis`, or the factors of the power of smooth storeys (`raise_state`)
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
       !! R [m]; of each storey slope [1/s2] and offset [m/s2] of its line, over the unit of mass; of
       !! each floor one over its mass [-]; damping by rows [1/s]; of smooth storeys force at z = 1
       !! [m/s2], one over the displacement at yield [1/m], part lost, exponent
-      real(wp), intent(in) :: y(lane_count, *)
+      real(wp), intent(in) :: y(lane_count, floor_states(n, law))
       !! displacements [m] and velocities [m/s] of the floors below the roof, states z of smooth
       !! storeys [-]
       type(lane_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: y_dot(lane_count, *)
+      real(wp), intent(inout) :: y_dot(lane_count, floor_states(n, law))
       !! their rates
       real(wp) :: u_roof(lane_count), v_roof(lane_count)
       !! [m], [m/s]
@@ -48,9 +59,11 @@ contains
       !! of the columns of each storey; none above the roof [m/s2]
       real(wp) :: force(lane_count)
       !! that resists a floor [m/s2]
-      integer :: i, j, m
+      integer :: damping
+      !! column before those of a floor's damping
+      integer :: i, j, k
 
-      m = 2*n + 1
+      damping = 3*n + 1
       !$omp simd
       do i = 1, lane_count
          u_roof(i) = coef(i, 1)*(motion%side(i)*motion%u(i))
@@ -65,15 +78,16 @@ contains
          do i = 1, lane_count
             force(i) = shear(i, j) - shear(i, j + 1)
          end do
-         do m = 1, n - 1
+         do k = 1, n - 1
             !$omp simd
             do i = 1, lane_count
-               force(i) = force(i) + coef(i, 3*n + 1 + (j - 1)*n + m)*y(i, n - 1 + m)
+               force(i) = force(i) + coef(i, damping + k)*y(i, n - 1 + k)
             end do
          end do
+         damping = damping + n
          !$omp simd
          do i = 1, lane_count
-            force(i) = force(i) + coef(i, 3*n + 1 + j*n)*v_roof(i)
+            force(i) = force(i) + coef(i, damping)*v_roof(i)
          end do
          if (j == n) exit
          !$omp simd
@@ -91,9 +105,9 @@ contains
    !> Shears of storeys on straight lines.
    pure subroutine find_shears(n, coef, u, u_roof, shear)
       integer, intent(in) :: n
-      real(wp), intent(in) :: coef(lane_count, *)
-      !! as those of `add_floors`
-      real(wp), intent(in) :: u(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, 2*n + 1)
+      !! the first of those of `add_floors`
+      real(wp), intent(in) :: u(lane_count, n - 1)
       !! displacements of the floors below the roof [m]
       real(wp), intent(in) :: u_roof(lane_count)
       !! [m]
@@ -119,25 +133,21 @@ contains
    pure subroutine add_smooth_shears(n, factors, coef, y, v_roof, shear, y_dot)
       integer, intent(in) :: n
       integer, intent(in) :: factors
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, 4*n)
       !! of smooth storeys, as `add_floors` says
-      real(wp), intent(in) :: y(lane_count, *)
+      real(wp), intent(in) :: y(lane_count, 3*n - 2)
       !! states, as those of `add_floors`
       real(wp), intent(in) :: v_roof(lane_count)
       !! [m/s]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
-      real(wp), intent(inout) :: y_dot(lane_count, *)
-      real(wp) :: rate(lane_count), below(lane_count), power(lane_count)
+      real(wp), intent(inout) :: y_dot(lane_count, 3*n - 2)
+      real(wp) :: rate(lane_count), power(lane_count)
       integer :: i, j
 
-      below = 0
       do j = 1, n
-         if (j < n) then
-            rate = y(:, n - 1 + j) - below
-            below = y(:, n - 1 + j)
-         else
-            rate = v_roof - below
-         end if
+         rate = v_roof
+         if (j < n) rate = y(:, n - 1 + j)
+         if (j > 1) rate = rate - y(:, n - 2 + j)
          call raise_state(factors, coef(1, 3*n + j), y(1, 2*n - 2 + j), power)
          !$omp simd
          do i = 1, lane_count
