@@ -1,8 +1,8 @@
 !> An effect that does nothing but to limit the drifts of a frame.
 module drift_limit
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_storeys_yielding_storeys, only: storey_motion
    use rwmf_model_equation, only: contribution_t, equation_t, frame_motion
+   use rwmf_model_floor_motion, only: storey_motion
    implicit none
    private
 
