@@ -17,6 +17,7 @@ ALPHA = math.atan2(0.5, 2.0)
 METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
 # the same physics integrated with other numbers
 SAME_PHYSICS = 1e-7
+OF_LANES = 1e-8  # ten times rtol: lanes take other steps than a single run
 TIGHT = {"rtol": 1e-10}
 # the pulse of the common scene, for a record instead
 NO_PULSE = dict.fromkeys(("a_max_g", "omega_p"))
@@ -321,7 +322,7 @@ def test_a_weight_that_vanishes_is_reported() -> None:
 
 
 def test_spectrum_is_that_of_single_runs(tmp_path: Path) -> None:
-    """Also for method fast, which leaves such scenes to dop853."""
+    """Also for method fast, which leaves such scenes to the general lanes."""
     vertical = {"ratio": -0.65}
     periods = [0.4, 1.0]
     for method in ("fast", "dop853"):
@@ -332,7 +333,9 @@ def test_spectrum_is_that_of_single_runs(tmp_path: Path) -> None:
             run = rwmf.simulate(
                 coupled(vertical=vertical, solver={"method": "dop853"}, frame={"T_s": T_s})
             )
-            assert spectrum["u_s_max"].values.ravel()[i] == float(run["u_s_max"])
+            assert spectrum["u_s_max"].values.ravel()[i] == pytest.approx(
+                float(run["u_s_max"]), rel=OF_LANES
+            )
 
 
 def test_the_record_travels_with_the_case(tmp_path: Path) -> None:
