@@ -41,6 +41,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import c_host
 import numpy as np
 import pytest
 import rwmf
@@ -50,8 +51,6 @@ from scenes import bare_frame, coupled
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, expm
 from scipy.optimize import brentq
-
-pytestmark = pytest.mark.skip(reason="&p_delta is not in the kernel yet")
 
 G = 9.81
 METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
@@ -483,6 +482,38 @@ def test_reactions(formulation: str, base: str) -> None:
         assert float(leaning[key]) == pytest.approx(float(other[key]), rel=1e-7), key
 
 
+@pytest.mark.parametrize("coupling", [None, "full", "reduced", "every_floor"])
+def test_forces(coupling: str | None) -> None:
+    """Links and foundation give wall and floors the momentum that they have after the pulse."""
+    t, make = 2.9, {"wall": Wall(), "limit": 0.2, "xi": 0.0}
+    frame = frame_of(coupling, 5.0, **make) if coupling else single(1.2, 8.0, 4.0, 4.0, **make)
+    case = case_of(frame, Pulse(0.35, 4.0).group(), t, coupling=coupling)
+    case = case.replace(output={"reactions": True})
+    run = rwmf.simulate(case)
+    last = {str(name): float(run[name][-1]) for name in run if run[name].dims == ("time",)}
+    with c_host.stepping(case.to_namelist()) as host:
+        host.advance(t)
+        state, link = host.state(), host.forces().link
+    below = [last[f"floor_{i + 1}"] for i in range(frame.free)]
+    u = np.array([*below, last["u_s"]]) if coupling == "full" else frame.s * last["u_s"]
+    shear = (frame.stiffness - frame.push) * np.diff(u, prepend=0.0)
+    f = shear - np.append(shear[1:], 0.0)
+    momentum = frame.mass * frame.s * state.u_s_ddot
+    pulled = {"full": momentum[-1] + f[-1], "every_floor": momentum.sum() + shear[0]}
+    expected = pulled.get(str(coupling), frame.M * state.u_s_ddot + frame.s @ f)
+    assert link == pytest.approx(expected, rel=1e-6)
+    x, side, wall = last["theta"], math.copysign(1, last["theta"]), Wall()
+    lift = wall.alpha - side * x
+    a = math.cos(lift) * state.theta_ddot + side * math.sin(lift) * state.theta_dot**2
+    horizontal = last["pivot_horizontal_over_m_w_g"] * G
+    assert horizontal == pytest.approx(wall.R * a + expected, rel=1e-6)
+    if coupling == "full":
+        momentum[:-1] = -f[:-1]
+    weight = (1 + frame.mass.sum()) * G
+    base_shear = last["base_shear_over_weight"] * weight
+    assert base_shear == pytest.approx(wall.R * a + momentum.sum(), rel=1e-6)
+
+
 def test_defaults_and_no_weight() -> None:
     """h_f is 2h with a wall, m_g_over_m_s is 1, drift_limit 0.1; without weight nothing changes."""
     given = {"m_g_over_m_s": 1.0, "h_f": 4.0, "drift_limit": 0.1}
@@ -857,6 +888,25 @@ def test_spectrum_and_sweep() -> None:
         swept = rwmf.sweep(case.replace(output=None), {"T_s": T_s}, quantities=quantities)
         names = swept["status"].attrs["flag_meanings"].split()
         assert [names[i] for i in swept["status"].values] == list(spectrum["status"].values.ravel())
+
+
+def test_step_back_from_a_collapse() -> None:
+    """A host that takes back the step in which the frame collapses can take it again."""
+    case = collapsing().replace(output=None)
+    t = float(rwmf.simulate(case)["t_collapse"])
+    ends = []
+    with c_host.stepping(case.to_namelist()) as host:
+        host.advance(t - 0.1)
+        host.save()
+        for _ in range(2):
+            host.restore()
+            assert host.state().t == t - 0.1
+            host.advance(t + 0.1)
+            ends.append((host.state().t, host.state().u_s))
+            host.advance(t + 0.2)
+            assert (host.state().t, host.state().u_s) == ends[-1]
+    assert ends[0] == ends[1]
+    assert ends[0] == pytest.approx((t, math.copysign(0.3, ends[0][1])), rel=1e-9)
 
 
 def test_studies_count_a_collapse_as_failure() -> None:
