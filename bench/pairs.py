@@ -45,6 +45,7 @@ class Effect:
     name: str
     changes: Groups
     group: str
+    no_element: str = ""  # why an element of a host cannot have it, where matrix.py does not say
 
 
 EFFECTS = [
@@ -87,6 +88,8 @@ EFFECTS = [
             ("full", "Bouc-Wen", "bouc_wen"),
         )
     ),
+    Effect("`&p_delta`", {"p_delta": {}}, "p_delta", "the frame is the host's"),
+    Effect("`&p_delta h_f`", {"p_delta": {"h_f": 4.0}}, "p_delta"),
     Effect("`&inerter`", {"inerter": {"inertance_over_m_w": 1.0}}, "inerter"),
     Effect("impact, constant", {"impact": {"rule": "constant", "e": 0.8}}, "impact"),
     Effect("impact, `housner`", {"impact": {"rule": "housner"}}, "impact"),

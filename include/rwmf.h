@@ -21,7 +21,8 @@ enum {
    RWMF_EVENT_PEAK = 2,
    RWMF_EVENT_LIFT_OFF = 3,
    RWMF_EVENT_REST = 4,
-   RWMF_EVENT_OVERTURNED = 5
+   RWMF_EVENT_OVERTURNED = 5,
+   RWMF_EVENT_COLLAPSED = 9
 };
 
 typedef struct rwmf_case rwmf_case;         /* a case that has been read */
@@ -58,6 +59,13 @@ typedef struct {
    int32_t at_rest;
    int32_t overturned;
 } rwmf_state;
+
+/* How a motion has ended. Neither is 1 while it goes on. */
+typedef struct {
+   double t; /* when it did, or the present, s */
+   int32_t overturned;
+   int32_t collapsed; /* a drift passed the limit of an effect */
+} rwmf_ending;
 
 /* In N; in N per kg of the wall when the case has no m_w. */
 typedef struct {
@@ -103,6 +111,9 @@ int rwmf_read_case_file(const char *path, rwmf_case **scene, char *message, size
 void rwmf_destroy_case(rwmf_case **scene);
 /* As `rwmf_run`, and as `rwmf_create` and `rwmf_create_element` below. */
 int rwmf_run_case(const rwmf_case *scene, rwmf_result *result, char *message, size_t size);
+/* As `rwmf_run_case`, and how the simulation ended. */
+int rwmf_run_case_ending(const rwmf_case *scene, rwmf_result *result, rwmf_ending *ending,
+                         char *message, size_t size);
 int rwmf_create_from_case(const rwmf_case *scene, double t_begin, double peak, rwmf_wall **wall,
                           char *message, size_t size);
 int rwmf_create_element_from_case(const rwmf_case *scene, rwmf_element **element, char *message,
@@ -128,6 +139,8 @@ int rwmf_advance_ground(rwmf_wall *wall, double t, double (*ground)(double t, vo
                         void *data, char *message, size_t size);
 
 int rwmf_query_state(const rwmf_wall *wall, rwmf_state *state, char *message, size_t size);
+/* A wall that has overturned or collapsed stays as it is, whatever it is advanced to. */
+int rwmf_query_ending(const rwmf_wall *wall, rwmf_ending *ending, char *message, size_t size);
 int rwmf_query_forces(const rwmf_wall *wall, rwmf_forces *forces, char *message, size_t size);
 /* Events of the last advance: the first `capacity` of `*count`. */
 int rwmf_query_events(const rwmf_wall *wall, size_t capacity, rwmf_event *events, size_t *count,

@@ -23,8 +23,9 @@ module rwmf
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
    ! one simulation: maxima, counts, history and events
-   use rwmf_simulation_result, only: energy_t, event_impact, event_lift_off, event_name, &
-      event_overturned, event_peak, event_rest, event_branch, event_rupture, event_t, history_t, &
+   use rwmf_simulation_result, only: energy_t, event_collapsed, event_impact, event_lift_off, &
+      event_name, event_overturned, event_peak, event_rest, event_branch, event_rupture, event_t, &
+      history_t, &
       reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
@@ -54,7 +55,7 @@ module rwmf
    public :: case_t, read_case_file, read_case_text
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
-      event_branch, event_rupture
+      event_branch, event_rupture, event_collapsed
    public :: stepping_t, snapshot_t, ground_t, create_stepping, destroy_stepping
    public :: advance_stepping, save_stepping, restore_stepping
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events

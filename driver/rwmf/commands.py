@@ -18,6 +18,7 @@ import xarray as xr
 
 from rwmf import _library, figures, loops, records, simulation
 from rwmf.case import Case
+from rwmf.endings import ENDINGS
 from rwmf.errors import OutputError
 from rwmf.spectrum import count_ordinates
 from rwmf.spectrum import start as start_spectrum
@@ -223,11 +224,13 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
 
 def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
     status = dataset["status"].values
-    failed = ~np.isin(status, ("ok", "overturned"))
+    failed = ~np.isin(status, ("ok", *ENDINGS))
+    # a frame collapses only where an effect limits its drift
+    ended = [name for name in ENDINGS if name == "overturned" or (status == name).any()]
     print(
         f"{status.size} simulations in {dataset.attrs['seconds']:.2f} s "
         f"with {dataset.attrs['threads']} threads, {failed.sum()} failed, "
-        f"{(status == 'overturned').sum()} overturned"
+        + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
     )
     for path in (options.csv, options.plot):
         if path:

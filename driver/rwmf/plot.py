@@ -41,6 +41,8 @@ _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
 _DARKEST, _LIGHTEST = 0.0, 0.82
 _WIDEST, _NARROWEST = 2.6, 1.1
 _BARE_COLOUR = "0.45"
+# ordinates whose motion ended before its time
+_FALLEN = ("overturned", "collapsed")
 
 
 def style() -> dict[str, Any]:
@@ -131,7 +133,7 @@ def spectrum(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. Overturned ordinates are crosses; failed ones are gaps.
+        The axes. Ordinates that overturned or collapsed are crosses; failed ones are gaps.
     """
     axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
@@ -145,7 +147,7 @@ def spectrum(
             curve["u_s_max"],
             **({"color": colour, "linewidth": width, "label": label or None} | line),
         )
-        fallen = curve.isel(T_s=np.flatnonzero(curve["status"].values == "overturned"))
+        fallen = curve.isel(T_s=np.flatnonzero(np.isin(curve["status"].values, _FALLEN)))
         axes.plot(fallen["T_s"], fallen["u_s_max"], "x", color=colour, markersize=4)
     if bare is not None:
         axes.plot(

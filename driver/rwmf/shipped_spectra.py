@@ -11,11 +11,13 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from rwmf import figures
 from rwmf.case import Case
 from rwmf.commands import progress_bar
+from rwmf.endings import ENDINGS
 from rwmf.errors import InputError, Interrupted, OutputError, RwmfError
 from rwmf.spectrum import count_ordinates, spectrum, start, to_dataset
 
@@ -114,7 +116,7 @@ def without_wall(case: Case) -> Case:
 
 def _report(dataset: xr.Dataset, stem: Path, seconds: float) -> None:
     status = dataset["status"].values
-    failed = int(((status != "ok") & (status != "overturned")).sum())
+    failed = int((~np.isin(status, ("ok", *ENDINGS))).sum())
     files = ", ".join(f"{stem}.{kind}" for kind in ("csv", *_FORMATS))
     note = f"; {failed} simulations failed, see the status column" if failed else ""
     print(

@@ -24,7 +24,7 @@ module rwmf_app_cli
       //'example:'//nl &
       //'   rwmf-batch inputs/fig12_one_cosine.nml --out results'//nl//nl &
       //'OMP_NUM_THREADS bounds the threads of a spectrum.'//nl &
-      //'exit status: 0 done (overturning is a result), 1 numerical failure,'//nl &
+      //'exit status: 0 done (overturning and collapse are results), 1 numerical failure,'//nl &
       //'   2 input or output not acceptable, 130 interrupted'
    !! what `--help` prints
 

@@ -189,7 +189,8 @@ contains
       if (allocated(error)) return
       call save_spectrum(case, spectrum, path, command_line, error)
       if (allocated(error)) return
-      failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned')
+      failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned' &
+         .and. spectrum%status /= 'collapsed')
       write (output_unit, '(a, i0, a, f0.3, a, i0, a)') path//': spectrum written (', &
          size(spectrum%status), ' ordinates, ', spectrum%seconds, ' s, ', spectrum%threads, &
          ' threads)'

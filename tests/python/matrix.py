@@ -542,6 +542,8 @@ REFUSALS = (
             "over the motion, and &vertical ratio follows it"),
     Refusal(("element",), "impact, table", "an element has no &impact rule = 'table': the host "
             "applies the velocity factor, and can look it up"),
+    *(Refusal(("element",), f"`&{effect.group}", f"an element has no &{effect.group}: "
+              f"{effect.no_element}") for effect in pairs.EFFECTS if effect.no_element),
 )  # fmt: skip
 FINDINGS = (
     Finding(("overturning",), "pinned base", KeyError,

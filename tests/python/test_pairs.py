@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from itertools import combinations
@@ -33,8 +34,9 @@ def test_pair(first: pairs.Effect, second: pairs.Effect, folder: Path) -> None:
     """`try_pair` looks at the results of a run."""
     outcome = pairs.try_pair(first, second, folder)
     if outcome.kind == "refused":
-        assert f"&{first.group}" in outcome.message
-        assert f"&{second.group}" in outcome.message
+        for effect in (first, second):
+            named = {effect.group, *effect.changes} & set(re.findall(r"&(\w+)", outcome.message))
+            assert named, outcome.message
 
 
 def test_no_group_is_missing() -> None:

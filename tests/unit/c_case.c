@@ -40,6 +40,7 @@ static void test_same_bits(void) {
    rwmf_result one, two;
    rwmf_wall *wall = NULL;
    rwmf_state before, after;
+   rwmf_ending ending;
    rwmf_element *element = NULL;
 
    expect(rwmf_read_case(text, ".", &scene, TALK) == 0, "reads a text");
@@ -49,6 +50,8 @@ static void test_same_bits(void) {
    expect(rwmf_run_case(scene, &two, TALK) == 0, "runs without the file of the record");
    expect(one.u_s_max == two.u_s_max && one.steps == two.steps, "the bits of the text");
    expect(rwmf_run_case(other, &two, TALK) == 0, "runs a second case");
+   expect(rwmf_run_case_ending(scene, &two, &ending, TALK) == 0, "runs and says how it ended");
+   expect(ending.t == 3.0 && !ending.overturned && !ending.collapsed, "at its time");
    expect(one.u_s_max == two.u_s_max && one.impacts == two.impacts, "the bits of the file");
    refuse(rwmf_run(text, &two, TALK), "record.txt");
 
@@ -58,6 +61,8 @@ static void test_same_bits(void) {
    rwmf_destroy_case(&scene);
    rwmf_destroy_case(NULL);
    expect(rwmf_advance(wall, 1.5, TALK) == 0, "a wall needs its case no more");
+   expect(rwmf_query_ending(wall, &ending, TALK) == 0, "a wall says whether it has ended");
+   expect(ending.t == 1.5 && !ending.overturned && !ending.collapsed, "it has not");
    expect(rwmf_query_state(wall, &before, TALK) == 0, "state");
    rwmf_destroy(&wall);
    expect(rwmf_create_from_case(other, 0, 0, &wall, TALK) == 0, "another wall");

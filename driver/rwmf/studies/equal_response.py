@@ -10,6 +10,7 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf.case import Case
+from rwmf.endings import ending_of
 from rwmf.errors import InputError
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
@@ -105,4 +106,4 @@ def _response(pulse: Pulse, T_p: float, amplitude: float) -> float:
     changed = pulse.resized(amplitude, T_p, _PERIODS_AFTER * float(pulse.case.frame.T_s))
     with _library.start_simulation(changed.kernel, changed.kernel_source()) as run:
         summary = run.summary()
-    return np.inf if summary.get("overturned") else float(summary[_SUMMARY_KEY])
+    return float(summary[_SUMMARY_KEY]) if ending_of(summary) == "ok" else np.inf

@@ -1,5 +1,7 @@
 """Overturning maps: which pulses overturn the wall, and after how many impacts.
 
+A frame that collapses counts as a wall that overturns: both have failed.
+
 Pulses are named by omega_p/p and a_p/(alpha g), with p = sqrt(3 g/(4 R)) of the wall. Along each
 frequency the amplitudes are scanned, and every change of the outcome is bisected.
 """
@@ -16,6 +18,7 @@ import xarray as xr
 
 from rwmf import simulation
 from rwmf.case import Case
+from rwmf.endings import ending_of
 from rwmf.errors import InputError
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
@@ -92,9 +95,9 @@ def overturning_map(
     Returns
     -------
     xarray.Dataset
-        ``outcome`` over (omega_over_p, amplitude): impacts before overturning, -1 where the wall
-        stays; and over ``boundary``: its frequency, its amplitude (also over g tan(alpha)), and
-        the outcomes below and above.
+        ``outcome`` over (omega_over_p, amplitude): impacts before overturning or collapse, -1
+        where the wall stays; and over ``boundary``: its frequency, its amplitude (also over
+        g tan(alpha)), and the outcomes below and above.
 
     Raises
     ------
@@ -168,7 +171,7 @@ def _outcome(pulse: Pulse, wall: Wall, omega: float, amplitude: float) -> int:
     changed = pulse.resized(amplitude * wall.alpha, T_p, _FOLLOW / wall.p)
     with simulation.start(changed) as run:
         summary = run.summary()
-    return int(summary["impacts"]) if summary["overturned"] else SURVIVES
+    return SURVIVES if ending_of(summary) == "ok" else int(summary.get("impacts", 0))
 
 
 def _to_dataset(

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from rwmf.endings import ENDINGS
+
 __all__ = ["cumulative_distribution", "percentiles", "with_overturning"]
 
 # the median and one standard deviation of a normal distribution to both sides
@@ -14,7 +16,7 @@ USUAL_PERCENTILES = (16.0, 50.0, 84.0)
 
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
-    """Take a quantity of a sweep; a wall that overturned exceeds every level.
+    """Take a quantity of a sweep; what overturned or collapsed exceeds every level.
 
     Parameters
     ----------
@@ -26,17 +28,18 @@ def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray
     Returns
     -------
     xarray.DataArray
-        The quantity, infinite where the wall overturned, NaN where the run failed.
+        The quantity, infinite where the wall overturned or the frame collapsed (both have failed,
+        whatever their peaks until then), NaN where the run failed.
     """
     names = dataset["status"].attrs["flag_meanings"].split()
-    fallen = dataset["status"] == names.index("overturned")
+    fallen = dataset["status"].isin([names.index(name) for name in ENDINGS if name in names])
     return dataset[name].where(~fallen, np.inf).assign_attrs(dataset[name].attrs)
 
 
 def percentiles(
     values: xr.DataArray, q: Sequence[float] = USUAL_PERCENTILES, dim: str = "record"
 ) -> xr.DataArray:
-    """Compute percentiles over a suite by counting, so that overturned walls take part.
+    """Compute percentiles over a suite by counting, so that those take part that fell.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ def without_wall(case: Case) -> Case:
     Returns
     -------
     Case
-        Without wall, cable and impacts.
+        Without wall, cable and impacts; a height that was the wall's unless given stays.
 
     Raises
     ------
@@ -41,7 +41,21 @@ def without_wall(case: Case) -> Case:
     gone = {name: None for name in case.groups if name == "wall" or "wall" in needs[name]}
     spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
     output = {"output": {"friction_limit": None}} if "output" in case.groups else {}
-    return case.replace(**gone, **spectrum, **output, frame={"gamma": None})
+    return case.replace(
+        **gone, **spectrum, **output, **_heights_of_wall(case, gone), frame={"gamma": None}
+    )
+
+
+def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[str, float]]:
+    """Find the keys that are 2h unless given; storeys have heights of their own."""
+    if case.wall is None or "storeys" in case.groups:
+        return {}
+    return {
+        group: {key: 2 * case.wall.h}
+        for group, key, _, _, default, *_ in _library.schema()
+        if default == "2h" and group in case.groups and group not in gone
+        if key not in case.groups[group].given
+    }
 
 
 def wall_effect(

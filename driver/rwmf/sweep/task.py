@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
+from rwmf.endings import ending_of
 from rwmf.errors import InputError, NumericalError
 from rwmf.namelist import compose
 from rwmf.sweep.axes import Entries
@@ -63,7 +64,7 @@ class Chunk:
     number : int
         Of the chunk.
     status : ndarray of str
-        'ok', 'overturned' or the name of what went wrong.
+        'ok', 'overturned', 'collapsed' or the name of what went wrong.
     values : dict of str to ndarray
         One array a quantity, NaN where a run failed.
     """
@@ -124,7 +125,7 @@ def _run_points(task: Task, progress: Progress | None) -> Chunk:
             status.append(_status_of(error))
             rows.append([np.nan] * len(task.quantities))
             continue
-        status.append("overturned" if summary.get("overturned") else "ok")
+        status.append(ending_of(summary))
         # a quantity whose effect is not in the scene has no value
         rows.append([summary.get(QUANTITIES[name].key, np.nan) for name in task.quantities])
     columns = np.array(rows, dtype=np.float64).T

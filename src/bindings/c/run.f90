@@ -13,7 +13,8 @@ module rwmf_bindings_c_run
    implicit none
    private
 
-   public :: c_version, c_run, c_run_case
+   public :: c_version, c_run, c_run_case, c_run_case_ending
+   public :: c_ending_t, ending_of
 
    !> `rwmf_result` of the header.
    type, bind(c) :: c_result_t
@@ -27,6 +28,13 @@ module rwmf_bindings_c_run
       integer(c_int64_t) :: steps
       integer(c_int32_t) :: overturned
    end type c_result_t
+
+   !> `rwmf_ending` of the header.
+   type, bind(c) :: c_ending_t
+      real(c_double) :: t
+      integer(c_int32_t) :: overturned
+      integer(c_int32_t) :: collapsed
+   end type c_ending_t
 
 contains
 
@@ -58,9 +66,45 @@ contains
       type(c_ptr), value :: result
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      type(result_t) :: found
+
+      c_run_case = run_into(handle, result, found, message, size)
+   end function c_run_case
+
+   !> `rwmf_run_case_ending`.
+   integer(c_int) function c_run_case_ending(handle, result, ending, message, size) &
+      bind(c, name='rwmf_run_case_ending')
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: result
+      type(c_ending_t), intent(inout) :: ending
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(result_t) :: found
+
+      c_run_case_ending = run_into(handle, result, found, message, size)
+      if (c_run_case_ending == 0) ending = ending_of(found%t_end, found%overturned, &
+         allocated(found%t_collapse))
+   end function c_run_case_ending
+
+   !> How a motion has ended by a time [s].
+   pure type(c_ending_t) function ending_of(t, overturned, collapsed)
+      real(c_double), intent(in) :: t
+      logical, intent(in) :: overturned
+      logical, intent(in) :: collapsed
+
+      ending_of = c_ending_t(t, merge(1_c_int32_t, 0_c_int32_t, overturned), &
+         merge(1_c_int32_t, 0_c_int32_t, collapsed))
+   end function ending_of
+
+   !> Run a case into the caller's result; 0 or the number of the error.
+   integer(c_int) function run_into(handle, result, found, message, size) result(status)
+      type(c_ptr), intent(in) :: handle
+      type(c_ptr), intent(in) :: result
+      type(result_t), intent(out) :: found
+      type(c_ptr), intent(in) :: message
+      integer(c_size_t), intent(in) :: size
       type(case_t), pointer :: case
       type(c_result_t), pointer :: place
-      type(result_t) :: found
       type(error_t), allocatable :: error
 
       call case_of(handle, case, error)
@@ -72,8 +116,8 @@ contains
          call c_f_pointer(result, place)
          call fill_result(found, place)
       end if
-      c_run_case = put_message(error, message, size)
-   end function c_run_case
+      status = put_message(error, message, size)
+   end function run_into
 
    subroutine fill_result(found, result)
       type(result_t), intent(in) :: found

@@ -6,6 +6,7 @@ module rwmf_bindings_c_stepping
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, &
       c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
    use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, require_empty
+   use rwmf_bindings_c_run, only: c_ending_t, ending_of
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -19,7 +20,7 @@ module rwmf_bindings_c_stepping
 
    public :: c_create, c_create_from_case, c_destroy
    public :: c_advance, c_advance_samples, c_advance_ground
-   public :: c_query_state, c_query_forces, c_query_events
+   public :: c_query_state, c_query_ending, c_query_forces, c_query_events
    public :: c_save, c_restore, c_destroy_snapshot
 
    !> `rwmf_state` of the header.
@@ -231,6 +232,21 @@ contains
       end if
       c_query_state = put_message(error, message, size)
    end function c_query_state
+
+   !> `rwmf_query_ending`.
+   integer(c_int) function c_query_ending(handle, ending, message, size) &
+      bind(c, name='rwmf_query_ending')
+      type(c_ptr), value :: handle
+      type(c_ending_t), intent(inout) :: ending
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
+      type(wall_state_t) :: found
+      type(error_t), allocatable :: error
+
+      call query_state(wall_of(handle), found, error)
+      if (.not. allocated(error)) ending = ending_of(found%t, found%overturned, found%collapsed)
+      c_query_ending = put_message(error, message, size)
+   end function c_query_ending
 
    !> `rwmf_query_forces`.
    integer(c_int) function c_query_forces(handle, forces, message, size) &

@@ -25,7 +25,7 @@ module rwmf_bindings_python_kernel
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: summarise, summary_item_t, summary_text
    use rwmf_simulation_quantities, only: quantities_text
-   use rwmf_simulation_result, only: event_impact, event_name, event_rupture
+   use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_simulation_simulate, only: run_simulation => simulate
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
    use rwmf_spectrum_spectrum, only: compute_spectrum
@@ -90,7 +90,7 @@ contains
       integer :: kind_number
 
       names = ''
-      do kind_number = event_impact, event_rupture
+      do kind_number = event_impact, event_collapsed
          names = names//event_name(kind_number)//new_line('a')
       end do
       call put_text(names, buffer, length)

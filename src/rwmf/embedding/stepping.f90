@@ -21,6 +21,7 @@ module rwmf_embedding_stepping
    use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
       kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_residual
    use rwmf_model_kinematics, only: kinematics_t
@@ -28,7 +29,7 @@ module rwmf_embedding_stepping
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_hybrid_loop, only: mode_overturned, mode_rest
+   use rwmf_simulation_hybrid_loop, only: mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_result, only: event_t
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -54,9 +55,11 @@ module rwmf_embedding_stepping
    !> Where the wall is. What the scene has not is zero.
    type :: wall_state_t
       real(wp) :: t
-      !! time of this state: that of the last advance, or of overturning [s]
+      !! time of this state: that of the last advance, or of overturning or collapse [s]
       logical :: at_rest
       logical :: overturned
+      logical :: collapsed
+      !! a drift passed the limit of an effect
       real(wp) :: theta = 0
       !! rotation [rad]
       real(wp) :: theta_dot = 0
@@ -352,6 +355,7 @@ contains
          state%t = hybrid%t
          state%at_rest = hybrid%mode == mode_rest
          state%overturned = hybrid%mode == mode_overturned
+         state%collapsed = hybrid%mode == mode_collapsed
          state%impacts = recorder%impacts
          state%lift_offs = recorder%lift_offs
          state%steps = stepping%instance%steps
@@ -406,6 +410,8 @@ contains
       !! force of spring and damper on the mass at the link [N]
       real(wp), allocatable :: floor_forces(:)
       !! (floors) of `&storeys` with all modes [N]
+      real(wp) :: on_frame(2)
+      !! forces of effects on the frame over that mass [m/s2]
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
@@ -432,6 +438,8 @@ contains
             forces%link = frame_mass*(state%u_s_ddot &
                + equation%excited_mass_ratio*instance%ground) + restoring
          end if
+         on_frame = effects_frame_force(equation, y)
+         if (equation%has_wall) forces%link = forces%link + instance%mass*on_frame(1)
          if (equation%has_cable) then
             cable = cable_at(equation, y(1))
             forces%cable = instance%mass*p%g*cable%force

@@ -16,7 +16,7 @@ module rwmf_embedding_wall_instance
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_held_wall, only: hold_wall
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t, mode_overturned, start_hybrid
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid, has_ended, hybrid_t, start_hybrid
    use rwmf_simulation_recorder_recorder, only: create_recorder, recorder_t
    use rwmf_simulation_run, only: guess_size, impact_law, initial_state, tolerances
    implicit none
@@ -40,7 +40,7 @@ module rwmf_embedding_wall_instance
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
       real(wp) :: t
-      !! how far the host has advanced; after overturning the motion ended earlier [s]
+      !! how far the host has advanced; after overturning or collapse the motion ended earlier [s]
       real(wp) :: ground
       !! ground acceleration there [m/s2]
       real(wp) :: mass
@@ -187,7 +187,7 @@ contains
       end if
       instance%steps = instance%steps + instance%integrator%steps
       instance%t = t
-      if (instance%hybrid%mode /= mode_overturned) then
+      if (.not. has_ended(instance%hybrid)) then
          instance%ground = acceleration(instance%equation%motion, interval_of(instance%equation), t)
       end if
    end subroutine advance_instance

@@ -11,7 +11,7 @@ module rwmf_model_contributions
    private
 
    public :: choose_contributions
-   public :: state_sizes, effects_energy, effects_power, effects_input
+   public :: state_sizes, effects_energy, effects_power, effects_input, effects_frame_force
 
 contains
 
@@ -46,21 +46,30 @@ contains
       integer, intent(in) :: number
       !! in the list of effects
       type(contribution_t), intent(in) :: effect
+      type(contribution_t), allocatable :: effects(:)
       integer :: n
 
       n = 0
       if (allocated(equation%effects)) n = size(equation%effects)
-      if (n == 0) allocate (equation%effects(0))
-      equation%effects = [equation%effects, effect]
+      allocate (effects(n + 1))
+      if (n > 0) effects(:n) = equation%effects
+      effects(n + 1) = effect
+      call move_alloc(effects, equation%effects)
       associate (added => equation%effects(n + 1))
          ! what acts at both corners of a hinged wall is a couple
          if (.not. equation%has_impacts) added%force => null()
-         added%first = equation%scene%n + 1
+         if (effect%reads == 0) added%first = equation%scene%n + 1
          added%coef = equation%scene%n_coef + 1
       end associate
       if (.not. associated(effect%coefficients)) return
       call add_term(equation%scene, term_t(number, effect%n, effect%law, effect%n_coef, &
          effect%states))
+      if (effect%reads > 0) then
+         associate (term => equation%scene%terms(size(equation%scene%terms)))
+            term%state = effect%first
+            term%n_states = effect%reads
+         end associate
+      end if
       ! before the loops that read the kinematics
       if (effect%is_kinematic) equation%scene%terms = cshift(equation%scene%terms, -1)
    end subroutine append_contribution
@@ -142,5 +151,23 @@ contains
          end if
       end do
    end function effects_input
+
+   !> Forces with which further effects resist the displaced frame: that the links to the wall pull
+   !> against; on floors that have states, together [m/s2].
+   function effects_frame_force(equation, y) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: force(2)
+      integer :: i
+
+      force = 0
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         if (associated(equation%effects(i)%frame_force)) then
+            force = force + equation%effects(i)%frame_force(equation, y)
+         end if
+      end do
+   end function effects_frame_force
 
 end module rwmf_model_contributions

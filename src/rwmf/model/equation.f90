@@ -16,7 +16,7 @@ module rwmf_model_equation
 
    public :: equation_t, contribution_t, floors_t, hysteresis_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: enter_interval, interval_of, enter_side, renew_coefficients
+   public :: enter_interval, interval_of, enter_side, renew_coefficients, constants_of
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
    public :: frame_velocity, frame_motion, frame_travel, frame_mass, corner_share
@@ -26,6 +26,10 @@ module rwmf_model_equation
    type :: contribution_t
       logical :: is_present = .false.
       !! the case calls for it
+      character(12) :: group = ''
+      !! of an effect with constants
+      real(wp), allocatable :: constants(:)
+      !! what its procedures need of the case, which they find by its group (`constants_of`)
       procedure(coefficients_i), pointer, nopass :: coefficients => null()
       !! that its loop reads; not associated: it has no loop
       integer :: n_coef = 0
@@ -48,6 +52,8 @@ module rwmf_model_equation
       !! not associated: stores nothing
       procedure(force_i), pointer, nopass :: force => null()
       !! asked only for reactions; not associated: no force on the wall
+      procedure(frame_force_i), pointer, nopass :: frame_force => null()
+      !! asked only for reactions; not associated: no force on the frame
       procedure(power_i), pointer, nopass :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
@@ -55,7 +61,13 @@ module rwmf_model_equation
       procedure(sizes_i), pointer, nopass :: sizes => null()
       !! that its states are expected to have
       integer :: first = 0
-      !! place of its first state among all
+      !! place of its first state among all, or of the first that it reads
+      integer :: reads = 0
+      !! number of states of another effect that its loop reads, and whose rates it adds to
+      integer :: drifts = 0
+      !! number of drifts that end the run when they pass their limits
+      procedure(drifts_i), pointer, nopass :: put_drifts => null()
+      !! those drifts
    end type contribution_t
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
@@ -246,6 +258,19 @@ module rwmf_model_equation
          !! (states)
       end function energy_i
 
+      !> Drifts over their limits, and how fast these ratios change.
+      subroutine drifts_i(equation, y, ratio, rate)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(out) :: ratio(:)
+         !! (drifts of the effect) with sign; the run ends at -1 and 1 [-]
+         real(wp), intent(out) :: rate(:)
+         !! (drifts of the effect) [1/s]
+      end subroutine drifts_i
+
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
       subroutine sizes_i(equation, size_guess, sizes)
          import :: equation_t, wp
@@ -283,9 +308,33 @@ module rwmf_model_equation
          !! over m_w, horizontal (positive as u_g'') and upward; in the frame of the ground, so that
          !! forces of inertia due to its motion count [m/s2]
       end subroutine force_i
+
+      !> Forces with which an effect resists the displaced frame, or pushes on it where negative.
+      function frame_force_i(equation, y) result(force)
+         import :: equation_t, wp
+         implicit none
+         class(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp) :: force(2)
+         !! over m_w: that the links to the wall pull against; on floors that have states, together
+         !! [m/s2]
+      end function frame_force_i
    end interface
 
 contains
+
+   !> Constants of an effect that the scene has.
+   pure function constants_of(equation, group) result(constants)
+      type(equation_t), intent(in) :: equation
+      character(*), intent(in) :: group
+      real(wp), allocatable :: constants(:)
+      integer :: i
+
+      do i = 1, size(equation%effects)
+         if (equation%effects(i)%group == group) constants = equation%effects(i)%constants
+      end do
+   end function constants_of
 
    !> An interval of the motion comes into force, or the motion has changed within it.
    !>

@@ -3,6 +3,7 @@
 module rwmf_model_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
    use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
@@ -41,12 +42,15 @@ contains
       !! acceleration of the wall's centroid [m/s2]
       real(wp) :: applied(2)
       !! force on the wall beyond weight and foundation [m/s2]
+      real(wp) :: on_frame(2)
+      !! forces of effects on the frame [m/s2]
       real(wp) :: u_ddot
       integer :: i
 
+      on_frame = effects_frame_force(equation, y)
       if (.not. equation%has_wall) then
          reactions = reactions_t(0, 0, y_ddot + ground(equation, t) &
-            + floor_inertia(equation, t, y, y_ddot))
+            + floor_inertia(equation, t, y, y_ddot) - on_frame(2))
          return
       end if
       kin = kinematics_at(equation, y(1))
@@ -68,7 +72,7 @@ contains
       if (.not. equation%has_frame) return
       u_ddot = roof_acceleration(equation, kin, y, y_ddot)
       reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
-         + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot)
+         + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
 
    !> |H|/N, the coefficient of friction that keeps the pivot in its place; not finite where the
@@ -95,6 +99,8 @@ contains
       !! [m/s2]
       real(wp), allocatable :: resisting(:)
       !! forces of the storeys [m/s2]
+      real(wp) :: on_frame(2)
+      !! forces of effects on the frame [m/s2]
       real(wp) :: u_ddot
       real(wp) :: side_of_frame
       !! -1: the frame stands to the right of the wall
@@ -116,6 +122,8 @@ contains
          end if
          if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
+      on_frame = effects_frame_force(equation, y)
+      force(1) = force(1) - on_frame(1)
       if (equation%geometry%link <= 0) return
       ! `symmetric` is a wall whose frame changes its place with the side
       side_of_frame = equation%side*equation%geometry%tilt(equation%side)

@@ -24,7 +24,7 @@ module rwmf_model_scene
       integer :: n_coef = 0
       !! number of its coefficients
       integer :: n_states = 0
-      !! number of states of its own
+      !! number of states of its own, or of another's that it reads
       integer :: coef = 1
       !! column of the first of these coefficients
       integer :: state = 1

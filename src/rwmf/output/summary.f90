@@ -142,7 +142,7 @@ contains
       end associate
    end subroutine add_storeys
 
-   !> Impacts, lift-offs and overturning.
+   !> Impacts, lift-offs, overturning and collapse.
    pure subroutine add_regimes(items, result)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       type(result_t), intent(in) :: result
@@ -152,6 +152,8 @@ contains
          call add_count(items, 'lift_offs', result%lift_offs)
          call add_logical(items, 'overturned', result%overturned)
       end if
+      call add_logical(items, 'collapsed', result%collapsed)
+      call add_real(items, 't_collapse_s', result%t_collapse)
       call add_real(items, 'e', result%e)
       call add_real(items, 'e_max', result%e_max)
    end subroutine add_regimes

@@ -13,6 +13,7 @@ module rwmf_problem_case
    public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t, structure_t
+   public :: keep_numbers, has_numbers, numbers_of
 
    !> Rocking wall, `&wall`.
    type :: wall_t
@@ -219,6 +220,14 @@ module rwmf_problem_case
       !! half widths of the wall [m]; absent: the case's
    end type spectrum_spec_t
 
+   !> An effect that is a few numbers.
+   type :: effect_numbers_t
+      character(12) :: group = ''
+      !! that says them
+      real(wp), allocatable :: values(:)
+      !! in an order that the effect knows
+   end type effect_numbers_t
+
    !> What is simulated but for its motion: the components that a further run of the same scene
    !> takes over by one assignment. Those that are not allocated are effects that the scene does not
    !> call for.
@@ -236,6 +245,8 @@ module rwmf_problem_case
       type(vertical_t), allocatable :: vertical
       type(initial_t), allocatable :: initial
       type(model_t) :: model
+      type(effect_numbers_t), allocatable :: numbers(:)
+      !! effects that need no type of their own (`keep_numbers`)
    end type structure_t
 
    !> One case: a structure, its motion, how it is integrated and what is kept. Its part
@@ -254,5 +265,45 @@ module rwmf_problem_case
       type(record_t), allocatable :: vertical_record
       !! samples of the record that `&vertical file` names
    end type case_t
+
+contains
+
+   !> Keep the numbers that the group of an effect says.
+   pure subroutine keep_numbers(case, group, values)
+      class(structure_t), intent(inout) :: case
+      character(*), intent(in) :: group
+      real(wp), intent(in) :: values(:)
+      type(effect_numbers_t), allocatable :: all_numbers(:)
+      integer :: n
+
+      n = 0
+      if (allocated(case%numbers)) n = size(case%numbers)
+      allocate (all_numbers(n + 1))
+      if (n > 0) all_numbers(:n) = case%numbers
+      all_numbers(n + 1)%group = group
+      all_numbers(n + 1)%values = values
+      call move_alloc(all_numbers, case%numbers)
+   end subroutine keep_numbers
+
+   !> Are there numbers of a group?
+   pure logical function has_numbers(case, group)
+      class(structure_t), intent(in) :: case
+      character(*), intent(in) :: group
+
+      has_numbers = .false.
+      if (allocated(case%numbers)) has_numbers = any(case%numbers%group == group)
+   end function has_numbers
+
+   !> The numbers of a group that has some.
+   pure function numbers_of(case, group) result(values)
+      class(structure_t), intent(in) :: case
+      character(*), intent(in) :: group
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      do i = 1, size(case%numbers)
+         if (case%numbers(i)%group == group) values = case%numbers(i)%values
+      end do
+   end function numbers_of
 
 end module rwmf_problem_case

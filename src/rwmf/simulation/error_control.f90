@@ -9,7 +9,7 @@ module rwmf_simulation_error_control
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: add_warning, history_t, result_t
+   use rwmf_simulation_result, only: add_warning, ending_name, history_t, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -119,14 +119,14 @@ contains
       result%estimate_seconds = result%estimate_seconds + tight%seconds + larger%seconds
    end subroutine verify_run
 
-   !> Difference of two peaks over the second; 1 when only one of the runs overturned [-].
+   !> Difference of two peaks over the second; 1 when they ended differently [-].
    pure real(wp) function relative_difference(one, other) result(difference)
       type(result_t), intent(in) :: one
       type(result_t), intent(in) :: other
       real(wp) :: change
 
       difference = 1
-      if (one%overturned .neqv. other%overturned) return
+      if (ending_name(one) /= ending_name(other)) return
       change = abs(peak_of(one) - peak_of(other))
       difference = 0
       if (change > 0) difference = change/max(abs(peak_of(other)), tiny(change))

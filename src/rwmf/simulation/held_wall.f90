@@ -14,9 +14,10 @@ module rwmf_simulation_held_wall
    use rwmf_model_lift_off, only: find_uplift_acceleration, lifts
    use rwmf_model_rest, only: inverse_inertia, pressing_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
+   use rwmf_simulation_events_drift_events, only: cut_step
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
       step_view_t, view_step
-   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_hybrid_state, only: change_storey, hybrid_t, pass_knot
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    implicit none
@@ -67,7 +68,7 @@ contains
       call integrator%step(t_limit, error)
       if (allocated(error)) return
       call view_step(step, equation, integrator)
-      if (equation%floors%yields) call stop_at_storey(step, ending, error)
+      call cut_step(step, hybrid%drifts, ending, error)
       if (allocated(error)) return
       call search_lift_off(hybrid, step, side, error)
       if (allocated(error)) return

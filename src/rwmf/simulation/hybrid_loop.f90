@@ -1,4 +1,5 @@
-!> The hybrid system: rest, rocking on either corner, overturned, and the ways between them.
+!> The hybrid system: rest, rocking on either corner, overturned or collapsed, and the ways between
+!> them.
 !>
 !> Between events an integrator follows the equation of motion of one side in one interval of the
 !> ground motion. Each of its steps is searched for events (`step_events`), so that two returns in
@@ -13,6 +14,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_assembly, only: cable_at, enter_interval, enter_side, equation_t, &
       interval_of, second_derivative
    use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_drift_limits, only: count_drifts
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys, start_storeys
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction, load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, pass_window, renew_window, &
@@ -21,12 +23,13 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_rest, only: may_rest
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: interval_at, interval_end
+   use rwmf_simulation_events_drift_events, only: cut_step, has_collapsed
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
-   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
-   use rwmf_simulation_hybrid_state, only: change_storey, count_steps, hybrid_t, mode_no_impacts, &
-      mode_overturned, mode_rest, mode_rocking, pass_knot
+   use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
+      mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
    use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_impact, &
       observe_piece, observe_rest, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
@@ -36,7 +39,7 @@ module rwmf_simulation_hybrid_loop
    private
 
    public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, apply_event, stay_at_rest
-   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
+   public :: mode_rest, mode_rocking, mode_overturned, mode_collapsed, mode_no_impacts, has_ended
 
    real(wp), parameter :: negligible = 0.01_wp
    !! part of the tolerance below which a motion may be put to rest
@@ -56,6 +59,7 @@ contains
       hybrid%t = t
       hybrid%y = y
       hybrid%must_restart = .true.
+      hybrid%drifts = count_drifts(equation)
       call enter_interval(equation, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
       call enter_side(equation, 1)
@@ -70,12 +74,14 @@ contains
       if (.not. equation%has_impacts) then
          if (equation%floors%yields) call start_storeys(equation, y)
          hybrid%mode = mode_no_impacts
+         if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
          return
       end if
       if (equation%floors%yields) call start_storeys(equation, y)
       call find_uplift_acceleration(equation, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
+      if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine start_hybrid
 
@@ -102,7 +108,7 @@ contains
       call load_to(equation, theta)
    end subroutine start_springs
 
-   !> Follow the system to the time t_target, or to overturning.
+   !> Follow the system to the time t_target, or to overturning or collapse.
    subroutine advance_hybrid(hybrid, equation, integrator, recorder, t_target, control, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -113,7 +119,7 @@ contains
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
 
-      do while (hybrid%t < t_target .and. hybrid%mode /= mode_overturned)
+      do while (hybrid%t < t_target .and. .not. has_ended(hybrid))
          if (hybrid%mode == mode_rest) then
             call stay_at_rest(hybrid, equation, integrator, recorder, t_target, error)
             if (allocated(error)) return
@@ -291,7 +297,7 @@ contains
       integer :: event
 
       call view_step(step, equation, integrator)
-      if (equation%floors%yields) call stop_at_storey(step, ending, error)
+      call cut_step(step, hybrid%drifts, ending, error)
       if (allocated(error)) return
       call search_step(hybrid, step, recorder, event, error)
       if (allocated(error)) return

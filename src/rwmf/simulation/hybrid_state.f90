@@ -6,12 +6,12 @@ module rwmf_simulation_hybrid_state
    use rwmf_motion_ground_motion, only: has_jump, interval_end
    use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, recorder_t
-   use rwmf_simulation_result, only: event_branch
+   use rwmf_simulation_result, only: event_branch, event_collapsed
    implicit none
    private
 
-   public :: hybrid_t, count_steps, pass_knot
-   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts
+   public :: hybrid_t, count_steps, has_ended, pass_knot
+   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
    public :: change_storey
 
    integer, parameter :: mode_rest = 0
@@ -19,6 +19,8 @@ module rwmf_simulation_hybrid_state
    integer, parameter :: mode_overturned = 2
    integer, parameter :: mode_no_impacts = 3
    !! bare frame or hinged wall: one smooth regime
+   integer, parameter :: mode_collapsed = 4
+   !! a drift has passed its limit
 
    integer(i8), parameter :: cost_of_restart = 30_i8
    !! steps that a multistep method takes to be up to speed
@@ -41,11 +43,20 @@ module rwmf_simulation_hybrid_state
       real(wp) :: rtol
       !! requested relative tolerance [-]
       integer(i8) :: max_steps
+      integer :: drifts = 0
+      !! number of drifts with a limit at which the scene collapses
       integer(i8) :: steps_at_knot = 0_i8
       !! of the integrator when the present interval of the motion began
    end type hybrid_t
 
 contains
+
+   !> Is the motion over before its time: has the wall overturned, or the scene collapsed?
+   pure logical function has_ended(hybrid)
+      type(hybrid_t), intent(in) :: hybrid
+
+      has_ended = hybrid%mode == mode_overturned .or. hybrid%mode == mode_collapsed
+   end function has_ended
 
    !> Begin to count the steps of the interval in force: at the first knot of the motion there are
    !> enough of them for a restart.
@@ -81,13 +92,18 @@ contains
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
 
-   !> The branch of a storey ends at the present state.
+   !> The branch of a storey ends at the present state, or the scene collapses there.
    subroutine change_storey(hybrid, equation, recorder, ending)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       type(storey_end_t), intent(in) :: ending
 
+      if (ending%collapses) then
+         hybrid%mode = mode_collapsed
+         call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
+         return
+      end if
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
       call end_branch(equation, ending, hybrid%y)
       if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &

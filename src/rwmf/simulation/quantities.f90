@@ -119,6 +119,10 @@ module rwmf_simulation_quantities
       '`base = ''rocking''`', 'number of times that the wall lifts off from rest'), &
       quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run cost', 'wall', '', &
       '`base = ''rocking''`', 'whether the wall overturned'), &
+      quantity_t('collapsed', 'collapsed', '1', 'logical', 'whether', 'run', '', '', &
+      'an effect that limits a drift', 'whether a drift passed the limit of the effect'), &
+      quantity_t('t_collapse_s', 't_collapse', 's', 'real', 'time', 'run', '', '', &
+      'an effect that limits a drift, collapsed', 'when it did, which ends the run'), &
       quantity_t('e', 'e', '1', 'real', 'before', 'run', 'wall', '', &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run', 'wall', '', &

@@ -7,7 +7,7 @@ module rwmf_simulation_result
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
-   public :: event_branch, event_rupture, event_passage
+   public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
 
    integer, parameter :: event_impact = 1
    integer, parameter :: event_peak = 2
@@ -20,6 +20,8 @@ module rwmf_simulation_result
    !! the tendon breaks
    integer, parameter :: event_passage = 8
    !! the hysteretic force of the frame passes zero: ends a piece of motion, is not reported
+   integer, parameter :: event_collapsed = 9
+   !! a drift passes the limit at which the scene has collapsed
 
    !> An instant at which the regime of motion changes, or a peak of the rotation.
    type :: event_t
@@ -38,7 +40,7 @@ module rwmf_simulation_result
       character(32), allocatable :: names(:)
       !! (columns), with unit suffix as in the CSV file: 't_s', 'theta_rad', ...
       real(wp), allocatable :: values(:, :)
-      !! (rows, columns); after overturning NaN
+      !! (rows, columns); after overturning or collapse NaN
    end type history_t
 
    !> Energy ledger per unit m_w (bare frame: per unit m_s) [J/kg].
@@ -131,11 +133,15 @@ module rwmf_simulation_result
       logical :: has_impacts
       !! the scene has a rocking wall: impacts and lift-offs apply
       logical :: overturned
+      logical, allocatable :: collapsed
+      !! a drift passed the limit of an effect; absent unless an effect has one
+      real(wp), allocatable :: t_collapse
+      !! when it did [s]; absent unless it has
       integer(i8) :: steps
       !! accepted steps of the integrator
       integer(i8) :: rhs_evaluations
       real(wp) :: t_end
-      !! where the simulation ended: the case's end, or overturning [s]
+      !! where the simulation ended: the case's end, overturning or collapse [s]
       real(wp), allocatable :: final_state(:)
       !! state at that time
       real(wp) :: seconds
@@ -165,12 +171,22 @@ contains
    pure function event_name(kind) result(name)
       integer, intent(in) :: kind
       !! one of the `event_` numbers
-      character(*), parameter :: names(0:7) = [character(10) :: 'overturned', 'impact', 'peak', &
-         'lift_off', 'rest', 'overturned', 'branch', 'rupture']
+      character(*), parameter :: names(0:9) = [character(10) :: 'overturned', 'impact', 'peak', &
+         'lift_off', 'rest', 'overturned', 'branch', 'rupture', 'passage', 'collapsed']
       character(len_trim(names(merge(kind, 0, kind > 0 .and. kind <= ubound(names, 1))))) :: name
 
       name = names(merge(kind, 0, kind > 0 .and. kind <= ubound(names, 1)))
    end function event_name
+
+   !> How a simulation ended: 'ok' at the end of its time, 'overturned' or 'collapsed'.
+   pure function ending_name(result) result(name)
+      type(result_t), intent(in) :: result
+      character(10) :: name
+
+      name = 'ok'
+      if (allocated(result%t_collapse)) name = 'collapsed'
+      if (result%overturned) name = 'overturned'
+   end function ending_name
 
    !> Append to a list that doubles its room when full.
    pure subroutine append_event(events, n, event)

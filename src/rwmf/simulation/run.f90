@@ -17,8 +17,8 @@ module rwmf_simulation_run
    use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t, mode_overturned, mode_rest, &
-      start_hybrid
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t, mode_collapsed, &
+      mode_overturned, mode_rest, start_hybrid
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
@@ -273,6 +273,10 @@ contains
       result%lift_offs = recorder%lift_offs
       result%has_impacts = equation%has_impacts
       result%overturned = hybrid%mode == mode_overturned
+      if (hybrid%drifts > 0) result%collapsed = hybrid%mode == mode_collapsed
+      ! a pass at coarser tolerances may have ended differently
+      if (allocated(result%t_collapse)) deallocate (result%t_collapse)
+      if (hybrid%mode == mode_collapsed) result%t_collapse = hybrid%t
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y

@@ -25,8 +25,8 @@ module rwmf_spectrum_lanes
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       quartic_of
-   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, hybrid_t, &
-      mode_overturned, mode_rest, mode_rocking, stay_at_rest
+   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, has_ended, hybrid_t, &
+      mode_collapsed, mode_overturned, mode_rest, mode_rocking, stay_at_rest
    use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak
@@ -54,6 +54,7 @@ module rwmf_spectrum_lanes
       real(wp) :: u_s_max = 0
       !! [m]
       logical :: overturned = .false.
+      logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
       character(24) :: failure = ''
       !! name of the error
@@ -260,7 +261,7 @@ contains
       associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%case%solver%t_end)
          do
             if (allocated(lane%error)) return
-            if (hybrid%t >= t_end .or. hybrid%mode == mode_overturned) return
+            if (hybrid%t >= t_end .or. has_ended(hybrid)) return
             if (lane%integrator%steps > hybrid%max_steps) then
                call fail(lane%error, err_numerical, 'more than &solver max_steps steps by t = ' &
                   //trim(real_to_text(hybrid%t))//' s', 'too_many_steps')
@@ -306,7 +307,7 @@ contains
          table(i, of_rejected) = 0
          table(i, of_longest) = longest_step(equation, motion)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
-         lane%is_smooth = .not. equation%floors%yields
+         lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0)
          table(i, [of_least, of_most]) = [-huge(1.0_wp), huge(1.0_wp)]
          if (equation%has_loading_direction) then
             ! the hysteretic force that falls back passes zero
@@ -719,6 +720,7 @@ contains
             ordinate%u_s_max = recorder%u_max
          end associate
          ordinate%overturned = lane%hybrid%mode == mode_overturned
+         ordinate%collapsed = lane%hybrid%mode == mode_collapsed
          if (is_much_smaller(lane%case, size_found, lane%size_guess) &
              .and. lane%pass < most_passes) then
             lane%pass = lane%pass + 1

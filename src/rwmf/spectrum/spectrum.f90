@@ -7,7 +7,7 @@ module rwmf_spectrum_spectrum
    use rwmf_integrator_factory, only: spectrum_method
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, spectrum_spec_t
-   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_spectrum_fast_bare_frame, only: run_frames
    use rwmf_spectrum_fast_driver, only: run_fast
@@ -31,7 +31,7 @@ module rwmf_spectrum_spectrum
       real(wp), allocatable :: u_s_max(:, :, :)
       !! (n_T, n_gamma, n_b) [m]; NaN where the simulation failed
       character(24), allocatable :: status(:, :, :)
-      !! (n_T, n_gamma, n_b) 'ok', 'overturned' or the name of an error
+      !! (n_T, n_gamma, n_b) 'ok', 'overturned', 'collapsed' or the name of an error
       integer(i8) :: rhs_evaluations
       real(wp) :: seconds
       !! wall-clock time [s]
@@ -220,6 +220,7 @@ contains
          if (ordinates(m)%failure /= '') cycle
          spectrum%u_s_max(i, j, k) = ordinates(m)%u_s_max
          spectrum%status(i, j, k) = merge('overturned', 'ok        ', ordinates(m)%overturned)
+         if (ordinates(m)%collapsed) spectrum%status(i, j, k) = 'collapsed'
       end do
    end subroutine run_general_lanes
 
@@ -258,8 +259,7 @@ contains
          return
       end if
       spectrum%u_s_max(i, j, k) = result%u_s_max
-      spectrum%status(i, j, k) = 'ok'
-      if (result%overturned) spectrum%status(i, j, k) = 'overturned'
+      spectrum%status(i, j, k) = ending_name(result)
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
 

@@ -6,6 +6,7 @@ module rwmf_model_effects_list
    use rwmf_model_effects_fuse, only: fuse_group, prepare_fuse
    use rwmf_model_effects_impact_table, only: impact_table_group
    use rwmf_model_effects_link, only: link_group, prepare_link
+   use rwmf_model_effects_p_delta, only: p_delta_group, prepare_p_delta
    use rwmf_model_effects_pinned_base, only: pinned_base_group
    use rwmf_model_effects_storeys_storeys, only: prepare_storeys, storeys_group
    use rwmf_model_effects_tendon, only: tendon_group
@@ -19,7 +20,7 @@ module rwmf_model_effects_list
 
    public :: all_effects, has_effects, prepare_effect, effect_count
 
-   integer, parameter :: effect_count = 10
+   integer, parameter :: effect_count = 11
 
 contains
 
@@ -39,6 +40,7 @@ contains
       effects(8) = pinned_base_group()
       effects(9) = impact_table_group()
       effects(10) = tendon_group()
+      effects(11) = p_delta_group()
    end function all_effects
 
    !> What an effect of the list brings into the equation of motion, if the case calls for it.
@@ -63,6 +65,8 @@ contains
          call prepare_yielding(case, equation, effect)
       case (7)
          call prepare_vertical(case, equation, effect)
+      case (11)
+         call prepare_p_delta(case, equation, effect)
       case default
          ! a base, a rule of impacts, a law of the cable: nothing beyond wall and cable
       end select

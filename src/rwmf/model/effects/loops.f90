@@ -4,6 +4,7 @@ module rwmf_model_effects_loops
    use rwmf_model_effects_corner_damper_loop, only: add_damper
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
    use rwmf_model_effects_fuse_loop, only: add_fuse
+   use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_floors
    use rwmf_model_effects_vertical_motion_loop, only: add_vertical
    use rwmf_model_effects_yielding_loop, only: add_bouc_wen
@@ -83,6 +84,8 @@ contains
          call add_bouc_wen(term%law, coef, own, motion, own_dot)
       case (7)
          call add_vertical(coef, motion)
+      case (11)
+         call add_p_delta(term%n, coef, own, motion, own_dot)
       case default
          ! has no loop, and therefore no term
       end select

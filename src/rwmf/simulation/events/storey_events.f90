@@ -9,7 +9,8 @@ module rwmf_simulation_events_storey_events
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
-      storey_motion, turn_storey
+      turn_storey
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_steady, may_reverse, &
       sample_state, step_view_t
    implicit none
@@ -41,7 +42,7 @@ module rwmf_simulation_events_storey_events
       !! displacement [m], its rate [m/s], and hysteretic state of a smooth storey [-] at both
    end type storey_span_t
 
-   !> End of a storey's branch.
+   !> End of a storey's branch, or of the motion.
    type :: storey_end_t
       integer :: storey = 0
       !! 0: none
@@ -53,6 +54,8 @@ module rwmf_simulation_events_storey_events
       !! its hysteretic force does; else it comes to a limit
       logical :: is_rising = .false.
       !! its displacement grows beyond
+      logical :: collapses = .false.
+      !! it is the number of a drift that passes its limit
    end type storey_end_t
 
 contains

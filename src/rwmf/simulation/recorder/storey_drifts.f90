@@ -3,7 +3,7 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
-   use rwmf_model_effects_storeys_yielding_storeys, only: storey_motion
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
    use rwmf_simulation_events_storey_events, only: end_at_turn, moment_t, of_drift, &
       sample_storeys, span_of, storey_span_t

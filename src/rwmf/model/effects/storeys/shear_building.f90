@@ -12,6 +12,7 @@ module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_motion, frame_travel, &
       frame_velocity, ground
+   use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: spring_energy
    use rwmf_problem_case, only: case_t
@@ -21,7 +22,7 @@ module rwmf_model_effects_storeys_shear_building
 
    public :: set_storeys, storey_coefficients, excited_mass_coefficients, excited_mass_input
    public :: storey_sizes, storey_power, storey_energy, storey_input, resistance, floor_inertia
-   public :: floor_motion, put_floors
+   public :: put_floors
 
 contains
 
@@ -170,25 +171,6 @@ contains
             + equation%floor_mass*ground(equation, t)
       end if
    end function floor_inertia
-
-   !> Displacements and velocities of ground, floors and roof relative to the ground.
-   subroutine floor_motion(equation, y, u, v)
-      class(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: u(0:)
-      !! (0:n) [m]
-      real(wp), intent(out) :: v(:)
-      !! (n) [m/s]
-      integer :: n
-
-      n = size(v)
-      u(0) = 0
-      associate (first => equation%floors%first)
-         u(1:n - 1) = y(first:first + n - 2)
-         v(:n - 1) = y(first + n - 1:first + 2*n - 3)
-      end associate
-      call frame_motion(equation, y, u(n), v(n))
-   end subroutine floor_motion
 
    !> Columns of the history: displacements of the floors below the roof relative to the ground [m],
    !> and what each storey is displaced by over its height [-].

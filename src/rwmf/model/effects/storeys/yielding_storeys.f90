@@ -6,8 +6,8 @@
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_storeys_shear_building, only: floor_motion
    use rwmf_model_equation, only: equation_t, floors_t, renew_coefficients
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_yielding, new_spring, pass_limit, reset_spring, &
       spring_force, spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
@@ -19,7 +19,7 @@ module rwmf_model_effects_storeys_yielding_storeys
 
    public :: choose_storey_springs, storeys_plastic_power, start_storeys, settle_storeys
    public :: follow_storeys
-   public :: storey_motion, branch_limits, loading_direction_of, pass_storey_limit, turn_storey
+   public :: branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
    public :: put_shears, storey_residuals
 
@@ -124,26 +124,6 @@ contains
       end do
       call follow_storeys(equation)
    end subroutine settle_storeys
-
-   !> What the storeys are displaced by, and how fast.
-   subroutine storey_motion(equation, y, d, d_dot)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(out) :: d(:)
-      !! (n) u_i - u_(i-1) [m]
-      real(wp), intent(out) :: d_dot(:)
-      !! (n) [m/s]
-      real(wp) :: u(0:size(d))
-      real(wp) :: v(size(d))
-      integer :: n
-
-      n = size(d)
-      call floor_motion(equation, y, u, v)
-      d = u(1:) - u(:n - 1)
-      d_dot = v
-      d_dot(2:) = v(2:) - v(:n - 1)
-   end subroutine storey_motion
 
    !> Displacements between which the branch of a storey holds.
    pure subroutine branch_limits(equation, storey, low, high)

@@ -1,0 +1,44 @@
+!> Drifts that end a run when they pass their limits: what the effects of a scene that bring such
+!> limits say of them, one after the other.
+module rwmf_model_drift_limits
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_equation, only: equation_t
+   implicit none
+   private
+
+   public :: count_drifts, drift_ratios
+
+contains
+
+   !> How many drifts the effects of the scene limit; 0: the scene cannot collapse.
+   pure integer function count_drifts(equation) result(n)
+      type(equation_t), intent(in) :: equation
+
+      n = 0
+      if (allocated(equation%effects)) n = sum(equation%effects%drifts)
+   end function count_drifts
+
+   !> All of them over their limits, and how fast these ratios change.
+   subroutine drift_ratios(equation, y, ratio, rate)
+      type(equation_t), intent(in) :: equation
+      !! with effects that limit a drift
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: ratio(:)
+      !! (drifts) with the sign of the drift; beyond -1 or 1 the scene collapses [-]
+      real(wp), intent(out) :: rate(:)
+      !! (drifts) [1/s]
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(equation%effects)
+         associate (effect => equation%effects(i))
+            if (effect%drifts == 0) cycle
+            call effect%put_drifts(equation, y, ratio(n + 1:n + effect%drifts), &
+               rate(n + 1:n + effect%drifts))
+            n = n + effect%drifts
+         end associate
+      end do
+   end subroutine drift_ratios
+
+end module rwmf_model_drift_limits

@@ -1,0 +1,236 @@
+!> Gravity on the displaced frame, `&p_delta`: a massless leaning column that carries m_g g.
+!>
+!> Between two floors that are displaced by d over the height of their storey it pushes both apart
+!> with W d/height, W the weight above: a negative stiffness of that storey (docs/theory.md).
+module rwmf_model_effects_p_delta
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_equation, only: constants_of, contribution_t, equation_t, frame_mass, &
+      frame_motion
+   use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
+   use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, real_of
+   use rwmf_problem_key, only: not_negative, optional_key, positive
+   use rwmf_problem_rules, only: fail_group, fail_key
+   implicit none
+   private
+
+   public :: p_delta_group, prepare_p_delta
+
+   integer, parameter :: of_mass = 1
+   integer, parameter :: of_height = 2
+   !! 0: that of the wall or of the storeys
+   integer, parameter :: of_limit = 3
+   !! places of the keys among the numbers of the group
+
+contains
+
+   type(case_group_t) function p_delta_group() result(group)
+      group%name = 'p_delta'
+      group%needs(1) = 'frame'
+      group%reasons(1) = 'its displacement is what gravity acts on'
+      group%keys = [ &
+         optional_key('p_delta', 'm_g_over_m_s', 'real', '-', '1.0', not_negative, &
+            'mass whose weight leans on the frame, over the mass of the frame or of each floor'), &
+         optional_key('p_delta', 'h_f', 'real', 'm', '2h', positive, &
+            'height of the frame; required without &wall, refused with &storeys'), &
+         optional_key('p_delta', 'drift_limit', 'real', '-', '0.1', positive, &
+            'drift of the frame or of a storey at which it has collapsed, which ends the run')]
+      group%check => check_p_delta
+      group%fill => fill_p_delta
+      group%is_present => has_p_delta
+      group%add_events => add_collapse
+      group%refuse_element => refuse_element
+   end function p_delta_group
+
+   subroutine check_p_delta(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_group(values, 'storeys')) then
+         if (has_key(values, 'p_delta', 'h_f')) call fail_key(values, 'p_delta', 'h_f', &
+            'must not be given with &storeys, whose height says it', error)
+      else if (.not. has_group(values, 'wall') .and. .not. has_key(values, 'p_delta', 'h_f')) then
+         call fail_group(values, 'p_delta', 'the key h_f is missing (height of the frame): ' &
+            //'required without &wall, a number > 0 [m]', error)
+      end if
+   end subroutine check_p_delta
+
+   subroutine fill_p_delta(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: numbers(3)
+
+      numbers = 0
+      numbers(of_mass) = real_of(case%values, 'p_delta', 'm_g_over_m_s')
+      numbers(of_limit) = real_of(case%values, 'p_delta', 'drift_limit')
+      if (has_key(case%values, 'p_delta', 'h_f')) numbers(of_height) = real_of(case%values, &
+         'p_delta', 'h_f')
+      call keep_numbers(case, 'p_delta', numbers)
+   end subroutine fill_p_delta
+
+   pure logical function has_p_delta(case)
+      type(case_t), intent(in) :: case
+
+      has_p_delta = has_numbers(case, 'p_delta')
+   end function has_p_delta
+
+   pure subroutine add_collapse(case, names)
+      type(case_t), intent(in) :: case
+      character(name_length), allocatable, intent(inout) :: names(:)
+
+      names = [character(name_length) :: names, 'collapsed']
+   end subroutine add_collapse
+
+   subroutine refuse_element(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, 'an element has no &p_delta: the frame is the host''s')
+   end subroutine refuse_element
+
+   !> What each storey is pushed by: weights over heights of a single degree of freedom, of one
+   !> mode, or of floors that move by themselves.
+   subroutine prepare_p_delta(case, equation, effect)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(out) :: effect
+      real(wp) :: numbers(3)
+
+      effect%is_present = has_p_delta(case)
+      if (.not. effect%is_present) return
+      numbers = numbers_of(case, 'p_delta')
+      effect%group = 'p_delta'
+      effect%coefficients => p_delta_coefficients
+      effect%energy => p_delta_energy
+      effect%frame_force => p_delta_force
+      effect%put_drifts => p_delta_drifts
+      associate (g => numbers(of_mass)*equation%p%g, limit => numbers(of_limit))
+         if (allocated(case%storeys)) then
+            call prepare_storeys(case, equation, g, limit, effect)
+         else
+            if (numbers(of_height) <= 0) numbers(of_height) = 2*case%wall%h
+            effect%drifts = 1
+            effect%constants = [frame_mass(equation)*g/numbers(of_height)*[1, 1], &
+               1/(limit*numbers(of_height))]
+         end if
+      end associate
+      effect%n_coef = max(1, 2*effect%n)
+   end subroutine prepare_p_delta
+
+   !> Constants: push over m_w (without wall over the mass of frame or roof) per displacement of
+   !> each storey that moves by itself, or of the roof [1/s2]; where only the roof does, that of it
+   !> which the links do not bear [1/s2]; drifts over the limit per displacement [1/m].
+   subroutine prepare_storeys(case, equation, g, limit, effect)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: g
+      !! times the share of the masses that lean [m/s2]
+      real(wp), intent(in) :: limit
+      !! of the drifts [-]
+      type(contribution_t), intent(inout) :: effect
+      real(wp), allocatable :: load(:), bend(:)
+      real(wp) :: push
+      integer :: i
+
+      associate (frame => case%storeys%frame, n => size(case%storeys%frame%m))
+         effect%drifts = n
+         load = [(g*sum(frame%m(i:)), i=1, n)]/frame%height
+         if (equation%floors%n > 0) then
+            effect%n = n
+            effect%first = equation%floors%first
+            effect%reads = 2*n - 2
+            effect%constants = [load/equation%floors%unit, 1/(limit*frame%height)]
+            return
+         end if
+         bend = (frame%shape(:, 1) - [0.0_wp, frame%shape(:n - 1, 1)])/frame%shape(n, 1)
+         push = frame_mass(equation)*sum(load*bend**2)*frame%shape(n, 1)**2
+         effect%constants = [push, merge(load(1)*bend(1), push, equation%links_floors), &
+            bend/(limit*frame%height)]
+      end associate
+   end subroutine prepare_storeys
+
+   !> As the loops read them.
+   pure subroutine p_delta_coefficients(equation, coef)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(out) :: coef(:)
+      real(wp), allocatable :: constants(:)
+
+      constants = constants_of(equation, 'p_delta')
+      associate (n => equation%floors%n)
+         if (n > 0) then
+            coef = [equation%p%R, constants(:n), 1/equation%floors%m(:n - 1)]
+         else
+            coef = constants(:1)
+         end if
+      end associate
+   end subroutine p_delta_coefficients
+
+   !> Energy of the weights that sink.
+   real(wp) function p_delta_energy(equation, y) result(energy)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
+      real(wp), allocatable :: constants(:)
+
+      constants = constants_of(equation, 'p_delta')
+      call displacements(equation, y, d, rate)
+      energy = -sum(constants(:size(d))*d**2)/2
+   end function p_delta_energy
+
+   !> What links to the wall do not have to pull back, and what floors are pushed by.
+   function p_delta_force(equation, y) result(force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: force(2)
+      real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
+      real(wp), allocatable :: constants(:)
+
+      constants = constants_of(equation, 'p_delta')
+      call displacements(equation, y, d, rate)
+      associate (n => size(d))
+         if (equation%floors%n > 0) then
+            force = [-constants(n)*d(n), constants(n)*d(n) - constants(1)*d(1)]
+         else
+            force = [-constants(2)*d(1), 0.0_wp]
+         end if
+      end associate
+   end function p_delta_force
+
+   subroutine p_delta_drifts(equation, y, ratio, rate)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: ratio(:)
+      real(wp), intent(out) :: rate(:)
+      real(wp), allocatable :: constants(:)
+
+      constants = constants_of(equation, 'p_delta')
+      call displacements(equation, y, ratio, rate)
+      if (equation%floors%n == 0) then
+         ratio = ratio(1)
+         rate = rate(1)
+      end if
+      associate (share => constants(size(constants) - size(ratio) + 1:))
+         ratio = ratio*share
+         rate = rate*share
+      end associate
+   end subroutine p_delta_drifts
+
+   !> What the storeys that move by themselves, or else the roof, are displaced by, and how fast.
+   subroutine displacements(equation, y, d, rate)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: d(:)
+      !! [m]
+      real(wp), intent(out) :: rate(:)
+      !! [m/s]
+
+      if (equation%floors%n > 0) then
+         call storey_motion(equation, y, d, rate)
+      else
+         call frame_motion(equation, y, d(1), rate(1))
+      end if
+   end subroutine displacements
+
+end module rwmf_model_effects_p_delta

@@ -1,0 +1,64 @@
+!> Loop over lanes of the gravity on a displaced frame.
+module rwmf_model_effects_p_delta_loop
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   implicit none
+   private
+
+   public :: add_p_delta
+
+contains
+
+   !> Push of the leaning column: on a frame of one coordinate, or on floors and roof.
+   pure subroutine add_p_delta(n, coef, y, motion, y_dot)
+      integer, intent(in) :: n
+      !! number of storeys that move by themselves; 0: one coordinate
+      real(wp), intent(in) :: coef(lane_count, max(1, 2*n))
+      !! one coordinate: push per displacement over m_w [1/s2]; storeys: R [m], push per
+      !! displacement of each [1/s2], one over the mass of each floor below the roof [-]
+      real(wp), intent(in) :: y(lane_count, max(0, 2*n - 2))
+      !! displacements [m] and velocities of the floors below the roof
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(inout) :: y_dot(lane_count, max(0, 2*n - 2))
+      !! their rates
+      real(wp) :: above(lane_count), below(lane_count)
+      !! displacements of two floors [m]
+      real(wp) :: push(lane_count, n)
+      !! of each storey [m/s2]
+      integer :: i, j
+
+      if (n == 0) then
+         !$omp simd
+         do i = 1, lane_count
+            motion%moment(i) = motion%moment(i) + coef(i, 1)*(motion%lever(i)*motion%u(i))
+         end do
+         return
+      end if
+      below = 0
+      do j = 1, n
+         if (j < n) then
+            above = y(:, j)
+         else
+            above = coef(:, 1)*(motion%side*motion%u)
+         end if
+         !$omp simd
+         do i = 1, lane_count
+            push(i, j) = coef(i, 1 + j)*(above(i) - below(i))
+            below(i) = above(i)
+         end do
+      end do
+      do j = 1, n - 1
+         !$omp simd
+         do i = 1, lane_count
+            y_dot(i, n - 1 + j) = y_dot(i, n - 1 + j) + coef(i, n + 1 + j)*(push(i, j) &
+               - push(i, j + 1))
+         end do
+      end do
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) + motion%lever(i)*(motion%side(i)*push(i, n) &
+            /coef(i, 1))
+      end do
+   end subroutine add_p_delta
+
+end module rwmf_model_effects_p_delta_loop

@@ -1,0 +1,52 @@
+!> Where the floors are of a frame whose floors move by themselves, and what its storeys are
+!> displaced by.
+module rwmf_model_floor_motion
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_equation, only: equation_t, frame_motion
+   implicit none
+   private
+
+   public :: floor_motion, storey_motion
+
+contains
+
+   !> Displacements and velocities of ground, floors and roof relative to the ground.
+   subroutine floor_motion(equation, y, u, v)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: u(0:)
+      !! (0:n) [m]
+      real(wp), intent(out) :: v(:)
+      !! (n) [m/s]
+      integer :: n
+
+      n = size(v)
+      u(0) = 0
+      associate (first => equation%floors%first)
+         u(1:n - 1) = y(first:first + n - 2)
+         v(:n - 1) = y(first + n - 1:first + 2*n - 3)
+      end associate
+      call frame_motion(equation, y, u(n), v(n))
+   end subroutine floor_motion
+
+   !> What the storeys are displaced by, and how fast.
+   subroutine storey_motion(equation, y, d, d_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: d(:)
+      !! (n) u_i - u_(i-1) [m]
+      real(wp), intent(out) :: d_dot(:)
+      !! (n) [m/s]
+      real(wp) :: u(0:size(d))
+      real(wp) :: v(size(d))
+      integer :: n
+
+      n = size(d)
+      call floor_motion(equation, y, u, v)
+      d = u(1:) - u(:n - 1)
+      d_dot = v
+      d_dot(2:) = v(2:) - v(:n - 1)
+   end subroutine storey_motion
+
+end module rwmf_model_floor_motion
