@@ -5,7 +5,7 @@ module rwmf_integrator_lane_columns
 
    public :: column_count
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
-      of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal
+      of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
    public :: is_done, is_rejected, needs_look, at_limit
 
    integer, parameter :: of_time = 1
@@ -38,7 +38,11 @@ module rwmf_integrator_lane_columns
    !! 1: every step is looked at
    integer, parameter :: of_goal = 18
    !! length of the step to an event; 0: none is to be met [s]
-   integer, parameter :: column_count = 18
+   integer, parameter :: of_least = 19
+   !! value of a further state down to which nothing happens
+   integer, parameter :: of_most = 20
+   !! and up to which nothing does
+   integer, parameter :: column_count = 20
 
    integer, parameter :: is_done = 0
    !! the step is accepted, and nothing happens in it

@@ -2,8 +2,9 @@
 module rwmf_integrator_lane_control
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      needs_look, of_bottom, of_fastest, of_goal, of_high, of_length, of_limit, of_line, &
-      of_longest, of_low, of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
+      needs_look, of_bottom, of_fastest, of_goal, of_high, of_least, of_length, of_limit, &
+      of_line, of_longest, of_low, of_most, of_rejected, of_time, of_top, of_trial, &
+      of_vertical_line, of_watch
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
@@ -49,9 +50,11 @@ contains
    !> Something may happen where a state leaves its window, where theta' changes its sign, or where
    !> a parabola through theta' and its slope says that it may do so twice, unless a bound of the
    !> turn stays inside of all that matters.
-   subroutine judge_step(n, table, y, y_dot, y_new, error, mark)
+   subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
+      integer, intent(in) :: further
+      !! number of the one beside the rotation that has a window
       real(wp), intent(inout) :: table(lane_count, column_count)
       real(wp), intent(inout) :: y(lane_count, n)
       !! on return at the ends of accepted steps
@@ -92,6 +95,8 @@ contains
             abs(y_new(i, 2)))) <= 0)
          is_inside = merge(1.0_wp, 0.0_wp, max(table(i, of_low) - y_new(i, 1), y_new(i, 1) &
             - table(i, of_high), table(i, of_watch) - 0.5_wp) < 0)
+         is_inside = merge(is_inside, 0.0_wp, max(table(i, of_least) - y_new(i, further), &
+            y_new(i, further) - table(i, of_most)) <= 0)
          is_far = merge(1.0_wp, 0.0_wp, max(max(y(i, 1), y_new(i, 1)) + reach - min( &
             table(i, of_top), table(i, of_high)), max(table(i, of_bottom), table(i, of_low)) &
             - min(y(i, 1), y_new(i, 1)) + reach) < 0)

@@ -36,6 +36,8 @@ module rwmf_model_equation
       !! how many parts it has (floors)
       integer :: law = 0
       !! which law its loop follows
+      logical :: has_sides = .false.
+      !! its coefficients follow the side of the motion
       logical :: is_kinematic = .false.
       !! it changes the kinematics that the loops of others read
       procedure(power_i), pointer, nopass :: power => null()
@@ -313,13 +315,16 @@ contains
       !! +1 or -1
 
       equation%side = side
-      call renew_coefficients(equation)
+      call renew_coefficients(equation, is_side_alone=.true.)
    end subroutine enter_side
 
    !> Let the loops over lanes follow the side and the branches in force; to be called when one of
    !> them has changed.
-   pure subroutine renew_coefficients(equation)
+   pure subroutine renew_coefficients(equation, is_side_alone)
       type(equation_t), intent(inout) :: equation
+      logical, intent(in), optional :: is_side_alone
+      !! no branch has changed
+      logical :: is_all
       integer :: i
 
       if (.not. allocated(equation%coef)) return
@@ -341,9 +346,12 @@ contains
          end associate
       end do
       if (.not. allocated(equation%effects)) return
+      is_all = .true.
+      if (present(is_side_alone)) is_all = .not. is_side_alone
       do i = 1, size(equation%effects)
          associate (extra => equation%effects(i))
-            if (associated(extra%coefficients)) call extra%coefficients(equation, &
+            if ((is_all .or. extra%has_sides) .and. associated(extra%coefficients)) call &
+               extra%coefficients(equation, &
                equation%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
          end associate
       end do

@@ -1,17 +1,18 @@
 !> Ordinates of a spectrum in lanes: runs of one scene, sixteen at a time, each with its own clock,
 !> step and events.
 !>
-!> The lanes of a team step together. A step in which something may happen is looked at alone, by
-!> the hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue,
-!> the shortest periods first. No number of a lane depends on the others.
+!> The lanes of a team step together. A step in which something may happen is looked at alone, by the
+!> hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue, the
+!> shortest periods first. No number of a lane depends on the others.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_rejected, needs_look, &
-      of_bottom, of_fastest, of_goal, of_high, of_length, of_limit, of_line, of_longest, of_low, &
-      of_rejected, of_time, of_top, of_trial, of_vertical_line, of_watch
+      of_bottom, of_fastest, of_goal, of_high, of_least, of_length, of_limit, of_line, &
+      of_longest, of_low, of_most, of_rejected, of_time, of_top, of_trial, of_vertical_line, &
+      of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, plan_one => plan_step
    use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t, team_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
@@ -19,14 +20,16 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       quartic_of
-   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, hybrid_t, &
-      mode_overturned, mode_rest, mode_rocking, stay_at_rest
+   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, hybrid_t, mode_overturned, &
+      mode_rest, mode_rocking, stay_at_rest
    use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_state, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_peak
+   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
+      event_peak
    use rwmf_simulation_run, only: begin_run, guess_size, is_much_smaller, most_passes
    use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_text_strings, only: real_to_text
@@ -35,6 +38,8 @@ module rwmf_spectrum_lanes
 
    public :: ordinate_t, run_ordinates
 
+   integer, parameter :: at_state = 3
+   !! beside the events of the rotation: a further state leaves its window
    real(wp), parameter :: longest_angle = 0.7_wp
    !! of the frame's vibration in a step, so that its events can be seen [rad]
 
@@ -194,7 +199,7 @@ contains
       type(equation_t), intent(in) :: equation
 
       if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-          .or. allocated(equation%floors%laws)) then
+          .or. equation%floors%n > 1) then
          pair = dormand_prince_853()
       else
          pair = verner_65()
@@ -262,8 +267,7 @@ contains
                return
             end if
             if (hybrid%mode == mode_rest) then
-               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, &
-                  lane%error)
+               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, lane%error)
                cycle
             end if
             call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
@@ -301,7 +305,13 @@ contains
          table(i, of_rejected) = 0
          table(i, of_longest) = longest_step(equation, motion)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
-         lane%is_smooth = .not. (equation%floors%yields .or. equation%has_loading_direction)
+         lane%is_smooth = .not. equation%floors%yields
+         table(i, [of_least, of_most]) = [-huge(1.0_wp), huge(1.0_wp)]
+         if (equation%has_loading_direction) then
+            ! the hysteretic force that falls back passes zero
+            if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
+               equation%loading_direction > 0)) = 0
+         end if
          if (equation%has_fuses) lane%is_smooth = lane%is_smooth .and. -sum(equation%springs( &
             size(equation%springs) - 1:)%offset) <= equation%p%g
          lane%goal = no_event
@@ -359,15 +369,15 @@ contains
             call follow_curves(lanes, team)
             call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
                team%tolerance, team%y, .false., team%k, team%y_new, team%error)
-            call judge_one(n, team%table, team%y, team%k, team%y_new, team%error, team%mark)
+            call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, team%k, team%y_new, team%error, team%mark)
          else
             call team%kernels%plan_step(team%pair, team%table, team%ground)
             call follow_curves(lanes, team)
             call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
                team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
                team%error)
-            call team%kernels%judge_step(n, team%table, team%y, team%k, team%y_new, team%error, &
-               team%mark)
+            call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
+               team%k, team%y_new, team%error, team%mark)
          end if
       end associate
       do i = 1, team%width
@@ -463,7 +473,12 @@ contains
          call first_event(quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], &
             [y(i, 2), y_new(i, 2)], team%k(i, 2, 1)), table(i, [of_low, of_high]), &
             table(i, [of_bottom, of_top]), lane%goal, x)
-         if (lane%goal == no_event) then
+         call compare_with_further(lane, i, team, x)
+         if (is_against_loading(lane, i, team)) then
+            lane%goal = no_event
+            call look_at_step(lane, i, motion, team)
+            return
+         else if (lane%goal == no_event) then
             call accept_step(lane, i, motion, team)
             return
          end if
@@ -472,6 +487,55 @@ contains
          table(i, of_watch) = 1
       end associate
    end subroutine look_for_event
+
+   !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
+   !> may from rest?
+   pure logical function is_against_loading(lane, i, team) result(is_against)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+
+      is_against = .false.
+      if (.not. lane%equation%has_loading_direction) return
+      associate (direction => lane%equation%loading_direction)
+         is_against = direction*team%y(i, 2) < 0 .or. (abs(team%y(i, 2)) <= 0 &
+            .and. direction*team%k(i, 2, 1) < 0)
+         if (lane%goal == no_event) is_against = is_against .or. direction*team%y_new(i, 2) < 0
+      end associate
+   end function is_against_loading
+
+   !> The further state may leave its window before that: by the parabola through its ends and its
+   !> rate. In the instant of an impact, as long as nothing has yielded, it is the impact.
+   subroutine compare_with_further(lane, i, team, x)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+      real(wp), intent(inout) :: x
+      !! position of the event that has been found in the step [-]
+      real(wp), parameter :: same = 1.0e-3_wp
+      real(wp) :: z, rise, bend, root, at
+
+      associate (table => team%table, further => further_state(lane%equation))
+         z = team%y_new(i, further)
+         if (z >= table(i, of_least) .and. z <= table(i, of_most)) return
+         rise = table(i, of_trial)*team%k(i, further, 1)
+         bend = z - team%y(i, further) - rise
+         root = max(0.0_wp, rise**2 - 4*bend*team%y(i, further))
+         at = 1
+         if (abs(rise) + sqrt(root) > 0) at = abs(2*team%y(i, further))/(abs(rise) + sqrt(root))
+         if (lane%goal /= no_event .and. at > x - same) return
+         lane%goal = at_state
+         x = min(1.0_wp, at)
+      end associate
+   end subroutine compare_with_further
+
+   !> The state beside the rotation whose window ends a piece of motion: that of a smooth hysteresis.
+   pure integer function further_state(equation)
+      type(equation_t), intent(in) :: equation
+
+      further_state = 1
+      if (equation%has_loading_direction) further_state = equation%hysteresis%place
+   end function further_state
 
    subroutine forget_goal(lane, i, team)
       type(lane_t), intent(inout) :: lane
@@ -520,8 +584,19 @@ contains
       associate (table => team%table, y_new => team%y_new)
          t = table(i, of_time) + table(i, of_trial)
          call rates_at(lane%equation, t, y_new(i, :), rates)
+         ! what was to come after it has come before
+         associate (z => y_new(i, further_state(lane%equation)))
+            if (lane%goal == at_state) then
+               if (y_new(i, 1) < table(i, of_low)) lane%goal = at_low
+               if (y_new(i, 1) > table(i, of_high)) lane%goal = at_high
+            else if (max(table(i, of_least) - z, z - table(i, of_most)) > 1.0e-12_wp) then
+               lane%goal = at_state
+            end if
+         end associate
          if (lane%goal == at_turn) then
             rest = -y_new(i, 2)/rates(2)
+         else if (lane%goal == at_state) then
+            rest = -y_new(i, further_state(lane%equation))/rates(further_state(lane%equation))
          else
             rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
          end if
@@ -538,8 +613,7 @@ contains
                   .or. .not. abs(rest) < table(i, of_length)) then
             call look_at_step(lane, i, motion, team)
          else
-            table(i, of_goal) = min(table(i, of_trial) + rest, &
-               table(i, of_limit) - table(i, of_time))
+            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) - table(i, of_time))
          end if
       end associate
    end subroutine meet_event
@@ -567,6 +641,9 @@ contains
          event = event_peak
          if (lane%goal == at_turn) then
             hybrid%y(2) = 0
+         else if (lane%goal == at_state) then
+            hybrid%y(further_state(equation)) = 0
+            event = event_passage
          else
             hybrid%y(1) = table(i, merge(of_low, of_high, lane%goal == at_low))
             event = event_at_level(lane, hybrid%y(1))
@@ -591,9 +668,8 @@ contains
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
       if (.not. lane%equation%has_bilinear_springs) return
-      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) then
+      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) &
          event = event_branch
-      end if
    end function event_at_level
 
    !> Look at the step of one lane as a single run does.
@@ -643,8 +719,7 @@ contains
          if (is_much_smaller(lane%case, size_found, lane%size_guess) &
              .and. lane%pass < most_passes) then
             lane%pass = lane%pass + 1
-            lane%size_guess = merge(size_found, lane%size_guess, &
-               size_found < 0.1_wp*lane%size_guess)
+            lane%size_guess = merge(size_found, lane%size_guess, size_found < 0.1_wp*lane%size_guess)
             call begin_lane(lane)
             return
          end if

@@ -69,6 +69,7 @@ contains
       if (.not. fuse%is_present) return
       fuse%n_coef = 2
       fuse%coefficients => fuse_coefficients
+      fuse%has_sides = .true.
       fuse%plastic_power => fuses_power
       fuse%energy => fuses_energy
       fuse%force => fuses_force

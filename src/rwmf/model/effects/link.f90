@@ -67,6 +67,7 @@ contains
       if (.not. link%is_present) return
       link%n_coef = link_coefficients
       link%is_kinematic = .true.
+      link%has_sides = .true.
       link%coefficients => coefficients_of_link
    end subroutine prepare_link
 
