@@ -47,9 +47,9 @@ contains
 
    !> Accept the steps that are accurate and in which nothing happens; the lengths of the next ones.
    !>
-   !> Something may happen where a state leaves its window, where theta' changes its sign, or where a
-   !> parabola through theta' and its slope says that it may do so twice, unless a bound of the turn
-   !> stays inside of all that matters.
+   !> Something may happen where a state leaves its window, where theta' changes its sign, or where
+   !> a parabola through theta' and its slope says that it may do so twice, unless a bound of the
+   !> turn stays inside of all that matters.
    subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states

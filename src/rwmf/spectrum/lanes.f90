@@ -1,9 +1,9 @@
 !> Ordinates of a spectrum in lanes: runs of one scene, sixteen at a time, each with its own clock,
 !> step and events.
 !>
-!> The lanes of a team step together. A step in which something may happen is looked at alone, by
-!> the hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue,
-!> the shortest periods first. No number of a lane depends on the others.
+!> The lanes of a team step together. A step in which something may happen is looked at alone, by the
+!> hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue, the
+!> shortest periods first. No number of a lane depends on the others.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
@@ -268,8 +268,7 @@ contains
                return
             end if
             if (hybrid%mode == mode_rest) then
-               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, &
-                  lane%error)
+               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, lane%error)
                cycle
             end if
             call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
@@ -615,8 +614,7 @@ contains
                   .or. .not. abs(rest) < table(i, of_length)) then
             call look_at_step(lane, i, motion, team)
          else
-            table(i, of_goal) = min(table(i, of_trial) + rest, &
-               table(i, of_limit) - table(i, of_time))
+            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) - table(i, of_time))
          end if
       end associate
    end subroutine meet_event
@@ -671,9 +669,8 @@ contains
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
       if (.not. lane%equation%has_bilinear_springs) return
-      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) then
+      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) &
          event = event_branch
-      end if
    end function event_at_level
 
    !> Look at the step of one lane as a single run does.
@@ -724,8 +721,7 @@ contains
          if (is_much_smaller(lane%case, size_found, lane%size_guess) &
              .and. lane%pass < most_passes) then
             lane%pass = lane%pass + 1
-            lane%size_guess = merge(size_found, lane%size_guess, &
-               size_found < 0.1_wp*lane%size_guess)
+            lane%size_guess = merge(size_found, lane%size_guess, size_found < 0.1_wp*lane%size_guess)
             call begin_lane(lane)
             return
          end if
