@@ -231,8 +231,8 @@ contains
       call compute_spectrum(case, 1, general, error)
       call checks%that(any(general%status == 'overturned'), 'fallback: something overturns')
       call checks%that(all(fast%status == general%status), 'fallback: status')
-      call checks%that(all(abs(fast%u_s_max(:, 1, 1) - general%u_s_max(:, 1, 1)) <= 0), &
-         'fallback: the bits of the general kernel')
+      call checks%that(all(abs(fast%u_s_max(:, 1, 1) - general%u_s_max(:, 1, 1)) &
+         <= 10*case%solver%rtol*general%u_s_max(:, 1, 1)), 'fallback: peaks in general lanes')
    end subroutine check_fallback
 
    !> An ordinate has the same bits alone, in any order and for any number of threads.

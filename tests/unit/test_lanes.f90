@@ -15,7 +15,7 @@ program test_lanes
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    implicit none
 
-   character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3.0, xi_s=0.05 / ' &
+   character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &
       //"&model formulation='exact' / "
    character(*), parameter :: cable = '&cable eta_0=1.0, eta_alpha=5.0 / '
    character(*), parameter :: loss = "&impact rule='constant', e=0.9 / "
@@ -124,8 +124,8 @@ contains
       do level = 1, size(levels)
          if (levels(level) > best_level()) cycle
          kernels = lane_kernels_of(levels(level))
-         call kernels%attempt_step(equation%scene, pair, coef, ground, h, tolerance, y, .false., k, &
-            y_new, norm)
+         call kernels%attempt_step(equation%scene, pair, coef, ground, h, tolerance, y, .false., &
+            k, y_new, norm)
          do i = 1, team_width
             call attempt_one(equation%scene, pair, equation%coef, ground(i:i, :, :), h(i:i), &
                tolerance(i:i, :), y(i:i, :), .false., k_alone, alone, one)
@@ -140,8 +140,8 @@ contains
    subroutine check_spectrum(text, name)
       character(*), intent(in) :: text
       character(*), intent(in) :: name
-      character(*), parameter :: periods = ' &spectrum T_s = 0.15, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, ' &
-         //'1.3, 1.7, 2.2 /'
+      character(*), parameter :: periods = ' &spectrum T_s = 0.15, 0.2, 0.3, 0.45, 0.6, 0.8, ' &
+         //'1.0, 1.3, 1.7, 2.2 /'
       real(wp), parameter :: rtol = 1.0e-7_wp
       type(case_t) :: case
       type(spectrum_t) :: lanes, threads, runs, alone

@@ -1,9 +1,9 @@
 !> Ordinates of a spectrum in lanes: runs of one scene, sixteen at a time, each with its own clock,
 !> step and events.
 !>
-!> The lanes of a team step together. A step in which something may happen is looked at alone, by the
-!> hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue, the
-!> shortest periods first. No number of a lane depends on the others.
+!> The lanes of a team step together. A step in which something may happen is looked at alone, with
+!> the hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue,
+!> the shortest periods first. No number of a lane depends on the others.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
@@ -268,7 +268,8 @@ contains
                return
             end if
             if (hybrid%mode == mode_rest) then
-               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, lane%error)
+               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, &
+                  lane%error)
                cycle
             end if
             call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
@@ -370,7 +371,8 @@ contains
             call follow_curves(lanes, team)
             call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
                team%tolerance, team%y, .false., team%k, team%y_new, team%error)
-            call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, team%k, team%y_new, team%error, team%mark)
+            call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
+               team%k, team%y_new, team%error, team%mark)
          else
             call team%kernels%plan_step(team%pair, team%table, team%ground)
             call follow_curves(lanes, team)
@@ -530,7 +532,7 @@ contains
       end associate
    end subroutine compare_with_further
 
-   !> The state beside the rotation whose window ends a piece of motion: that of a smooth hysteresis.
+   !> The state beside the rotation whose window ends a piece of motion: of a smooth hysteresis.
    pure integer function further_state(equation)
       type(equation_t), intent(in) :: equation
 
@@ -595,6 +597,11 @@ contains
             end if
          end associate
          if (lane%goal == at_turn) then
+            if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
+               ! the turn lies beyond an end of the window, which comes before it
+               call look_for_event(lane, i, motion, team)
+               return
+            end if
             rest = -y_new(i, 2)/rates(2)
          else if (lane%goal == at_state) then
             rest = -y_new(i, further_state(lane%equation))/rates(further_state(lane%equation))
@@ -614,7 +621,8 @@ contains
                   .or. .not. abs(rest) < table(i, of_length)) then
             call look_at_step(lane, i, motion, team)
          else
-            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) - table(i, of_time))
+            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
+               - table(i, of_time))
          end if
       end associate
    end subroutine meet_event
@@ -669,8 +677,9 @@ contains
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
       if (.not. lane%equation%has_bilinear_springs) return
-      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) &
+      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) then
          event = event_branch
+      end if
    end function event_at_level
 
    !> Look at the step of one lane as a single run does.
@@ -721,7 +730,8 @@ contains
          if (is_much_smaller(lane%case, size_found, lane%size_guess) &
              .and. lane%pass < most_passes) then
             lane%pass = lane%pass + 1
-            lane%size_guess = merge(size_found, lane%size_guess, size_found < 0.1_wp*lane%size_guess)
+            lane%size_guess = merge(size_found, lane%size_guess, &
+               size_found < 0.1_wp*lane%size_guess)
             call begin_lane(lane)
             return
          end if

@@ -78,7 +78,8 @@ contains
          if (i == n) return
          ! the true turn may lie a little further out than that of the quartic
          margin = 0.05_wp*max(abs(value - quartic%c(0)), abs(value - sum(quartic%c)))
-         if (value - margin < extremes(1) .or. value + margin > extremes(2)) then
+         if (value - margin < max(extremes(1), window(1)) &
+             .or. value + margin > min(extremes(2), window(2))) then
             event = at_turn
             x = turn(i)
             return
