@@ -1,6 +1,7 @@
 """Method `fast`: processor time, what falls back, a second thread, errors of the figures.
 
-    .venv/bin/python bench/fast_ratios.py
+    .venv/bin/python bench/fast_ratios.py                all
+    .venv/bin/python bench/fast_ratios.py fallbacks      one part: costs, fallbacks, scaling, errors
 
 The cost of an ordinate is the processor time of a spectrum less that of the same spectrum under a
 motion too small to lift the wall (which leaves reading, fits and tables out), the smallest of five.
@@ -11,6 +12,7 @@ errors are those of all ordinates of the shipped Figs 12 and 13 against `dop853`
 from __future__ import annotations
 
 import math
+import sys
 import time
 from pathlib import Path
 
@@ -30,7 +32,13 @@ FIGURES = (
     "fig13_elcentro_squat_wall",
 )
 PUBLISHED, RTOLS = ("published", "exact"), (1e-7, 1e-8, 1e-9)
-# what the lanes do not know, or leave to the general kernel: mass ratio, groups of the namelist
+DEVICES: dict[str, dict[str, object]] = {
+    "damper": {"c_over_m_w": 0.5},
+    "inerter": {"inertance_over_m_w": 0.2},
+    "vertical": {"ratio": 0.5},
+}
+YIELDING: dict[str, object] = {"u_y": 0.02, "hardening": 0.05}
+# what the exponential lanes do not know, or leave to the general ones: mass ratio, groups
 SCENES: tuple[tuple[str, float, dict[str, dict[str, object]]], ...] = (
     ("gamma = 5", 5.0, {}),
     ("gamma = 4.9", 4.9, {}),
@@ -42,6 +50,14 @@ SCENES: tuple[tuple[str, float, dict[str, dict[str, object]]], ...] = (
     ("the motion times 4", 5.0, {"motion": {"scale": 4.0}}),
     ("the motion times 12", 5.0, {"motion": {"scale": 12.0}}),
     ("corner dampers", 5.0, {"damper": {"c_over_m_w": 0.5}}),
+    ("dampers, inerters, vertical motion", 5.0, DEVICES),
+    ("the same, yielding frame", 5.0, DEVICES | {"yielding": YIELDING}),
+    ("smooth hysteresis", 5.0, {"yielding": YIELDING | {"law": "bouc_wen"}}),
+    ("fuses", 5.0, {"fuse": {"eta_y": 0.3, "stroke_y": 0.005, "hardening": 0.02}}),
+    ("a tendon that yields", 5.0, {"cable": {"eta_y": 1.5, "hardening": 0.02}}),
+    ("link of 5 m", 5.0, {"link": {"L": 5.0}}),
+    ("initial rotation", 5.0, {"initial": {"theta_over_alpha": 0.2}}),
+    ("b = 1.05 m", 5.0, {"wall": {"b": 1.05}}),
 )
 
 Array = npt.NDArray[np.float64]
@@ -80,7 +96,7 @@ def _print_costs() -> None:
 
 
 def _print_fallbacks() -> None:
-    """Print what ordinates cost that the lanes leave to the general kernel."""
+    """Print what ordinates cost that the exponential lanes leave to the general ones."""
     print("\n| 200 periods from 0.05 to 3 s | us | times the first | of dop853 | error | fell |")
     print("|---|---|---|---|---|---|")
     T_s = np.linspace(0.05, 3.0, 200)
@@ -142,7 +158,11 @@ def _print_errors() -> None:
 
 
 if __name__ == "__main__":
-    _print_costs()
-    _print_fallbacks()
-    _print_scaling()
-    _print_errors()
+    parts = {
+        "costs": _print_costs,
+        "fallbacks": _print_fallbacks,
+        "scaling": _print_scaling,
+        "errors": _print_errors,
+    }
+    for part in sys.argv[1:] or parts:
+        parts[part]()

@@ -608,7 +608,8 @@ contains
          else
             rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
          end if
-         short = merge(1.0e-4_wp, 1.0e-6_wp, lane%equation%n == 2)
+         short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-6_wp, &
+            lane%equation%n == 2))
          if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
             call happen(lane, i, t, rest, rates, motion, team)
             return
