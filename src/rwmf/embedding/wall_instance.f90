@@ -6,9 +6,9 @@ module rwmf_embedding_wall_instance
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
-   use rwmf_model_assembly, only: enter_interval, enter_side, equation_t, interval_of
+   use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_effects_storeys_yielding_storeys, only: follow_storeys
-   use rwmf_model_equation, only: hysteresis_t, sprung_t
+   use rwmf_model_equation, only: hysteresis_t, renew_coefficients, sprung_t
    use rwmf_model_hysteresis_bilinear, only: spring_t
    use rwmf_model_hysteresis_spring_set, only: renew_window
    use rwmf_model_lift_off, only: find_uplift_acceleration
@@ -252,7 +252,7 @@ contains
          instance%equation%floors%springs = snapshot%storeys
          call follow_storeys(instance%equation)
       end if
-      call enter_side(instance%equation, snapshot%side)
+      call renew_coefficients(instance%equation)
       instance%equation%rhs_evaluations = snapshot%counts(4)
       instance%steps = snapshot%counts(3)
       associate (hybrid => instance%hybrid, recorder => instance%recorder)
