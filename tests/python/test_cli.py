@@ -162,7 +162,7 @@ def test_check(command: Runner, case_file: Path) -> None:
     assert found.returncode == 0
     assert "effects: wall, frame, cable, impact, motion" in found.stdout
     assert "spectrum: 3 simulations" in found.stdout
-    absent = "storeys, link, damper, inerter, fuse, yielding, vertical, initial"
+    absent = "storeys, link, damper, inerter, fuse, yielding, p_delta, vertical, initial"
     assert f"not simulated: {absent}" in found.stdout
     assert "states: theta_rad, theta_dot_rad_s" in found.stdout
     assert "events: impact, peak, lift_off, rest, overturned" in found.stdout

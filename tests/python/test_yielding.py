@@ -89,7 +89,8 @@ def test_corner_at_zero_costs_one_step_methods_no_accuracy(exponent: float, meth
     """Where z passes zero |z|^n changes its factor: stepped over, that costs 1 to 15 tolerances."""
     rtol = 1e-10
     for beta in (0.5, 0.75):
-        for a_max_g in (0.3, 0.4, 0.5, 0.6):
+        # from 0.52 g on dop853 errs by up to 2.6 tolerances without any corner (300 pulses)
+        for a_max_g in (0.3, 0.4, 0.45, 0.5):
             law = {"u_y": U_Y, "law": "bouc_wen", "exponent": exponent, "beta": beta}
             case = bare_frame(
                 frame={"T_s": 0.6, "xi_s": 0.05},
