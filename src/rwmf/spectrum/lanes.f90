@@ -262,11 +262,8 @@ contains
          do
             if (allocated(lane%error)) return
             if (hybrid%t >= t_end .or. has_ended(hybrid)) return
-            if (lane%integrator%steps > hybrid%max_steps) then
-               call fail(lane%error, err_numerical, 'more than &solver max_steps steps by t = ' &
-                  //trim(real_to_text(hybrid%t))//' s', 'too_many_steps')
-               return
-            end if
+            call check_work(lane)
+            if (allocated(lane%error)) return
             if (hybrid%mode == mode_rest) then
                call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, &
                   lane%error)
@@ -401,6 +398,8 @@ contains
             call check_length(lanes(i), i, team)
          case default
             lanes(i)%integrator%steps = lanes(i)%integrator%steps + 1_i8
+            call check_work(lanes(i))
+            if (allocated(lanes(i)%error)) team%table(i, of_length) = 0
          end select
       end do
    end subroutine step_team
@@ -425,6 +424,15 @@ contains
          end associate
       end do
    end subroutine follow_curves
+
+   !> Bound on the work of one run.
+   subroutine check_work(lane)
+      type(lane_t), intent(inout) :: lane
+
+      if (lane%integrator%steps <= lane%hybrid%max_steps) return
+      call fail(lane%error, err_numerical, 'more than &solver max_steps steps by t = ' &
+         //trim(real_to_text(lane%hybrid%t))//' s', 'too_many_steps')
+   end subroutine check_work
 
    !> A step that is too short for the clock.
    subroutine check_length(lane, i, team)
