@@ -238,6 +238,14 @@ contains
       call begin_lane(lane)
    end subroutine take_ordinate
 
+   !> Part of the tolerance that a step may use up: the errors of the lower order add up where the
+   !> steps are as long as they allow, under pulses and at short periods.
+   pure real(wp) function caution(pair)
+      type(pair_t), intent(in) :: pair
+
+      caution = merge(0.2_wp, 1.0_wp, pair%error_order < 8)
+   end function caution
+
    !> Begin the run of a lane for its expected size.
    subroutine begin_lane(lane)
       type(lane_t), intent(inout), target :: lane
@@ -298,7 +306,8 @@ contains
          hybrid%must_restart = .false.
          team%y(i, :) = hybrid%y
          team%coef(i, :) = equation%coef(1, :)
-         team%tolerance(i, :) = [lane%integrator%tolerance%rtol, lane%integrator%tolerance%atol]
+         team%tolerance(i, :) = caution(team%pair)*[lane%integrator%tolerance%rtol, &
+            lane%integrator%tolerance%atol]
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = recorder%theta_dot_max
          table(i, of_rejected) = 0
