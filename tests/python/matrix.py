@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import c_host
 import numpy as np
@@ -50,7 +50,6 @@ ROUND_OFF = 1e-9
 BATCH = Path(os.environ.get("RWMF_BATCH", ROOT / ".venv" / "bin" / "rwmf-batch"))
 _SOLVER = {"method": "dop853", "rtol": RTOL}
 _G = 9.81
-_Entry = TypeVar("_Entry", "Refusal", "Finding")
 _ALONE = "frame alone"
 
 
@@ -503,18 +502,9 @@ class Refusal:
     message: str
 
 
-@dataclass(frozen=True)
-class Finding:
-    """A cell that neither runs nor is refused with a reason of its own: to be put right."""
-
-    paths: tuple[str, ...]
-    rows: str
-    error: type[Exception]
-    what: str
-
-
 _HOSTS_MOTION = ("stepping, samples", "stepping, function")
 _STATELESS = "what yields has to be remembered, and an element holds no state"
+_NO_STOREYS = "&storeys: not taken by sweeps and studies yet"
 # the first that names a cell holds
 REFUSALS = (
     Refusal(("spectrum", "spectrum, auto"), "no frame", "&spectrum: must not be given without "
@@ -522,6 +512,12 @@ REFUSALS = (
     Refusal(("overturning",), _ALONE, "overturning: the case has no &wall"),
     Refusal(("overturning",), "no motion|horizontal record",
             "overturning: the case needs a pulse in &motion"),
+    Refusal(("overturning",), "pinned base", "overturning: a hinged wall does not rock"),
+    Refusal(("sweep", "sweep, NetCDF", "fragility", "equal response"), f"{_ALONE}, `&storeys`",
+            _NO_STOREYS),
+    Refusal(("sweep", "sweep, NetCDF", "suite", "fragility", "wall effect", "friction", "bands",
+             "equal response"), "^`&storeys`", _NO_STOREYS),
+    Refusal(("bands",), "no frame", "bands: the case has no &frame"),
     Refusal(("fragility",), "no frame",
             "incremental dynamic analysis: the case needs &frame T_s"),
     Refusal(("wall effect",), "no frame",
@@ -545,34 +541,19 @@ REFUSALS = (
     *(Refusal(("element",), f"`&{effect.group}", f"an element has no &{effect.group}: "
               f"{effect.no_element}") for effect in pairs.EFFECTS if effect.no_element),
 )  # fmt: skip
-FINDINGS = (
-    Finding(("overturning",), "pinned base", KeyError,
-            "a hinged wall does not overturn: `KeyError` in place of a reason"),
-    Finding(("sweep", "sweep, NetCDF"), f"{_ALONE}, `&storeys`", AssertionError,
-            "displacements alone are right; any other scalar makes every point NaN, `refused`"),
-    Finding(("sweep", "sweep, NetCDF", "suite", "wall effect", "friction", "bands"),
-            "^`&storeys`", AssertionError, "\"neither the grid nor the case gives gamma\", which "
-            "&storeys sets and the grid must not give"),
-    Finding(("fragility", "equal response"), "`&storeys`", AssertionError,
-            "\"the case needs &frame T_s\", which &storeys sets and the case must not give"),
-    Finding(("bands",), "no frame", AssertionError,
-            "NaN without a word: the bands are those of a displacement that a block has not"),
-)  # fmt: skip
-
-
-def entry_of(table: Iterable[_Entry], row: str, path: str) -> _Entry | None:
+def entry_of(table: Iterable[Refusal], row: str, path: str) -> Refusal | None:
     """Find what a table says of a cell.
 
     Parameters
     ----------
-    table : iterable of Refusal or Finding
-        `REFUSALS` or `FINDINGS`.
+    table : iterable of Refusal
+        `REFUSALS`.
     row, path : str
         The cell.
 
     Returns
     -------
-    Refusal, Finding or None
+    Refusal or None
         The first entry that names it.
     """
     for entry in table:
@@ -593,7 +574,7 @@ def make() -> str:
     Returns
     -------
     str
-        The matrix, its columns, the reasons and the findings.
+        The matrix, its columns, the and the reasons.
     """
     names = list(PATHS)
     parts = [_INTRODUCTION, "| | way | what is compared |\n|---|---|---|"]
@@ -604,16 +585,12 @@ def make() -> str:
     parts += [f"| {row} | " + " | ".join(_mark(row, name) for name in names) + " |" for row in ROWS]
     parts.append("\nRefused:\n")
     parts += [f"* {_letter(i)}: {entry.message}" for i, entry in enumerate(REFUSALS)]
-    parts.append("\nTo be put right:\n")
-    parts += [f"* !{i + 1}: {entry.what}" for i, entry in enumerate(FINDINGS)]
     return "\n".join(parts) + "\n"
 
 
 def _mark(row: str, path: str) -> str:
-    finding, refusal = entry_of(FINDINGS, row, path), entry_of(REFUSALS, row, path)
-    if refusal is not None:
-        return _letter(REFUSALS.index(refusal))
-    return "+" if finding is None else f"!{FINDINGS.index(finding) + 1}"
+    refusal = entry_of(REFUSALS, row, path)
+    return "+" if refusal is None else _letter(REFUSALS.index(refusal))
 
 
 def _letter(i: int) -> str:

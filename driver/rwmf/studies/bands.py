@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 
 from rwmf.case import Case
+from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile
@@ -47,6 +48,8 @@ def sensitivity_bands(
     InputError
         When the case or the grid is not acceptable.
     """
+    if case.frame is None:
+        raise InputError("bands: the case has no &frame, whose displacement they are of")
     found = sweep(case, {**uncertain, **grid}, records, **how)
     values = with_overturning(found)
     over = [name for name in values.dims if name in uncertain]

@@ -14,6 +14,7 @@ from rwmf.endings import ending_of
 from rwmf.errors import InputError
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
+from rwmf.unsupported import refuse_storeys
 
 __all__ = ["equal_response"]
 
@@ -60,6 +61,7 @@ def equal_response(
     InputError
         When the case is not acceptable.
     """
+    refuse_storeys(case)
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("equal response: the case needs &frame T_s")
     pulse = Pulse.of(case, "equal response")

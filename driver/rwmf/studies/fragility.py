@@ -16,6 +16,7 @@ from rwmf.studies.statistics import with_overturning
 from rwmf.studies.wall_effect import without_wall
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile, find_records
+from rwmf.unsupported import refuse_storeys
 
 __all__ = ["exceedance", "fragility", "incremental_dynamic_analysis"]
 
@@ -67,6 +68,7 @@ def incremental_dynamic_analysis(
     InputError
         When something is not acceptable.
     """
+    refuse_storeys(case)
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("incremental dynamic analysis: the case needs &frame T_s")
     T_s = float(case.frame.T_s)

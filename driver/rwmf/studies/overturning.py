@@ -52,6 +52,8 @@ class Wall:
         """Take it from a case with a wall."""
         if case.wall is None:
             raise InputError("overturning: the case has no &wall")
+        if case.wall.get("base") == "pinned":
+            raise InputError("overturning: a hinged wall does not rock")
         h, b = float(case.wall.h), float(case.wall.b)
         return cls(math.atan2(b, h), math.sqrt(0.75 * float(case.model.g) / math.hypot(h, b)))
 

@@ -19,6 +19,7 @@ from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import DISPLACEMENT, find_quantities
 from rwmf.sweep.suite import RecordFile
 from rwmf.sweep.task import Task
+from rwmf.unsupported import refuse_storeys
 
 __all__ = ["Plan", "make_plan"]
 
@@ -153,6 +154,8 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
+    if "wall" in case.groups or quantities != (DISPLACEMENT,):
+        refuse_storeys(case)
     wanted = find_quantities(quantities)
     axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
     axes += [key_axis(name, values) for name, values in grid.items() if name not in AXES]
