@@ -541,6 +541,8 @@ REFUSALS = (
     *(Refusal(("element",), f"`&{effect.group}", f"an element has no &{effect.group}: "
               f"{effect.no_element}") for effect in pairs.EFFECTS if effect.no_element),
 )  # fmt: skip
+
+
 def entry_of(table: Iterable[Refusal], row: str, path: str) -> Refusal | None:
     """Find what a table says of a cell.
 
