@@ -1,7 +1,7 @@
 !> One step of the lanes by an explicit pair: stages, solution and the estimate of its error.
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_pairs, only: most_stages, pair_t, sum_t
+   use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_model_scene, only: scene_t
@@ -62,73 +62,60 @@ contains
       real(wp), intent(in) :: y(lane_count, n)
       real(wp), intent(in) :: k(lane_count, n, most_stages)
       real(wp), intent(out) :: y_new(lane_count, n)
-      integer :: i, m
 
-      call add_stages(lane_count*n, weights, k, y_new)
-      do m = 1, n
-         !$omp simd
-         do i = 1, lane_count
-            y_new(i, m) = y(i, m) + h(i)*y_new(i, m)
-         end do
-      end do
+      ! with a number of terms that the compiler knows, a sum stays in registers
+      select case (weights%terms)
+      case (1)
+         call add_stages(1, n, weights, h, y, k, y_new)
+      case (2)
+         call add_stages(2, n, weights, h, y, k, y_new)
+      case (3)
+         call add_stages(3, n, weights, h, y, k, y_new)
+      case (4)
+         call add_stages(4, n, weights, h, y, k, y_new)
+      case (5)
+         call add_stages(5, n, weights, h, y, k, y_new)
+      case (6)
+         call add_stages(6, n, weights, h, y, k, y_new)
+      case (7)
+         call add_stages(7, n, weights, h, y, k, y_new)
+      case (8)
+         call add_stages(8, n, weights, h, y, k, y_new)
+      case default
+         call add_stages(most_terms, n, weights, h, y, k, y_new)
+      end select
    end subroutine advance
 
-   !> Weighted sum of stages, for all states of all lanes at once.
-   pure subroutine add_stages(n, weights, k, total)
+   !> The same with a given number of terms.
+   pure subroutine add_stages(terms, n, weights, h, y, k, y_new)
+      integer, intent(in) :: terms
       integer, intent(in) :: n
-      !! number of lanes times that of states
       type(sum_t), intent(in) :: weights
-      real(wp), intent(in) :: k(n, most_stages)
-      real(wp), intent(out) :: total(n)
-      integer :: j
+      real(wp), intent(in) :: h(lane_count)
+      real(wp), intent(in) :: y(lane_count, n)
+      real(wp), intent(in) :: k(lane_count, n, most_stages)
+      real(wp), intent(out) :: y_new(lane_count, n)
+      real(wp) :: total
+      integer :: i, m
 
-      call start_sum(n, weights%weight(1), k(1, weights%stage(1)), total)
-      do j = 2, weights%terms - 1, 2
-         call add_two(n, weights%weight(j), k(1, weights%stage(j)), k(1, weights%stage(j + 1)), &
-            total)
-      end do
-      if (modulo(weights%terms, 2) == 0) call add_one(n, weights%weight(weights%terms), k(1, &
-         weights%stage(weights%terms)), total)
+      associate (w => weights%weight, s => weights%stage)
+         do m = 1, n
+            !$omp simd private(total)
+            do i = 1, lane_count
+               total = w(1)*k(i, m, s(1))
+               if (terms > 1) total = total + w(2)*k(i, m, s(2))
+               if (terms > 2) total = total + w(3)*k(i, m, s(3))
+               if (terms > 3) total = total + w(4)*k(i, m, s(4))
+               if (terms > 4) total = total + w(5)*k(i, m, s(5))
+               if (terms > 5) total = total + w(6)*k(i, m, s(6))
+               if (terms > 6) total = total + w(7)*k(i, m, s(7))
+               if (terms > 7) total = total + w(8)*k(i, m, s(8))
+               if (terms > 8) total = total + w(9)*k(i, m, s(9))
+               y_new(i, m) = y(i, m) + h(i)*total
+            end do
+         end do
+      end associate
    end subroutine add_stages
-
-   pure subroutine start_sum(n, weight, k_1, total)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: weight
-      real(wp), intent(in) :: k_1(n)
-      real(wp), intent(out) :: total(n)
-      integer :: i
-
-      !$omp simd
-      do i = 1, n
-         total(i) = weight*k_1(i)
-      end do
-   end subroutine start_sum
-
-   pure subroutine add_one(n, weight, k_1, total)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: weight
-      real(wp), intent(in) :: k_1(n)
-      real(wp), intent(inout) :: total(n)
-      integer :: i
-
-      !$omp simd
-      do i = 1, n
-         total(i) = total(i) + weight*k_1(i)
-      end do
-   end subroutine add_one
-
-   pure subroutine add_two(n, weight, k_1, k_2, total)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: weight(2)
-      real(wp), intent(in), dimension(n) :: k_1, k_2
-      real(wp), intent(inout) :: total(n)
-      integer :: i
-
-      !$omp simd
-      do i = 1, n
-         total(i) = total(i) + (weight(1)*k_1(i) + weight(2)*k_2(i))
-      end do
-   end subroutine add_two
 
    pure subroutine estimate_error(n, pair, h, tolerance, y, y_new, k, error)
       integer, intent(in) :: n
@@ -139,6 +126,7 @@ contains
       real(wp), intent(in) :: y_new(lane_count, n)
       real(wp), intent(in) :: k(lane_count, n, most_stages)
       real(wp), intent(out) :: error(lane_count)
+      real(wp) :: zero(lane_count, n)
       real(wp) :: total(lane_count, n), total_low(lane_count, n)
       real(wp) :: square(lane_count), square_low(lane_count)
       real(wp) :: scale
@@ -149,8 +137,14 @@ contains
          square(i) = 0
          square_low(i) = 0
       end do
-      call add_stages(lane_count*n, pair%e, k, total)
-      if (pair%e_low%terms > 0) call add_stages(lane_count*n, pair%e_low, k, total_low)
+      do m = 1, n
+         !$omp simd
+         do i = 1, lane_count
+            zero(i, m) = 0
+         end do
+      end do
+      call advance(n, pair%e, h, zero, k, total)
+      if (pair%e_low%terms > 0) call advance(n, pair%e_low, h, zero, k, total_low)
       do m = 1, n
          !$omp simd private(scale)
          do i = 1, lane_count
@@ -167,7 +161,7 @@ contains
       end do
       !$omp simd
       do i = 1, lane_count
-         error(i) = h(i)*square(i)/sqrt(n*(square(i) + 0.01_wp*square_low(i)) + tiny(1.0_wp))
+         error(i) = square(i)/sqrt(n*(square(i) + 0.01_wp*square_low(i)) + tiny(1.0_wp))
       end do
    end subroutine estimate_error
 

@@ -4,15 +4,17 @@ module rwmf_integrator_pairs
    implicit none
    private
 
-   public :: pair_t, sum_t, most_stages, sum_of, dormand_prince_853, verner_65
+   public :: pair_t, sum_t, most_stages, most_terms, sum_of, dormand_prince_853, verner_65
 
    integer, parameter :: most_stages = 12
+   integer, parameter :: most_terms = 9
+   !! of a sum
 
    !> A weighted sum of stages without those that do not count.
    type :: sum_t
       integer :: terms = 0
-      integer :: stage(most_stages) = 1
-      real(wp) :: weight(most_stages) = 0
+      integer :: stage(most_terms) = 1
+      real(wp) :: weight(most_terms) = 0
    end type sum_t
 
    !> A method with one or two embedded ones that estimate its error.

@@ -21,7 +21,8 @@ module rwmf_spectrum_lanes
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, line_of, line_t, &
+      motion_t, vertical_line_of
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       quartic_of
@@ -40,6 +41,9 @@ module rwmf_spectrum_lanes
 
    integer, parameter :: at_state = 3
    !! beside the events of the rotation: a further state leaves its window
+   integer, parameter :: line_columns = 6
+   real(wp), parameter :: no_limit = -1
+   !! of an interval that no lane steps into without a look [s]
    real(wp), parameter :: longest_angle = 0.7_wp
    !! of the frame's vibration in a step, so that its events can be seen [rad]
 
@@ -104,6 +108,13 @@ module rwmf_spectrum_lanes
       !! (width)
       logical :: has_curves
       !! the motion is not one of straight lines
+      real(wp), allocatable :: lines(:, :)
+      !! (columns of the table that a line takes, intervals of the motion from 0)
+      integer, allocatable :: interval(:)
+      !! (width) of the motion, that the lane is in
+      integer(i8), allocatable :: steps(:)
+      !! (width) that the run of the lane has taken
+      integer(i8) :: max_steps
       logical, allocatable :: is_busy(:)
       !! (width) the lane has an ordinate
    end type team_t
@@ -147,7 +158,7 @@ contains
       end do
       if (all(lanes%ordinate == 0)) return
       call create_team(case, lanes(1)%equation, width, team)
-      team%has_curves = fastest_rate(motion) > 0
+      call tabulate_lines(motion, lanes(1)%equation%has_vertical, case%solver%t_end, team)
       do i = 1, width
          team%is_busy(i) = lanes(i)%ordinate > 0
          if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
@@ -190,8 +201,45 @@ contains
          allocate (team%error(width), source=0.0_wp)
          allocate (team%mark(width), source=0)
          allocate (team%is_busy(width), source=.false.)
+         allocate (team%interval(width), source=0)
+         allocate (team%steps(width), source=0_i8)
+         team%max_steps = case%solver%max_steps
       end associate
    end subroutine create_team
+
+   !> The straight lines of the motion; without a limit where they are none, or too short for a
+   !> step: such an interval is entered as single runs do.
+   subroutine tabulate_lines(motion, has_vertical, t_end, team)
+      type(motion_t), intent(in) :: motion
+      logical, intent(in) :: has_vertical
+      real(wp), intent(in) :: t_end
+      type(team_t), intent(inout) :: team
+      type(line_t) :: line, vertical
+      real(wp) :: begin, limit
+      integer :: i
+
+      team%has_curves = fastest_rate(motion) > 0
+      allocate (team%lines(line_columns, 0:interval_last(motion)))
+      begin = 0
+      do i = 0, interval_last(motion)
+         line = line_of(motion, i)
+         if (has_vertical) vertical = vertical_line_of(motion, i, line)
+         limit = min(t_end, interval_end(motion, i))
+         if (team%has_curves .or. limit - begin <= 16*epsilon(limit)*limit) limit = no_limit
+         team%lines(:, i) = line_row(limit, line, vertical)
+         begin = interval_end(motion, i)
+      end do
+   end subroutine tabulate_lines
+
+   pure function line_row(limit, line, vertical) result(row)
+      real(wp), intent(in) :: limit
+      !! [s]
+      type(line_t), intent(in) :: line, vertical
+      real(wp) :: row(line_columns)
+      !! `of_limit` and the columns of the lines
+
+      row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
+   end function line_row
 
    !> The pair for a tolerance. The local errors of smooth hysteresis add up, so that it gets the
    !> higher order.
@@ -308,6 +356,7 @@ contains
          team%coef(i, :) = equation%coef(1, :)
          team%tolerance(i, :) = caution(team%pair)*[lane%integrator%tolerance%rtol, &
             lane%integrator%tolerance%atol]
+         team%steps(i) = lane%integrator%steps
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = recorder%theta_dot_max
          table(i, of_rejected) = 0
@@ -345,12 +394,22 @@ contains
       real(wp), intent(in) :: t_limit
       type(team_t), intent(inout) :: team
 
-      team%table(i, of_limit) = t_limit
-      associate (line => lane%equation%line, vertical => lane%equation%vertical_line)
-         team%table(i, of_line:of_line + 2) = [line%a_0, line%slope, line%t_0]
-         team%table(i, of_vertical_line:of_vertical_line + 1) = [vertical%a_0, vertical%slope]
-      end associate
+      team%interval(i) = interval_of(lane%equation)
+      call put_line(i, line_row(t_limit, lane%equation%line, lane%equation%vertical_line), team)
    end subroutine load_line
+
+   pure subroutine put_line(i, row, team)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: row(line_columns)
+      type(team_t), intent(inout) :: team
+
+      team%table(i, of_limit) = row(1)
+      team%table(i, of_line) = row(2)
+      team%table(i, of_line + 1) = row(3)
+      team%table(i, of_line + 2) = row(4)
+      team%table(i, of_vertical_line) = row(5)
+      team%table(i, of_vertical_line + 1) = row(6)
+   end subroutine put_line
 
    !> Longest step in which the events of a lane can be seen [s].
    real(wp) function longest_step(equation, motion) result(longest)
@@ -406,9 +465,7 @@ contains
             call forget_goal(lanes(i), i, team)
             call check_length(lanes(i), i, team)
          case default
-            lanes(i)%integrator%steps = lanes(i)%integrator%steps + 1_i8
-            call check_work(lanes(i))
-            if (allocated(lanes(i)%error)) team%table(i, of_length) = 0
+            call count_step(lanes(i), i, team)
          end select
       end do
    end subroutine step_team
@@ -434,6 +491,32 @@ contains
       end do
    end subroutine follow_curves
 
+   !> A step of a lane has been accepted.
+   subroutine count_step(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      team%steps(i) = team%steps(i) + 1_i8
+      if (team%steps(i) <= team%max_steps) return
+      call catch_up(lane, i, team)
+      call check_work(lane)
+      team%table(i, of_length) = 0
+   end subroutine count_step
+
+   !> Let the run of a lane know how far it has come in the team.
+   subroutine catch_up(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+
+      lane%integrator%steps = team%steps(i)
+      lane%hybrid%t = team%table(i, of_time)
+      lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      if (interval_of(lane%equation) /= team%interval(i)) call enter_interval(lane%equation, &
+         team%interval(i))
+   end subroutine catch_up
+
    !> Bound on the work of one run.
    subroutine check_work(lane)
       type(lane_t), intent(inout) :: lane
@@ -450,6 +533,7 @@ contains
       type(team_t), intent(inout) :: team
 
       if (team%table(i, of_length) > 8*spacing(team%table(i, of_time))) return
+      call catch_up(lane, i, team)
       team%table(i, of_length) = 0
       call fail(lane%error, err_numerical, 'the step has become too small at t = ' &
          //trim(real_to_text(team%table(i, of_time)))//' s')
@@ -461,11 +545,31 @@ contains
       integer, intent(in) :: i
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
+
+      associate (next => team%interval(i) + 1)
+         if (next <= ubound(team%lines, 2) .and. team%steps(i) < team%max_steps) then
+            if (team%lines(1, next) > team%table(i, of_time)) then
+               team%steps(i) = team%steps(i) + 1_i8
+               call put_line(i, team%lines(:, next), team)
+               team%interval(i) = next
+               return
+            end if
+         end if
+      end associate
+      call enter_next(lane, i, motion, team)
+   end subroutine pass_limit
+
+   !> The same where the next interval is no straight line, too short for a step or not there.
+   subroutine enter_next(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
       real(wp) :: t_limit
 
+      call catch_up(lane, i, team)
       lane%integrator%steps = lane%integrator%steps + 1_i8
-      lane%hybrid%t = team%table(i, of_time)
-      lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      team%steps(i) = lane%integrator%steps
       associate (t_end => lane%case%solver%t_end)
          if (lane%hybrid%t < t_end) then
             call enter_interval(lane%equation, interval_of(lane%equation) + 1)
@@ -479,7 +583,7 @@ contains
       lane%integrator%h = team%table(i, of_length)
       lane%hybrid%y(:) = team%y(i, :)
       call enter_team(lane, i, motion, team)
-   end subroutine pass_limit
+   end subroutine enter_next
 
    !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
    subroutine look_for_event(lane, i, motion, team)
@@ -583,7 +687,7 @@ contains
             call pass_limit(lane, i, motion, team)
          else
             table(i, of_time) = table(i, of_time) + table(i, of_trial)
-            lane%integrator%steps = lane%integrator%steps + 1_i8
+            call count_step(lane, i, team)
          end if
       end associate
    end subroutine accept_step
@@ -601,6 +705,7 @@ contains
       real(wp) :: rates(lane%equation%n)
       real(wp) :: t, rest
 
+      call catch_up(lane, i, team)
       associate (table => team%table, y_new => team%y_new)
          t = table(i, of_time) + table(i, of_trial)
          call rates_at(lane%equation, t, y_new(i, :), rates)
@@ -707,7 +812,7 @@ contains
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
 
-      lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      call catch_up(lane, i, team)
       associate (step => lane%integrator)
          step%steps = step%steps + 1_i8
          step%h = team%table(i, of_length)

@@ -11,7 +11,7 @@ module rwmf_model_effects_loops
    use rwmf_model_lanes, only: add_frame, add_linear_cable, add_straight_cable, lane_count, &
       lane_motion_t, move_bare_frame, move_wall, tilt_link
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
-      straight_cable_term, term_t
+      straight_cable_term
    implicit none
    private
 
@@ -37,9 +37,41 @@ contains
          call move_bare_frame(y(1, 1), y(1, 2), motion)
       end if
       do i = 1, size(scene%terms)
-         ! without states of its own none is read
-         associate (term => scene%terms(i), own => min(scene%terms(i)%state, scene%n))
-            call add_effect(term, coef(1, term%coef), y(1, own), motion, y_dot(1, own))
+         associate (term => scene%terms(i), own => scene%terms(i)%coef)
+            select case (term%effect)
+            case (frame_term)
+               call add_frame(coef(1, own), motion)
+            case (linear_cable_term)
+               call add_linear_cable(coef(1, own), motion)
+            case (straight_cable_term)
+               call add_straight_cable(coef(1, own), motion)
+            case (1)
+               if (term%n > 0) then
+                  call add_floors(term%n, term%law, coef(1, own), y(1, term%state), motion, &
+                     y_dot(1, term%state))
+               else
+                  call add_excited_mass(coef(1, own), motion)
+               end if
+            case (2)
+               call tilt_link(coef(1, own), motion)
+            case (3)
+               call add_damper(coef(1, own), motion)
+            case (4)
+               call add_inerter(coef(1, own), motion)
+            case (5)
+               call add_fuse(coef(1, own), motion)
+            case (6)
+               call add_bouc_wen(term%law, coef(1, own), y(1, term%state), motion, &
+                  y_dot(1, term%state))
+            case (7)
+               call add_vertical(coef(1, own), motion)
+            case (11)
+               ! one coordinate has no states of its own: none is read
+               call add_p_delta(term%n, coef(1, own), y(1, min(term%state, scene%n)), motion, &
+                  y_dot(1, min(term%state, scene%n)))
+            case default
+               ! has no loop, and therefore no term
+            end select
          end associate
       end do
       !$omp simd
@@ -48,47 +80,5 @@ contains
          y_dot(i, 2) = coef(i, 1)*(motion%side(i)*motion%moment(i)/motion%inertia(i))
       end do
    end subroutine lane_rates
-
-   !> What one loop of a scene adds.
-   pure subroutine add_effect(term, coef, own, motion, own_dot)
-      type(term_t), intent(in) :: term
-      real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      real(wp), intent(in) :: own(lane_count, term%n_states)
-      !! its states
-      type(lane_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: own_dot(lane_count, term%n_states)
-      !! their rates
-
-      select case (term%effect)
-      case (frame_term)
-         call add_frame(coef, motion)
-      case (linear_cable_term)
-         call add_linear_cable(coef, motion)
-      case (straight_cable_term)
-         call add_straight_cable(coef, motion)
-      case (1)
-         if (term%n > 0) then
-            call add_floors(term%n, term%law, coef, own, motion, own_dot)
-         else
-            call add_excited_mass(coef, motion)
-         end if
-      case (2)
-         call tilt_link(coef, motion)
-      case (3)
-         call add_damper(coef, motion)
-      case (4)
-         call add_inerter(coef, motion)
-      case (5)
-         call add_fuse(coef, motion)
-      case (6)
-         call add_bouc_wen(term%law, coef, own, motion, own_dot)
-      case (7)
-         call add_vertical(coef, motion)
-      case (11)
-         call add_p_delta(term%n, coef, own, motion, own_dot)
-      case default
-         ! has no loop, and therefore no term
-      end select
-   end subroutine add_effect
 
 end module rwmf_model_effects_loops
