@@ -159,6 +159,8 @@ contains
       associate (equation => span%equation)
          is_inside = .false.
          if (equation%ends_at_peak .or. equation%has_loading_direction) return
+         ! from an end of the window only the turn tells whether the motion leaves it
+         if (span%y_a(1) <= equation%low .or. span%y_a(1) >= equation%high) return
          low = -huge(low)
          high = huge(high)
          if (equation%has_wall) high = hybrid%overturning_angle
