@@ -26,7 +26,7 @@ module rwmf_spectrum_lanes
       motion_t, vertical_line_of
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
-      quartic_of
+      place_event, quartic_of, quartic_t, quintic_of, state_at
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, has_ended, hybrid_t, &
       mode_collapsed, mode_overturned, mode_rest, mode_rocking, stay_at_rest
    use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_state, recorder_t
@@ -562,12 +562,14 @@ contains
       integer, intent(in) :: i
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
+      type(quartic_t) :: quartic
       real(wp) :: x
 
       associate (table => team%table, y => team%y, y_new => team%y_new)
-         call first_event(quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], &
-            [y(i, 2), y_new(i, 2)], team%k(i, 2, 1)), table(i, [of_low, of_high]), &
-            table(i, [of_bottom, of_top]), lane%goal, x)
+         quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
+            team%k(i, 2, 1))
+         call first_event(quartic, [table(i, of_low), table(i, of_high)], &
+            [table(i, of_bottom), table(i, of_top)], lane%goal, x)
          call compare_with_further(lane, i, team, x)
          if (is_against_loading(lane, i, team)) then
             lane%goal = no_event
@@ -577,11 +579,58 @@ contains
             call accept_step(lane, i, motion, team)
             return
          end if
+         call place_in_step(lane, i, quartic, x, motion, team)
+         if (lane%goal == no_event) return
          lane%trials = 0
          table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
          table(i, of_watch) = 1
       end associate
    end subroutine look_for_event
+
+   !> Let the event that the quartic shows happen on the quintic, if this is as accurate as a step:
+   !> by the term of degree six, which is guessed from those before at the fastest rate of the scene.
+   subroutine place_in_step(lane, i, quartic, x, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(quartic_t), intent(in) :: quartic
+      real(wp), intent(in) :: x
+      !! position of the event in the step [-]
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      real(wp), parameter :: share = 0.2_wp
+      !! of what a step may err [-]
+      type(quartic_t) :: quintic
+      real(wp) :: rates(2), y(2)
+      real(wp) :: at, h, level, angle, next
+      logical :: is_found
+
+      if (lane%equation%n > 2) return
+      call catch_up(lane, i, team)
+      associate (table => team%table, c => quintic%c)
+         h = table(i, of_trial)
+         call rates_at(lane%equation, table(i, of_time) + h, team%y_new(i, :), rates)
+         quintic = quintic_of(quartic, h**2*rates(2))
+         level = table(i, merge(of_low, of_high, lane%goal == at_low))
+         at = x
+         call place_event(quintic, lane%goal, level, at, is_found)
+         if (.not. is_found .or. at*h <= 4*epsilon(at)*table(i, of_time)) return
+         y = state_at(quintic, at)
+         y(2) = y(2)/h
+         angle = longest_angle*h/table(i, of_longest)
+         next = max(abs(c(5)), angle/5*abs(c(4)))
+         next = next*max(angle/6, abs(c(5))/max(abs(c(4)), tiny(at)))
+         next = next*(at*(1 - at))**2
+         if (next*at*(1 - at) > share*(team%tolerance(i, 1) + team%tolerance(i, 0)*abs(y(1))) &
+             .or. 3*next*abs(1 - 2*at) > share*h*(team%tolerance(i, 2) &
+             + team%tolerance(i, 0)*abs(y(2)))) return
+         if (lane%goal == at_turn) then
+            ! beyond an end of the window, which comes before it?
+            if (y(1) < table(i, of_low) .or. y(1) > table(i, of_high)) return
+         end if
+         call happen(lane, i, table(i, of_time) + at*h, y, motion, team)
+         lane%goal = no_event
+      end associate
+   end subroutine place_in_step
 
    !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
    !> may from rest?
@@ -705,7 +754,8 @@ contains
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-6_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
-            call happen(lane, i, t, rest, rates, motion, team)
+            call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/2*(rates &
+               - team%k(i, :, 1))/table(i, of_trial)), motion, team)
             return
          end if
          lane%trials = lane%trials + 1
@@ -722,26 +772,21 @@ contains
       end associate
    end subroutine meet_event
 
-   !> The event that a lane has come to happens, a short time after the end of its step.
-   subroutine happen(lane, i, t, rest, rates, motion, team)
+   !> The event that a lane has come to happens.
+   subroutine happen(lane, i, t, y, motion, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: t
-      !! end of the step [s]
-      real(wp), intent(in) :: rest
       !! [s]
-      real(wp), intent(in) :: rates(:)
-      !! (states) there
+      real(wp), intent(in) :: y(:)
+      !! (states) nearly
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
-      real(wp) :: bend(size(rates))
-      !! derivatives of the rates
       integer :: event
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
-         bend = (rates - team%k(i, :, 1))/table(i, of_trial)
-         hybrid%t = min(t + rest, table(i, of_limit))
-         hybrid%y(:) = team%y_new(i, :) + rest*(rates + rest/2*bend)
+         hybrid%t = min(t, table(i, of_limit))
+         hybrid%y(:) = y
          event = event_peak
          if (lane%goal == at_turn) then
             hybrid%y(2) = 0
