@@ -22,14 +22,15 @@ contains
    subroutine attempt_explicit_pair(self, t, y, f, h, y_new, error)
       class(explicit_pair_t), intent(inout) :: self
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: f(:)
+      real(wp), intent(in), contiguous :: y(:)
+      real(wp), intent(in), contiguous :: f(:)
       real(wp), intent(in) :: h
-      real(wp), intent(out) :: y_new(:)
+      real(wp), intent(out), contiguous :: y_new(:)
       real(wp), intent(out) :: error
       real(wp) :: acceleration(1, most_stages, 2)
       real(wp) :: k(1, size(y), most_stages)
-      real(wp) :: norm(1)
+      real(wp) :: tolerance(1, 0:size(y))
+      real(wp) :: length(1), norm(1)
       integer :: i
 
       self%error_order = self%pair%error_order
@@ -41,8 +42,11 @@ contains
                + pair%c(i)*h)
          end do
          k(1, :, 1) = f
-         call attempt_step(equation%scene, pair, equation%coef, acceleration, [h], &
-            [self%tolerance%rtol, self%tolerance%atol], y, .true., k, y_new, norm)
+         length = h
+         tolerance(1, 0) = self%tolerance%rtol
+         tolerance(1, 1:) = self%tolerance%atol
+         call attempt_step(equation%scene, pair, equation%coef, acceleration, length, tolerance, &
+            y, .true., k, y_new, norm)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
       error = norm(1)

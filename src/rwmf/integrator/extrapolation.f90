@@ -26,10 +26,10 @@ contains
    subroutine attempt_extrapolation(self, t, y, f, h, y_new, error)
       class(extrapolation_t), intent(inout) :: self
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: f(:)
+      real(wp), intent(in), contiguous :: y(:)
+      real(wp), intent(in), contiguous :: f(:)
       real(wp), intent(in) :: h
-      real(wp), intent(out) :: y_new(:)
+      real(wp), intent(out), contiguous :: y_new(:)
       real(wp), intent(out) :: error
       real(wp) :: table(size(y), columns)
       !! table(:, i) = T_{j, j+1-i}: the present row of the Aitken-Neville scheme

@@ -43,13 +43,13 @@ module rwmf_integrator_one_step
          class(one_step_t), intent(inout) :: self
          real(wp), intent(in) :: t
          !! [s]
-         real(wp), intent(in) :: y(:)
+         real(wp), intent(in), contiguous :: y(:)
          !! (states)
-         real(wp), intent(in) :: f(:)
+         real(wp), intent(in), contiguous :: f(:)
          !! (states) derivative there
          real(wp), intent(in) :: h
          !! [s]
-         real(wp), intent(out) :: y_new(:)
+         real(wp), intent(out), contiguous :: y_new(:)
          !! (states)
          real(wp), intent(out) :: error
          !! norm of the local error over the tolerance [-]

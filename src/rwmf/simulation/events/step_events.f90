@@ -120,23 +120,78 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_peak
       real(wp), target :: y_peak(size(span%y_a))
+      logical :: is_plain
 
+      event = 0
       if (.not. has_peak(hybrid, span) .or. stands_still(span)) then
          call search_piece(hybrid, span, event, error)
          return
       end if
+      is_plain = turns_inside(hybrid, span)
+      if (is_plain) then
+         call search_piece(hybrid, span, event, error)
+         if (allocated(error)) return
+         if (.not. recorder%keeps_events) then
+            if (.not. may_be_extreme(recorder, span)) return
+         end if
+      end if
       call find_event_time(span, 2, 0.0_wp, t_peak, y_peak, error)
       if (allocated(error)) return
-      call search_piece(hybrid, until(span, t_peak, y_peak), event, error)
-      if (allocated(error) .or. event /= 0) return
+      if (.not. is_plain) call search_piece(hybrid, until(span, t_peak, y_peak), event, error)
+      if (allocated(error) .or. (event /= 0 .and. .not. is_plain)) return
       call observe_state(recorder, span%equation, t_peak, y_peak)
       call observe_event(recorder, event_peak, t_peak, y_peak)
+      if (is_plain) return
       if (span%equation%ends_at_peak) then
          event = event_peak
       else
          call search_piece(hybrid, from(span, t_peak, y_peak), event, error)
       end if
    end subroutine search_span
+
+   !> Is it plain that the turn in a span lies where nothing happens? Then what happens after it can
+   !> be looked for without knowing it.
+   pure logical function turns_inside(hybrid, span) result(is_inside)
+      type(hybrid_t), intent(in) :: hybrid
+      type(step_view_t), intent(in) :: span
+      real(wp) :: low, high, turn
+
+      associate (equation => span%equation)
+         is_inside = .false.
+         if (equation%ends_at_peak .or. equation%has_loading_direction) return
+         low = -huge(low)
+         high = huge(high)
+         if (equation%has_wall) high = hybrid%overturning_angle
+         if (equation%has_wall) low = -high
+         if (hybrid%mode == mode_rocking .and. equation%side > 0) low = 0
+         if (hybrid%mode == mode_rocking .and. equation%side < 0) high = 0
+         turn = farthest_turn(span)
+         is_inside = turn < min(high, equation%high) .and. turn > max(low, equation%low)
+      end associate
+   end function turns_inside
+
+   !> May the turn in a span be the largest rotation so far on its side?
+   pure logical function may_be_extreme(recorder, span)
+      type(recorder_t), intent(in) :: recorder
+      type(step_view_t), intent(in) :: span
+      real(wp) :: turn
+
+      turn = farthest_turn(span)
+      may_be_extreme = turn >= recorder%theta_max .or. turn <= recorder%theta_min
+   end function may_be_extreme
+
+   !> Bound on the rotation at which a motion turns back between the ends of a span, four times as
+   !> far beyond the farther one as under a steady acceleration.
+   pure real(wp) function farthest_turn(span) result(turn)
+      type(step_view_t), intent(in) :: span
+      real(wp) :: reach
+
+      associate (a => span%y_a, b => span%y_b)
+         reach = 0.5_wp*(span%t_b - span%t_a)*(abs(a(2)) + abs(b(2)))
+         turn = max(a(1), b(1)) + reach
+         if (b(2) > a(2)) turn = min(a(1), b(1)) - reach
+      end associate
+   end function farthest_turn
 
    !> Search a piece in which theta is monotone; leaves time and state of its end or of the event in
    !> hybrid.
