@@ -159,7 +159,7 @@ contains
       call tabulate_lines(motion, lanes(1)%equation%has_vertical, case%solver%t_end, team)
       do i = 1, width
          team%is_busy(i) = lanes(i)%ordinate > 0
-         if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
+         if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
       end do
       do
          if (team%has_ended) then
@@ -169,7 +169,7 @@ contains
                   if (lanes(i)%ordinate == 0) call take_ordinate(case, motion, control, next, &
                      ordinates, lanes(i))
                   team%is_busy(i) = lanes(i)%ordinate > 0
-                  if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
+                  if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
                end do
             end do
             if (.not. any(team%is_busy)) return
@@ -300,6 +300,22 @@ contains
          lane%recorder, lane%error)
    end subroutine begin_lane
 
+   !> A lane with a new run comes into the team.
+   subroutine join_team(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+
+      if (.not. allocated(lane%error)) then
+         associate (tolerance => lane%integrator%tolerance)
+            team%tolerance(i, :) = caution(team%pair)*[tolerance%rtol, tolerance%atol]
+         end associate
+         team%table(i, of_longest) = longest_step(lane%equation, motion)
+      end if
+      call enter_team(lane, i, motion, team)
+   end subroutine join_team
+
    !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
    !> of a step.
    subroutine enter_team(lane, i, motion, team)
@@ -337,6 +353,7 @@ contains
       real(wp), intent(in) :: span
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
+      integer :: j
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
                  recorder => lane%recorder)
@@ -349,18 +366,20 @@ contains
             end if
          end if
          hybrid%must_restart = .false.
-         team%y(i, :) = hybrid%y
-         team%coef(i, :) = equation%coef(1, :)
-         team%tolerance(i, :) = caution(team%pair)*[lane%integrator%tolerance%rtol, &
-            lane%integrator%tolerance%atol]
+         do j = 1, equation%n
+            team%y(i, j) = hybrid%y(j)
+         end do
+         do j = 1, equation%scene%n_coef
+            team%coef(i, j) = equation%coef(1, j)
+         end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = recorder%theta_dot_max
          table(i, of_rejected) = 0
-         table(i, of_longest) = longest_step(equation, motion)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
          lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0)
-         table(i, [of_least, of_most]) = [-huge(1.0_wp), huge(1.0_wp)]
+         table(i, of_least) = -huge(1.0_wp)
+         table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
             ! the hysteretic force that falls back passes zero
             if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
@@ -371,15 +390,15 @@ contains
          lane%goal = no_event
          table(i, of_goal) = 0
          table(i, of_watch) = merge(0, 1, lane%is_smooth)
-         table(i, [of_low, of_high]) = [-huge(1.0_wp), huge(1.0_wp)]
-         if (equation%has_wall) table(i, [of_low, of_high]) = hybrid%overturning_angle*[-1, 1]
+         table(i, of_low) = merge(-hybrid%overturning_angle, -huge(1.0_wp), equation%has_wall)
+         table(i, of_high) = -table(i, of_low)
          if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, equation%side > 0)) = 0
          if (equation%has_bilinear_springs) then
             table(i, of_low) = max(table(i, of_low), equation%low)
             table(i, of_high) = min(table(i, of_high), equation%high)
          end if
-         table(i, [of_bottom, of_top]) = [recorder%theta_min, recorder%theta_max]
-         if (equation%ends_at_peak) table(i, [of_bottom, of_top]) = [huge(1.0_wp), -huge(1.0_wp)]
+         table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%ends_at_peak)
+         table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%ends_at_peak)
       end associate
       call load_line(lane, i, t_limit, team)
    end subroutine load_lane
@@ -394,8 +413,11 @@ contains
       team%table(i, of_interval) = interval_of(lane%equation)
       associate (row => line_row(t_limit, lane%equation%line, lane%equation%vertical_line))
          team%table(i, of_limit) = row(1)
-         team%table(i, of_line:of_line + 2) = row(2:4)
-         team%table(i, of_vertical_line:of_vertical_line + 1) = row(5:6)
+         team%table(i, of_line) = row(2)
+         team%table(i, of_line + 1) = row(3)
+         team%table(i, of_line + 2) = row(4)
+         team%table(i, of_vertical_line) = row(5)
+         team%table(i, of_vertical_line + 1) = row(6)
       end associate
    end subroutine load_line
 

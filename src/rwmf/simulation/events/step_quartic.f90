@@ -18,8 +18,8 @@ module rwmf_simulation_events_step_quartic
    !! the velocity changes its sign
 
    integer, parameter :: most_iterations = 60
-   real(wp), parameter :: resolution = 1.0e-9_wp
-   !! of a position: far below the error of the quartic [-]
+   real(wp), parameter :: resolution = 1.0e-6_wp
+   !! of a position: below the error of the quartic [-]
 
    !> theta in powers of the position in the step, from 0 to 1 [rad].
    type :: quartic_t
