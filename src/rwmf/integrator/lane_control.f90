@@ -2,15 +2,15 @@
 module rwmf_integrator_lane_control
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      needs_look, of_bottom, of_fastest, of_goal, of_high, of_least, of_length, of_limit, &
-      of_line, of_longest, of_low, of_most, of_rejected, of_time, of_top, of_trial, &
-      of_vertical_line, of_watch
+      line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
+      of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
    private
 
-   public :: plan_step, judge_step
+   public :: plan_step, judge_step, pass_knots
 
 contains
 
@@ -22,6 +22,10 @@ contains
       real(wp), intent(out) :: ground(lane_count, most_stages, 2)
       !! horizontal and vertical [m/s2]
       real(wp) :: rest, length
+      real(wp), dimension(lane_count) :: line, vertical_line
+      !! accelerations at the beginning [m/s2]
+      real(wp), dimension(lane_count) :: rise, vertical_rise
+      !! and by how much they grow in the step [m/s2]
       integer :: i, s
 
       !$omp simd private(rest, length)
@@ -33,14 +37,19 @@ contains
          length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
             length < 1.0e-8_wp*rest)
          length = merge(table(i, of_goal), length, table(i, of_goal) > 0)
-         table(i, of_trial) = merge(length, 0.0_wp, table(i, of_length) > 0)
+         length = merge(length, 0.0_wp, table(i, of_length) > 0)
+         table(i, of_trial) = length
+         rest = table(i, of_time) - table(i, of_line + 2)
+         line(i) = table(i, of_line) + table(i, of_line + 1)*rest
+         rise(i) = table(i, of_line + 1)*length
+         vertical_line(i) = table(i, of_vertical_line) + table(i, of_vertical_line + 1)*rest
+         vertical_rise(i) = table(i, of_vertical_line + 1)*length
       end do
       do s = 1, pair%stages
-         !$omp simd private(length)
+         !$omp simd
          do i = 1, lane_count
-            length = (table(i, of_time) + pair%c(s)*table(i, of_trial)) - table(i, of_line + 2)
-            ground(i, s, 1) = table(i, of_line) + table(i, of_line + 1)*length
-            ground(i, s, 2) = table(i, of_vertical_line) + table(i, of_vertical_line + 1)*length
+            ground(i, s, 1) = line(i) + pair%c(s)*rise(i)
+            ground(i, s, 2) = vertical_line(i) + pair%c(s)*vertical_rise(i)
          end do
       end do
    end subroutine plan_step
@@ -67,7 +76,7 @@ contains
       real(wp) :: h, h_new, root, reach, bend, drop, lowest
       ! 1 where it is so, 0 where not: logical variables would keep the loop from being vectorised
       real(wp) :: is_accurate, is_inside, turns, is_far
-      real(wp) :: is_plain(lane_count), was_accurate(lane_count)
+      real(wp) :: is_plain(lane_count)
       integer :: i, m
 
       !$omp simd private(h, h_new, root, reach, bend, drop, lowest, is_accurate, is_inside, turns) &
@@ -101,12 +110,15 @@ contains
             table(i, of_top), table(i, of_high)), max(table(i, of_bottom), table(i, of_low)) &
             - min(y(i, 1), y_new(i, 1)) + reach) < 0)
          is_plain(i) = is_accurate*is_inside*max(1 - turns, is_far)
-         was_accurate(i) = is_accurate
          table(i, of_fastest) = merge(max(table(i, of_fastest), abs(y_new(i, 2))), &
             table(i, of_fastest), is_plain(i) > 0)
          h_new = merge(table(i, of_limit), table(i, of_time) + h, &
             h >= table(i, of_limit) - table(i, of_time))
          table(i, of_time) = merge(h_new, table(i, of_time), is_plain(i) > 0)
+         table(i, of_steps) = table(i, of_steps) + is_plain(i)
+         mark(i) = int(merge(merge(real(at_limit, wp), real(is_done, wp), table(i, of_time) &
+            >= table(i, of_limit)), merge(real(needs_look, wp), real(is_rejected, wp), &
+            is_accurate > 0), is_plain(i) > 0))
       end do
       do m = 1, n
          !$omp simd
@@ -114,11 +126,33 @@ contains
             y(i, m) = merge(y_new(i, m), y(i, m), is_plain(i) > 0)
          end do
       end do
-      do i = 1, lane_count
-         mark(i) = merge(needs_look, is_rejected, was_accurate(i) > 0)
-         if (is_plain(i) > 0) mark(i) = merge(at_limit, is_done, table(i, of_time) &
-            >= table(i, of_limit))
-      end do
    end subroutine judge_step
+
+   !> Let lanes that have come to their limits enter the next interval of the motion, where that is
+   !> a straight line with a limit of its own.
+   pure subroutine pass_knots(intervals, lines, table, mark)
+      integer, intent(in) :: intervals
+      !! number of the last one
+      real(wp), intent(in) :: lines(line_columns, 0:intervals + 1)
+      !! of each interval: limit [s], or a negative number; a_0, slope, t_0, vertical a_0, slope
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      integer, intent(inout) :: mark(lane_count)
+      !! `at_limit`; on return `is_done` where it has been passed
+      integer :: i, next
+
+      do i = 1, lane_count
+         if (mark(i) /= at_limit) cycle
+         next = int(table(i, of_interval)) + 1
+         if (.not. lines(1, next) > table(i, of_time)) cycle
+         table(i, of_interval) = next
+         table(i, of_limit) = lines(1, next)
+         table(i, of_line) = lines(2, next)
+         table(i, of_line + 1) = lines(3, next)
+         table(i, of_line + 2) = lines(4, next)
+         table(i, of_vertical_line) = lines(5, next)
+         table(i, of_vertical_line + 1) = lines(6, next)
+         mark(i) = is_done
+      end do
+   end subroutine pass_knots
 
 end module rwmf_integrator_lane_control

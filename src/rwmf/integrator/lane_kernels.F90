@@ -4,14 +4,14 @@
 !> with AVX2 (four) and with AVX-512 (eight). The choice is made at run time and changes no bit of a
 !> result.
 module rwmf_integrator_lane_kernels
-   use rwmf_integrator_lane_control_l16, only: judge_step, plan_step
+   use rwmf_integrator_lane_control_l16, only: judge_step, pass_knots, plan_step
    use rwmf_integrator_lane_step_l16, only: attempt_step
    use rwmf_model_lanes_l16, only: team_width => lane_count
 #ifdef FAST_LEVELS
    use rwmf_integrator_lane_control_l16_v3, only: judge_step_v3 => judge_step, &
-      plan_step_v3 => plan_step
+      pass_knots_v3 => pass_knots, plan_step_v3 => plan_step
    use rwmf_integrator_lane_control_l16_v4, only: judge_step_v4 => judge_step, &
-      plan_step_v4 => plan_step
+      pass_knots_v4 => pass_knots, plan_step_v4 => plan_step
    use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
    use rwmf_integrator_lane_step_l16_v4, only: attempt_step_v4 => attempt_step
 #endif
@@ -25,6 +25,7 @@ module rwmf_integrator_lane_kernels
       procedure(plan_step), pointer, nopass :: plan_step => null()
       procedure(attempt_step), pointer, nopass :: attempt_step => null()
       procedure(judge_step), pointer, nopass :: judge_step => null()
+      procedure(pass_knots), pointer, nopass :: pass_knots => null()
    end type lane_kernels_t
 
 contains
@@ -37,12 +38,14 @@ contains
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, judge_step_v4)
+         kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, judge_step_v4, &
+            pass_knots_v4)
       case (3)
-         kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, judge_step_v3)
+         kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, judge_step_v3, &
+            pass_knots_v3)
 #endif
       case default
-         kernels = lane_kernels_t(plan_step, attempt_step, judge_step)
+         kernels = lane_kernels_t(plan_step, attempt_step, judge_step, pass_knots)
       end select
    end function lane_kernels_of
 

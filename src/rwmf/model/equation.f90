@@ -18,7 +18,8 @@ module rwmf_model_equation
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients, constants_of
    public :: vertical_ground, has_further_effects
-   public :: ground, kinematics_at, cable_at, lift_off_drive, frame_displacement
+   public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
+   public :: frame_displacement
    public :: frame_velocity, frame_motion, frame_travel, frame_mass, corner_share
 
    !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
@@ -485,6 +486,24 @@ contains
          drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
       end if
    end function lift_off_drive
+
+   !> The same on both sides.
+   pure function lift_off_drives(equation, interval, t) result(drive)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      !! of the motion
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp) :: drive(2)
+      !! on the negative and on the positive side [m/s2]
+      real(wp) :: push
+
+      push = acceleration(equation%motion, interval, t)
+      drive(1) = push - equation%uplift_acceleration(-1)
+      drive(2) = -push - equation%uplift_acceleration(1)
+      if (equation%has_vertical) drive = drive - equation%weight_share &
+         *vertical_acceleration(equation%motion, interval, t)
+   end function lift_off_drives
 
    !> Displacement of the frame u_s [m].
    real(wp) function frame_displacement(equation, theta) result(u_s)

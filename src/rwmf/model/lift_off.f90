@@ -8,7 +8,7 @@ module rwmf_model_lift_off
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: enter_side, interval_of, lift_off_drive, moment_at_rest
-   use rwmf_model_equation, only: equation_t, kinematics_at
+   use rwmf_model_equation, only: equation_t, kinematics_at, lift_off_drives
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: interval_end, steep_point, turning_point
    implicit none
@@ -83,7 +83,7 @@ contains
       real(wp) :: drive(2)
       !! on the negative and on the positive side [m/s2]
 
-      drive = [lift_off_drive(equation, -1, interval, t), lift_off_drive(equation, 1, interval, t)]
+      drive = lift_off_drives(equation, interval, t)
       side = merge(1, -1, drive(2) >= drive(1))
       if (.not. lifts(maxval(drive), equation%threshold)) side = 0
    end function lifting_side
@@ -96,8 +96,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      jumps = lifts(lift_off_drive(equation, 1, interval, t), equation%threshold) &
-         .and. lifts(lift_off_drive(equation, -1, interval, t), equation%threshold)
+      jumps = lifts(minval(lift_off_drives(equation, interval, t)), equation%threshold)
    end function jumps
 
    !> Of two sides that lift off between two times, the one that does so first.

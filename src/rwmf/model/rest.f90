@@ -1,7 +1,7 @@
 !> When chatter ends and the wall rests: a question about the ground motion alone.
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive
+   use rwmf_model_equation, only: equation_t, interval_of, lift_off_drives
    use rwmf_model_lift_off, only: drive_turns
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
    implicit none
@@ -41,8 +41,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      press = -max(lift_off_drive(equation, 1, interval, t), &
-         lift_off_drive(equation, -1, interval, t))
+      press = -maxval(lift_off_drives(equation, interval, t))
    end function pressing_at
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?

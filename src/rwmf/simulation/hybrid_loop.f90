@@ -274,6 +274,7 @@ contains
       span = huge(span)
       if (t_limit - hybrid%t <= 8*epsilon(t_limit)*t_limit) then
          ! An event within round-off of a knot: no integrator can step that far.
+         hybrid%flight = 0
          hybrid%t = t_limit
          call pass_knot(hybrid, equation, steps)
          return
@@ -282,7 +283,12 @@ contains
       if (equation%has_bilinear_springs) call renew_window(equation)
       if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
       if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
-      span = flight_time(hybrid, equation)
+      if (hybrid%flight > 0) then
+         span = hybrid%flight
+      else
+         span = flight_time(hybrid, equation)
+      end if
+      hybrid%flight = 0
    end subroutine begin_step
 
    !> Look at the integrator's last step, and let what happens first in it happen.
@@ -417,7 +423,8 @@ contains
       do
          call apply_one_impact(hybrid, equation, recorder)
          if (hybrid%mode == mode_rest .or. abs(hybrid%y(2)) <= 0) return
-         if (flight_time(hybrid, equation) > followable*spacing(hybrid%t)) return
+         hybrid%flight = flight_time(hybrid, equation)
+         if (hybrid%flight > followable*spacing(hybrid%t)) return
          hybrid%y(2) = -hybrid%y(2)
       end do
    end subroutine apply_impact

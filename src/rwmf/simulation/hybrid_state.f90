@@ -45,6 +45,8 @@ module rwmf_simulation_hybrid_state
       integer(i8) :: max_steps
       integer :: drifts = 0
       !! number of drifts with a limit at which the scene collapses
+      real(wp) :: flight = 0
+      !! estimated duration of the flight that begins; 0: not known [s]
       integer(i8) :: steps_at_knot = 0_i8
       !! of the integrator when the present interval of the motion began
    end type hybrid_t

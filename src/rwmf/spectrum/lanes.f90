@@ -9,11 +9,12 @@ module rwmf_spectrum_lanes
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_rejected, needs_look, &
-      of_bottom, of_fastest, of_goal, of_high, of_least, of_length, of_limit, of_line, &
-      of_longest, of_low, of_most, of_rejected, of_time, of_top, of_trial, of_vertical_line, &
-      of_watch
-   use rwmf_integrator_lane_control, only: judge_one => judge_step, plan_one => plan_step
+   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
+      line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
+      of_top, of_trial, of_vertical_line, of_watch
+   use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
+      plan_one => plan_step
    use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t, team_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
@@ -25,7 +26,7 @@ module rwmf_spectrum_lanes
       motion_t, vertical_line_of
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
-      quartic_of
+      place_event, quartic_of, quartic_t, quintic_of, state_at
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, has_ended, hybrid_t, &
       mode_collapsed, mode_overturned, mode_rest, mode_rocking, stay_at_rest
    use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_state, recorder_t
@@ -41,7 +42,6 @@ module rwmf_spectrum_lanes
 
    integer, parameter :: at_state = 3
    !! beside the events of the rotation: a further state leaves its window
-   integer, parameter :: line_columns = 6
    real(wp), parameter :: no_limit = -1
    !! of an interval that no lane steps into without a look [s]
    real(wp), parameter :: longest_angle = 0.7_wp
@@ -109,12 +109,10 @@ module rwmf_spectrum_lanes
       logical :: has_curves
       !! the motion is not one of straight lines
       real(wp), allocatable :: lines(:, :)
-      !! (columns of the table that a line takes, intervals of the motion from 0)
-      integer, allocatable :: interval(:)
-      !! (width) of the motion, that the lane is in
-      integer(i8), allocatable :: steps(:)
-      !! (width) that the run of the lane has taken
-      integer(i8) :: max_steps
+      !! (columns of a line, intervals of the motion from 0, and one more that nobody enters)
+      real(wp) :: max_steps
+      logical :: has_ended = .true.
+      !! a lane has no length of a step: its run is over, or it has none
       logical, allocatable :: is_busy(:)
       !! (width) the lane has an ordinate
    end type team_t
@@ -161,22 +159,23 @@ contains
       call tabulate_lines(motion, lanes(1)%equation%has_vertical, case%solver%t_end, team)
       do i = 1, width
          team%is_busy(i) = lanes(i)%ordinate > 0
-         if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
+         if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
       end do
       do
-         if (any(team%is_busy .and. .not. team%table(:, of_length) > 0)) then
+         if (team%has_ended) then
             do i = 1, width
                do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
                   call finish_ordinate(control, lanes(i), ordinates(lanes(i)%ordinate))
                   if (lanes(i)%ordinate == 0) call take_ordinate(case, motion, control, next, &
                      ordinates, lanes(i))
                   team%is_busy(i) = lanes(i)%ordinate > 0
-                  if (team%is_busy(i)) call enter_team(lanes(i), i, motion, team)
+                  if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
                end do
             end do
+            if (.not. any(team%is_busy)) return
+            team%has_ended = .false.
          end if
          if (is_cancelled(control)) return
-         if (.not. any(team%is_busy)) return
          call step_team(lanes, motion, team)
       end do
    end subroutine run_team
@@ -201,9 +200,7 @@ contains
          allocate (team%error(width), source=0.0_wp)
          allocate (team%mark(width), source=0)
          allocate (team%is_busy(width), source=.false.)
-         allocate (team%interval(width), source=0)
-         allocate (team%steps(width), source=0_i8)
-         team%max_steps = case%solver%max_steps
+         team%max_steps = real(case%solver%max_steps, wp)
       end associate
    end subroutine create_team
 
@@ -219,7 +216,7 @@ contains
       integer :: i
 
       team%has_curves = fastest_rate(motion) > 0
-      allocate (team%lines(line_columns, 0:interval_last(motion)))
+      allocate (team%lines(line_columns, 0:interval_last(motion) + 1), source=no_limit)
       begin = 0
       do i = 0, interval_last(motion)
          line = line_of(motion, i)
@@ -303,6 +300,22 @@ contains
          lane%recorder, lane%error)
    end subroutine begin_lane
 
+   !> A lane with a new run comes into the team.
+   subroutine join_team(lane, i, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+
+      if (.not. allocated(lane%error)) then
+         associate (tolerance => lane%integrator%tolerance)
+            team%tolerance(i, :) = caution(team%pair)*[tolerance%rtol, tolerance%atol]
+         end associate
+         team%table(i, of_longest) = longest_step(lane%equation, motion)
+      end if
+      call enter_team(lane, i, motion, team)
+   end subroutine join_team
+
    !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
    !> of a step.
    subroutine enter_team(lane, i, motion, team)
@@ -340,6 +353,7 @@ contains
       real(wp), intent(in) :: span
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
+      integer :: j
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
                  recorder => lane%recorder)
@@ -352,18 +366,20 @@ contains
             end if
          end if
          hybrid%must_restart = .false.
-         team%y(i, :) = hybrid%y
-         team%coef(i, :) = equation%coef(1, :)
-         team%tolerance(i, :) = caution(team%pair)*[lane%integrator%tolerance%rtol, &
-            lane%integrator%tolerance%atol]
-         team%steps(i) = lane%integrator%steps
+         do j = 1, equation%n
+            team%y(i, j) = hybrid%y(j)
+         end do
+         do j = 1, equation%scene%n_coef
+            team%coef(i, j) = equation%coef(1, j)
+         end do
+         table(i, of_steps) = real(lane%integrator%steps, wp)
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = recorder%theta_dot_max
          table(i, of_rejected) = 0
-         table(i, of_longest) = longest_step(equation, motion)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
          lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0)
-         table(i, [of_least, of_most]) = [-huge(1.0_wp), huge(1.0_wp)]
+         table(i, of_least) = -huge(1.0_wp)
+         table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
             ! the hysteretic force that falls back passes zero
             if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
@@ -374,15 +390,15 @@ contains
          lane%goal = no_event
          table(i, of_goal) = 0
          table(i, of_watch) = merge(0, 1, lane%is_smooth)
-         table(i, [of_low, of_high]) = [-huge(1.0_wp), huge(1.0_wp)]
-         if (equation%has_wall) table(i, [of_low, of_high]) = hybrid%overturning_angle*[-1, 1]
+         table(i, of_low) = merge(-hybrid%overturning_angle, -huge(1.0_wp), equation%has_wall)
+         table(i, of_high) = -table(i, of_low)
          if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, equation%side > 0)) = 0
          if (equation%has_bilinear_springs) then
             table(i, of_low) = max(table(i, of_low), equation%low)
             table(i, of_high) = min(table(i, of_high), equation%high)
          end if
-         table(i, [of_bottom, of_top]) = [recorder%theta_min, recorder%theta_max]
-         if (equation%ends_at_peak) table(i, [of_bottom, of_top]) = [huge(1.0_wp), -huge(1.0_wp)]
+         table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%ends_at_peak)
+         table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%ends_at_peak)
       end associate
       call load_line(lane, i, t_limit, team)
    end subroutine load_lane
@@ -394,22 +410,16 @@ contains
       real(wp), intent(in) :: t_limit
       type(team_t), intent(inout) :: team
 
-      team%interval(i) = interval_of(lane%equation)
-      call put_line(i, line_row(t_limit, lane%equation%line, lane%equation%vertical_line), team)
+      team%table(i, of_interval) = interval_of(lane%equation)
+      associate (row => line_row(t_limit, lane%equation%line, lane%equation%vertical_line))
+         team%table(i, of_limit) = row(1)
+         team%table(i, of_line) = row(2)
+         team%table(i, of_line + 1) = row(3)
+         team%table(i, of_line + 2) = row(4)
+         team%table(i, of_vertical_line) = row(5)
+         team%table(i, of_vertical_line + 1) = row(6)
+      end associate
    end subroutine load_line
-
-   pure subroutine put_line(i, row, team)
-      integer, intent(in) :: i
-      real(wp), intent(in) :: row(line_columns)
-      type(team_t), intent(inout) :: team
-
-      team%table(i, of_limit) = row(1)
-      team%table(i, of_line) = row(2)
-      team%table(i, of_line + 1) = row(3)
-      team%table(i, of_line + 2) = row(4)
-      team%table(i, of_vertical_line) = row(5)
-      team%table(i, of_vertical_line + 1) = row(6)
-   end subroutine put_line
 
    !> Longest step in which the events of a lane can be seen [s].
    real(wp) function longest_step(equation, motion) result(longest)
@@ -430,7 +440,8 @@ contains
       type(team_t), intent(inout) :: team
       integer :: i
 
-      associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n)
+      associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
+                 intervals => ubound(team%lines, 2) - 1)
          if (team%width == 1) then
             call plan_one(team%pair, team%table, team%ground)
             call follow_curves(lanes, team)
@@ -438,6 +449,7 @@ contains
                team%tolerance, team%y, .false., team%k, team%y_new, team%error)
             call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
+            call pass_one(intervals, team%lines, team%table, team%mark)
          else
             call team%kernels%plan_step(team%pair, team%table, team%ground)
             call follow_curves(lanes, team)
@@ -446,10 +458,12 @@ contains
                team%error)
             call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
+            call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
          end if
       end associate
       do i = 1, team%width
          if (.not. team%is_busy(i)) cycle
+         if (team%mark(i) == is_done .and. team%table(i, of_steps) <= team%max_steps) cycle
          select case (team%mark(i))
          case (needs_look)
             if (lanes(i)%goal /= no_event) then
@@ -465,8 +479,9 @@ contains
             call forget_goal(lanes(i), i, team)
             call check_length(lanes(i), i, team)
          case default
-            call count_step(lanes(i), i, team)
+            call bound_work(lanes(i), i, team)
          end select
+         team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
       end do
    end subroutine step_team
 
@@ -491,18 +506,17 @@ contains
       end do
    end subroutine follow_curves
 
-   !> A step of a lane has been accepted.
-   subroutine count_step(lane, i, team)
+   !> Bound on the work of one run in the team.
+   subroutine bound_work(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
 
-      team%steps(i) = team%steps(i) + 1_i8
-      if (team%steps(i) <= team%max_steps) return
+      if (team%table(i, of_steps) <= team%max_steps) return
       call catch_up(lane, i, team)
       call check_work(lane)
       team%table(i, of_length) = 0
-   end subroutine count_step
+   end subroutine bound_work
 
    !> Let the run of a lane know how far it has come in the team.
    subroutine catch_up(lane, i, team)
@@ -510,11 +524,12 @@ contains
       integer, intent(in) :: i
       type(team_t), intent(in) :: team
 
-      lane%integrator%steps = team%steps(i)
+      lane%integrator%steps = int(team%table(i, of_steps), i8)
       lane%hybrid%t = team%table(i, of_time)
       lane%recorder%theta_dot_max = team%table(i, of_fastest)
-      if (interval_of(lane%equation) /= team%interval(i)) call enter_interval(lane%equation, &
-         team%interval(i))
+      associate (interval => int(team%table(i, of_interval)))
+         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation, interval)
+      end associate
    end subroutine catch_up
 
    !> Bound on the work of one run.
@@ -545,31 +560,9 @@ contains
       integer, intent(in) :: i
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
-
-      associate (next => team%interval(i) + 1)
-         if (next <= ubound(team%lines, 2) .and. team%steps(i) < team%max_steps) then
-            if (team%lines(1, next) > team%table(i, of_time)) then
-               team%steps(i) = team%steps(i) + 1_i8
-               call put_line(i, team%lines(:, next), team)
-               team%interval(i) = next
-               return
-            end if
-         end if
-      end associate
-      call enter_next(lane, i, motion, team)
-   end subroutine pass_limit
-
-   !> The same where the next interval is no straight line, too short for a step or not there.
-   subroutine enter_next(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
       real(wp) :: t_limit
 
       call catch_up(lane, i, team)
-      lane%integrator%steps = lane%integrator%steps + 1_i8
-      team%steps(i) = lane%integrator%steps
       associate (t_end => lane%case%solver%t_end)
          if (lane%hybrid%t < t_end) then
             call enter_interval(lane%equation, interval_of(lane%equation) + 1)
@@ -583,7 +576,7 @@ contains
       lane%integrator%h = team%table(i, of_length)
       lane%hybrid%y(:) = team%y(i, :)
       call enter_team(lane, i, motion, team)
-   end subroutine enter_next
+   end subroutine pass_limit
 
    !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
    subroutine look_for_event(lane, i, motion, team)
@@ -591,12 +584,14 @@ contains
       integer, intent(in) :: i
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
+      type(quartic_t) :: quartic
       real(wp) :: x
 
       associate (table => team%table, y => team%y, y_new => team%y_new)
-         call first_event(quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], &
-            [y(i, 2), y_new(i, 2)], team%k(i, 2, 1)), table(i, [of_low, of_high]), &
-            table(i, [of_bottom, of_top]), lane%goal, x)
+         quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
+            team%k(i, 2, 1))
+         call first_event(quartic, [table(i, of_low), table(i, of_high)], &
+            [table(i, of_bottom), table(i, of_top)], lane%goal, x)
          call compare_with_further(lane, i, team, x)
          if (is_against_loading(lane, i, team)) then
             lane%goal = no_event
@@ -606,11 +601,58 @@ contains
             call accept_step(lane, i, motion, team)
             return
          end if
+         call place_in_step(lane, i, quartic, x, motion, team)
+         if (lane%goal == no_event) return
          lane%trials = 0
          table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
          table(i, of_watch) = 1
       end associate
    end subroutine look_for_event
+
+   !> Let the event that the quartic shows happen on the quintic, if this is as accurate as a step:
+   !> by the term of degree six, which is guessed from those before at the fastest rate of the scene.
+   subroutine place_in_step(lane, i, quartic, x, motion, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(quartic_t), intent(in) :: quartic
+      real(wp), intent(in) :: x
+      !! position of the event in the step [-]
+      type(motion_t), intent(in) :: motion
+      type(team_t), intent(inout) :: team
+      real(wp), parameter :: share = 0.2_wp
+      !! of what a step may err [-]
+      type(quartic_t) :: quintic
+      real(wp) :: rates(2), y(2)
+      real(wp) :: at, h, level, angle, next
+      logical :: is_found
+
+      if (lane%equation%n > 2) return
+      call catch_up(lane, i, team)
+      associate (table => team%table, c => quintic%c)
+         h = table(i, of_trial)
+         call rates_at(lane%equation, table(i, of_time) + h, team%y_new(i, :), rates)
+         quintic = quintic_of(quartic, h**2*rates(2))
+         level = table(i, merge(of_low, of_high, lane%goal == at_low))
+         at = x
+         call place_event(quintic, lane%goal, level, at, is_found)
+         if (.not. is_found .or. at*h <= 4*epsilon(at)*table(i, of_time)) return
+         y = state_at(quintic, at)
+         y(2) = y(2)/h
+         angle = longest_angle*h/table(i, of_longest)
+         next = max(abs(c(5)), angle/5*abs(c(4)))
+         next = next*max(angle/6, abs(c(5))/max(abs(c(4)), tiny(at)))
+         next = next*(at*(1 - at))**2
+         if (next*at*(1 - at) > share*(team%tolerance(i, 1) + team%tolerance(i, 0)*abs(y(1))) &
+             .or. 3*next*abs(1 - 2*at) > share*h*(team%tolerance(i, 2) &
+             + team%tolerance(i, 0)*abs(y(2)))) return
+         if (lane%goal == at_turn) then
+            ! beyond an end of the window, which comes before it?
+            if (y(1) < table(i, of_low) .or. y(1) > table(i, of_high)) return
+         end if
+         call happen(lane, i, table(i, of_time) + at*h, y, motion, team)
+         lane%goal = no_event
+      end associate
+   end subroutine place_in_step
 
    !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
    !> may from rest?
@@ -682,12 +724,13 @@ contains
       associate (table => team%table)
          table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
          team%y(i, :) = team%y_new(i, :)
+         table(i, of_steps) = table(i, of_steps) + 1
          if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
             table(i, of_time) = table(i, of_limit)
             call pass_limit(lane, i, motion, team)
          else
             table(i, of_time) = table(i, of_time) + table(i, of_trial)
-            call count_step(lane, i, team)
+            call bound_work(lane, i, team)
          end if
       end associate
    end subroutine accept_step
@@ -733,7 +776,8 @@ contains
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-6_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
-            call happen(lane, i, t, rest, rates, motion, team)
+            call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/2*(rates &
+               - team%k(i, :, 1))/table(i, of_trial)), motion, team)
             return
          end if
          lane%trials = lane%trials + 1
@@ -750,26 +794,21 @@ contains
       end associate
    end subroutine meet_event
 
-   !> The event that a lane has come to happens, a short time after the end of its step.
-   subroutine happen(lane, i, t, rest, rates, motion, team)
+   !> The event that a lane has come to happens.
+   subroutine happen(lane, i, t, y, motion, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: t
-      !! end of the step [s]
-      real(wp), intent(in) :: rest
       !! [s]
-      real(wp), intent(in) :: rates(:)
-      !! (states) there
+      real(wp), intent(in) :: y(:)
+      !! (states) nearly
       type(motion_t), intent(in) :: motion
       type(team_t), intent(inout) :: team
-      real(wp) :: bend(size(rates))
-      !! derivatives of the rates
       integer :: event
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
-         bend = (rates - team%k(i, :, 1))/table(i, of_trial)
-         hybrid%t = min(t + rest, table(i, of_limit))
-         hybrid%y(:) = team%y_new(i, :) + rest*(rates + rest/2*bend)
+         hybrid%t = min(t, table(i, of_limit))
+         hybrid%y(:) = y
          event = event_peak
          if (lane%goal == at_turn) then
             hybrid%y(2) = 0

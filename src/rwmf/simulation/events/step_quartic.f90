@@ -1,11 +1,12 @@
 !> The rotation inside a step as the quartic through both ends, both velocities and the acceleration
-!> at the beginning: where something happens first. It says where to step to, not what the state is.
+!> at the beginning: where something happens first. It says where to step to, not what the state is;
+!> that says the quintic with the acceleration at the end as well, where the step is short enough.
 module rwmf_simulation_events_step_quartic
    use rwmf_core_kinds, only: wp
    implicit none
    private
 
-   public :: quartic_t, quartic_of, first_event
+   public :: quartic_t, quartic_of, first_event, quintic_of, place_event, state_at
    public :: no_event, at_low, at_high, at_turn
 
    integer, parameter :: no_event = 0
@@ -17,12 +18,13 @@ module rwmf_simulation_events_step_quartic
    !! the velocity changes its sign
 
    integer, parameter :: most_iterations = 60
-   real(wp), parameter :: resolution = 1.0e-9_wp
-   !! of a position: far below the error of the quartic [-]
+   real(wp), parameter :: resolution = 1.0e-6_wp
+   !! of a position: below the error of the quartic [-]
 
    !> theta in powers of the position in the step, from 0 to 1 [rad].
    type :: quartic_t
-      real(wp) :: c(0:4)
+      real(wp) :: c(0:5)
+      !! the last one is that of the quintic
    end type quartic_t
 
 contains
@@ -42,9 +44,62 @@ contains
       associate (v => h*theta_dot, a => h**2*acceleration)
          rest = theta(2) - theta(1) - v(1) - a/2
          slope = v(2) - v(1) - a
-         quartic%c = [theta(1), v(1), a/2, 4*rest - slope, slope - 3*rest]
+         quartic%c = [theta(1), v(1), a/2, 4*rest - slope, slope - 3*rest, 0.0_wp]
       end associate
    end function quartic_of
+
+   !> The quintic of a step from its quartic.
+   pure type(quartic_t) function quintic_of(quartic, end) result(quintic)
+      type(quartic_t), intent(in) :: quartic
+      real(wp), intent(in) :: end
+      !! acceleration at the end of the step, times the square of its length [rad]
+      real(wp) :: rest
+
+      associate (c => quartic%c)
+         rest = (end - (2*c(2) + 6*c(3) + 12*c(4)))/2
+         quintic%c = [c(0), c(1), c(2), c(3) + rest, c(4) - 2*rest, rest]
+      end associate
+   end function quintic_of
+
+   !> Where the quintic has the event that its quartic has shown.
+   pure subroutine place_event(quintic, event, level, x, is_found)
+      type(quartic_t), intent(in) :: quintic
+      integer, intent(in) :: event
+      !! `at_low`, `at_high` or `at_turn`
+      real(wp), intent(in) :: level
+      !! of the rotation; a turn has none [rad]
+      real(wp), intent(inout) :: x
+      !! its position in the step, nearly; on return to round-off [-]
+      logical, intent(out) :: is_found
+      real(wp) :: move
+      integer :: i
+
+      is_found = .false.
+      do i = 1, 6
+         if (event == at_turn) then
+            associate (c => quintic%c)
+               move = -slope_at(quintic, x)/(2*c(2) + x*(6*c(3) + x*(12*c(4) + x*20*c(5))))
+            end associate
+         else
+            move = (level - value_at(quintic, x))/slope_at(quintic, x)
+         end if
+         x = x + move
+         if (.not. (x > 0 .and. x <= 1)) return
+         is_found = abs(move) <= 1.0e-8_wp*x
+         if (is_found) return
+      end do
+   end subroutine place_event
+
+   !> Rotation and its derivative by the position.
+   pure function state_at(quintic, x) result(state)
+      type(quartic_t), intent(in) :: quintic
+      real(wp), intent(in) :: x
+      !! [-]
+      real(wp) :: state(2)
+      !! [rad], [rad]
+
+      state = [value_at(quintic, x), slope_at(quintic, x)]
+   end function state_at
 
    !> First event of a step: the end of the window, or a turn that matters.
    pure subroutine first_event(quartic, window, extremes, event, x)
@@ -104,13 +159,14 @@ contains
          root = b**2 - 4*a*c
          if (root > 0) then
             root = -(b + sign(sqrt(root), b))/2
-            edge(1:2) = -1
-            if (abs(a) > 0) edge(1) = root/a
-            if (abs(root) > 0) edge(2) = c/root
-            associate (inside => pack(edge(1:2), edge(1:2) > 0 .and. edge(1:2) < 1))
-               m = size(inside)
-               edge(1:m) = inside
-            end associate
+            if (root > min(0.0_wp, a) .and. root < max(0.0_wp, a)) then
+               m = 1
+               edge(1) = root/a
+            end if
+            if (c > min(0.0_wp, root) .and. c < max(0.0_wp, root)) then
+               m = m + 1
+               edge(m) = c/root
+            end if
          end if
       end associate
       if (m == 2) then
@@ -198,7 +254,7 @@ contains
       real(wp), intent(in) :: x
 
       associate (c => quartic%c)
-         value_at = c(0) + x*(c(1) + x*(c(2) + x*(c(3) + x*c(4))))
+         value_at = c(0) + x*(c(1) + x*(c(2) + x*(c(3) + x*(c(4) + x*c(5)))))
       end associate
    end function value_at
 
@@ -208,7 +264,7 @@ contains
       real(wp), intent(in) :: x
 
       associate (c => quartic%c)
-         slope_at = c(1) + x*(2*c(2) + x*(3*c(3) + x*4*c(4)))
+         slope_at = c(1) + x*(2*c(2) + x*(3*c(3) + x*(4*c(4) + x*5*c(5))))
       end associate
    end function slope_at
 
