@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import rwmf
@@ -93,6 +93,14 @@ def check_scene(number: int, n_periods: int, rtol: float) -> list[Ordinate]:
             _compare(case, number, T_s, float(peak), str(state), rtol)
             for T_s, peak, state in zip(periods, peaks, states, strict=True)
         ]
+
+
+def _scalars(case: rwmf.Case) -> dict[str, Any]:
+    """Run a case and take what has no time axis, by its name."""
+    result = rwmf.simulate(case)
+    return dict(result.attrs) | {
+        str(name): value.item() for name, value in result.data_vars.items() if not value.dims
+    }
 
 
 def _compare(

@@ -586,6 +586,7 @@ contains
       type(team_t), intent(inout) :: team
       type(quartic_t) :: quartic
       real(wp) :: x
+      logical :: is_beyond
 
       associate (table => team%table, y => team%y, y_new => team%y_new)
          quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
@@ -593,7 +594,10 @@ contains
          call first_event(quartic, [table(i, of_low), table(i, of_high)], &
             [table(i, of_bottom), table(i, of_top)], lane%goal, x)
          call compare_with_further(lane, i, team, x)
-         if (is_against_loading(lane, i, team)) then
+         ! by round-off a motion that turns may be beyond the end of the window that begins there
+         is_beyond = (lane%goal == at_high .and. y(i, 1) > table(i, of_high)) &
+            .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
+         if (is_beyond .or. is_against_loading(lane, i, team)) then
             lane%goal = no_event
             call look_at_step(lane, i, motion, team)
             return
