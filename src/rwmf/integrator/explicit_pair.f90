@@ -41,7 +41,7 @@ contains
                + pair%c(i)*h)
          end do
          k(1, :, 1) = f
-         call attempt_step(equation%scene, pair, equation%coef, acceleration, [h], &
+         call attempt_step(equation%scene, pair, equation%state%coef, acceleration, [h], &
             [self%tolerance%rtol, self%tolerance%atol], y, .true., k, y_new, norm)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
