@@ -109,14 +109,15 @@ contains
       type(equation_t), intent(out) :: equation
 
       call build_equation(case, motion, equation)
-      call enter_interval(equation, interval_at(motion, table%t(1)))
-      if (equation%has_impacts) call enter_side(equation, table%side(j))
-      equation%loading_direction = table%loading_direction(j)
-      if (equation%has_loading_direction) call follow_loading_direction(equation, table%y(3, j))
+      call enter_interval(equation%model_t, equation%state, interval_at(motion, table%t(1)))
+      if (equation%has_impacts) call enter_side(equation%model_t, equation%state, table%side(j))
+      equation%state%signs%loading_direction = table%loading_direction(j)
+      if (equation%has_loading_direction) call follow_loading_direction(equation%model_t, &
+         equation%state, table%y(:, j))
       if (.not. yields) return
       ! the first limit on the way out is the first yield
-      call renew_window(equation)
-      call pass_window(equation, is_rising=equation%side > 0)
+      call renew_window(equation%model_t, equation%state)
+      call pass_window(equation%model_t, equation%state, is_rising=equation%state%side > 0)
    end subroutine prepare_state
 
    !> Times within one interval of the motion.

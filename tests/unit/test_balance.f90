@@ -79,10 +79,11 @@ contains
       motion = motion_from_case(case)
       do side = -1, 1, 2
          call build_equation(case, motion, equation)
-         call enter_interval(equation, interval_at(motion, t))
-         if (equation%has_impacts) call enter_side(equation, side)
+         call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
+         if (equation%has_impacts) call enter_side(equation%model_t, equation%state, side)
          ! what yields has done so, and unloads
-         if (equation%has_bilinear_springs) call load_to(equation, side*0.13_wp)
+         if (equation%has_bilinear_springs) call load_to(equation%model_t, equation%state, &
+            side*0.13_wp)
          do i = -1, 1, 2
             y = [side*0.11_wp, i*0.7_wp, (0.1_wp*j*i, j=3, equation%n)]
             y_ddot = second_derivative(equation, t, y)
@@ -187,7 +188,8 @@ contains
       real(wp), allocatable :: residuals(:)
 
       kin = kinematics_at(equation, y(1))
-      u = equation%p%R*(equation%side*kin%u + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
+      u = equation%p%R*(equation%state%side*kin%u &
+         + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
       if (.not. allocated(case%yielding)) return
       if (equation%has_loading_direction) then
          u = u - bouc_wen_residual(equation, y)
@@ -205,7 +207,7 @@ contains
       type(kinematics_t) :: kin
 
       kin = kinematics_at(equation, y(1))
-      u_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
    end function roof_ddot_of
 
    !> Where a point of the wall is, given from its centroid [m].
@@ -226,7 +228,7 @@ contains
       real(wp) :: x(2)
 
       x = 0
-      if (equation%has_impacts) x(1) = equation%side*equation%p%R*equation%sin_alpha
+      if (equation%has_impacts) x(1) = equation%state%side*equation%p%R*equation%sin_alpha
    end function pivot
 
    !> Left top corner; of `symmetric` the one opposite to the pivot; of a hinged wall the middle.
@@ -237,7 +239,7 @@ contains
       real(wp) :: x(2)
 
       x = [-case%wall%b, case%wall%h]
-      if (case%model%formulation == 'symmetric') x(1) = -equation%side*case%wall%b
+      if (case%model%formulation == 'symmetric') x(1) = -equation%state%side*case%wall%b
       if (.not. equation%has_impacts) x(1) = 0
       x = place(equation, y(1), x)
    end function link_corner
@@ -256,7 +258,7 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: x(2)
 
-      x = place(equation, y(1), -equation%p%R*[equation%side*equation%sin_alpha, &
+      x = place(equation, y(1), -equation%p%R*[equation%state%side*equation%sin_alpha, &
          equation%cos_alpha])
    end function lifting_corner
 
@@ -274,7 +276,7 @@ contains
       complex(wp) :: rise
 
       ! u_s(theta) once more from the geometry, its derivative by a complex step
-      phi = equation%side*y(1)
+      phi = equation%state%side*y(1)
       w = cmplx(phi, step, wp)
       associate (s => equation%sin_alpha, c => equation%cos_alpha, L => equation%geometry%link)
          rise = 2*(c*cos(w) + s*sin(w) - c)
@@ -290,7 +292,7 @@ contains
          end if
          if (L > 0) root = root + merge(-1, 1, is_left(equation))*(L - sqrt(L**2 - rise**2))
       end associate
-      u = equation%side*equation%p%R*root%re
+      u = equation%state%side*equation%p%R*root%re
       slope = equation%p%R*root%im/step
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
@@ -337,7 +339,7 @@ contains
          end if
          kin = kinematics_at(equation, y(1))
          link = link_force(equation, kin, t, y, second_derivative(equation, t, y))
-         roof_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 &
+         roof_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 &
             + kin%j*second_derivative(equation, t, y))
          ! the link holds the roof's modal equation, every floor has the acceleration of its share
          call checks%close_to(-link(1), sum(frame%shape(:, 1)*(frame%m*(frame%shape(:, 1) &
@@ -356,7 +358,7 @@ contains
 
       ! 2h sin(phi) of `exact` against 2R (sin(alpha) - sin(alpha - phi))
       is_left = .false.
-      if (equation%side < 0) is_left = abs(kinematic_u(equation, large) &
+      if (equation%state%side < 0) is_left = abs(kinematic_u(equation, large) &
          - 2*equation%cos_alpha*sin(large)) < 0.05_wp
    end function is_left
 

@@ -30,9 +30,9 @@ contains
       real(wp), intent(out) :: rate(:)
 
       if (equation%floors%n > 0) then
-         call storey_motion(equation, y, ratio, rate)
+         call storey_motion(equation, equation%state%side, y, ratio, rate)
       else
-         call frame_motion(equation, y, ratio(1), rate(1))
+         call frame_motion(equation, equation%state%side, y, ratio(1), rate(1))
       end if
       ratio = ratio/limit
       rate = rate/limit

@@ -211,9 +211,9 @@ contains
 
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
-      call enter_interval(equation, interval_at(motion, t))
+      call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
       do side = -1, 1, 2
-         if (equation%has_impacts) call enter_side(equation, side)
+         if (equation%has_impacts) call enter_side(equation%model_t, equation%state, side)
          y = side*[0.06_wp, -0.4_wp]
          call jacobian(equation, t, y, by_theta, by_theta_dot)
          call checks%close_to(by_theta, (second_derivative(equation, t, y + [step, 0.0_wp]) &
@@ -245,7 +245,7 @@ contains
          v_t = 2*R*(cos(alpha - phi) - cos(alpha))
          call checks%close_to(R*kin%u, length*(1 + u_t/length - sqrt(1 - (v_t/length)**2)), &
             'Eq. (3), theta > 0', rtol=1.0e-13_wp)
-         call enter_side(equation, -1)
+         call enter_side(equation%model_t, equation%state, -1)
          kin = kinematics_at(equation, -phi)
          u_t = -2*case%wall%h*sin(phi)
          v_t = -2*case%wall%h*(1 - cos(phi))

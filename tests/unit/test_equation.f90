@@ -108,8 +108,8 @@ contains
 
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
-      call enter_side(equation, side)
-      call enter_interval(equation, interval_at(motion, t))
+      call enter_side(equation%model_t, equation%state, side)
+      call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
    end subroutine build
 
    !> A_i and B_i against the general form with its lever arm.

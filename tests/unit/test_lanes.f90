@@ -81,7 +81,7 @@ contains
          steps = 10*2**j
          y(1, :) = [1.0_wp, 0.0_wp]
          do i = 1, steps
-            call attempt_one(equation%scene, pair, equation%coef, ground, [1.0_wp/steps], &
+            call attempt_one(equation%scene, pair, equation%state%coef, ground, [1.0_wp/steps], &
                reshape([1.0_wp, 1.0_wp, 1.0_wp], [1, 3]), y, .false., k, y_new, norm)
             y = y_new
          end do
@@ -111,7 +111,7 @@ contains
       call build_equation(case, motion, equation)
       n = equation%n
       pair = dormand_prince_853()
-      coef = spread(equation%coef(1, :), 1, team_width)
+      coef = spread(equation%state%coef(1, :), 1, team_width)
       allocate (y(team_width, n), y_new(team_width, n), k(team_width, n, most_stages), &
          tolerance(team_width, 0:n), alone(1, n), k_alone(1, n, most_stages))
       tolerance = 1.0e-6_wp
@@ -127,7 +127,7 @@ contains
          call kernels%attempt_step(equation%scene, pair, coef, ground, h, tolerance, y, .false., &
             k, y_new, norm)
          do i = 1, team_width
-            call attempt_one(equation%scene, pair, equation%coef, ground(i:i, :, :), h(i:i), &
+            call attempt_one(equation%scene, pair, equation%state%coef, ground(i:i, :, :), h(i:i), &
                tolerance(i:i, :), y(i:i, :), .false., k_alone, alone, one)
             call checks%that(all(abs(alone(1, :) - y_new(i, :)) <= 0) &
                .and. abs(one(1) - norm(i)) <= 0, 'bits of a lane, '//name)

@@ -7,8 +7,9 @@ program test_memory
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       second_derivative
-   use rwmf_model_hysteresis_bilinear, only: is_broken, new_spring, pass_limit, spring_energy, &
-      spring_force, spring_limits, spring_plastic, spring_power, spring_t, turn_spring
+   use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, new_spring, pass_limit, &
+      spring_energy, spring_force, spring_limits, spring_plastic, spring_power, spring_t, &
+      turn_spring
    use rwmf_model_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, fuse_t
@@ -48,8 +49,9 @@ program test_memory
 contains
 
    !> Bring a spring from the elongation a to b and add up what it dissipates.
-   subroutine move(spring, a, b, dissipated)
-      type(spring_t), intent(inout) :: spring
+   subroutine move(spring, branch, a, b, dissipated)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
       real(wp), intent(in) :: a
       real(wp), intent(in) :: b
       real(wp), intent(inout) :: dissipated
@@ -57,19 +59,19 @@ contains
       real(wp) :: to
       real(wp) :: limits(2)
 
-      call turn_spring(spring, a)
+      call turn_spring(spring, branch, a)
       x = a
       do
-         call spring_limits(spring, limits(1), limits(2))
+         call spring_limits(spring, branch, limits(1), limits(2))
          to = max(limits(1), min(b, limits(2)))
          if (b > a) to = max(x, to)
          if (b < a) to = min(x, to)
-         dissipated = dissipated + spring_power(spring, to - x)
+         dissipated = dissipated + spring_power(spring, branch, to - x)
          x = to
          if (b > a .and. b > limits(2)) then
-            call pass_limit(spring, is_rising=.true.)
+            call pass_limit(spring, branch, is_rising=.true.)
          else if (b < a .and. b < limits(1)) then
-            call pass_limit(spring, is_rising=.false.)
+            call pass_limit(spring, branch, is_rising=.false.)
          else
             return
          end if
@@ -81,26 +83,27 @@ contains
       real(wp), intent(in) :: hardening
       real(wp), parameter :: x_max = 0.9_wp
       type(spring_t) :: spring
+      type(branch_t) :: branch
       real(wp) :: dissipated
 
       spring = new_spring(k, yield, hardening)
       dissipated = 0
-      call move(spring, 0.0_wp, x_max, dissipated)
+      call move(spring, branch, 0.0_wp, x_max, dissipated)
       dissipated = 0
-      call move(spring, x_max, -x_max, dissipated)
-      call move(spring, -x_max, x_max, dissipated)
+      call move(spring, branch, x_max, -x_max, dissipated)
+      call move(spring, branch, -x_max, x_max, dissipated)
       call checks%close_to(dissipated, 4*yield*(x_max - yield/k)*(1 - hardening), &
          'dissipation of a cycle', rtol=1.0e-14_wp)
    end subroutine check_cycle
 
    !> Along a way of random turning points: force by return mapping (an independent update of the
    !> plastic elongation), and work = stored + dissipated.
-   subroutine check_way(virgin, hardening, name)
-      type(spring_t), intent(in) :: virgin
+   subroutine check_way(spring, hardening, name)
+      type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: hardening
       character(*), intent(in) :: name
       integer, parameter :: turns = 500
-      type(spring_t) :: spring
+      type(branch_t) :: branch
       real(wp) :: way(turns)
       real(wp) :: x, plastic, modulus, excess, dissipated, work, energy, worst, worst_balance
       integer :: n
@@ -108,7 +111,6 @@ contains
       call random_init(repeatable=.true., image_distinct=.true.)
       call random_number(way)
       way = 2*way - 1
-      spring = virgin
       modulus = hardening*k/(1 - hardening)
       x = 0
       plastic = 0
@@ -118,7 +120,7 @@ contains
       worst_balance = 0
       do n = 1, turns
          energy = k*(x - plastic)**2/2 + modulus*plastic**2/2
-         call move(spring, x, way(n), dissipated)
+         call move(spring, branch, x, way(n), dissipated)
          x = way(n)
          ! Return mapping: the elastic trial force, brought back to the yield surface.
          excess = k*(x - plastic) - modulus*plastic
@@ -128,9 +130,10 @@ contains
             plastic = plastic + sign((abs(excess) - yield)/(k + modulus), excess)
          end if
          work = work + k*(x - plastic)**2/2 + modulus*plastic**2/2
-         worst = max(worst, abs(spring_force(spring, x) - k*(x - plastic)), &
-            abs(spring_plastic(spring, x) - plastic))
-         worst_balance = max(worst_balance, abs(work - spring_energy(spring, x) - dissipated))
+         worst = max(worst, abs(spring_force(spring, branch, x) - k*(x - plastic)), &
+            abs(spring_plastic(spring, branch, x) - plastic))
+         worst_balance = max(worst_balance, abs(work - spring_energy(spring, branch, x) &
+            - dissipated))
       end do
       call checks%close_to(worst, 0.0_wp, 'return mapping, '//name, atol=1.0e-13_wp)
       call checks%close_to(worst_balance, 0.0_wp, 'energy, '//name, atol=1.0e-11_wp)
@@ -139,6 +142,7 @@ contains
    !> A tendon keeps what it has lost, goes slack and is taut again where it went slack.
    subroutine check_tendon()
       type(spring_t) :: tendon
+      type(branch_t) :: branch
       real(wp), parameter :: force_0 = 0.4_wp
       real(wp), parameter :: x_max = 0.5_wp
       real(wp) :: dissipated
@@ -147,20 +151,20 @@ contains
 
       tendon = new_spring(k, yield, 0.0_wp, force_0, is_tendon=.true.)
       dissipated = 0
-      call move(tendon, 0.0_wp, x_max, dissipated)
+      call move(tendon, branch, 0.0_wp, x_max, dissipated)
       plastic = x_max - (yield - force_0)/k
       call checks%close_to(dissipated, yield*plastic, 'tendon, dissipation', rtol=1.0e-14_wp)
-      call move(tendon, x_max, 0.31_wp, dissipated)
-      call checks%close_to(spring_force(tendon, 0.31_wp), force_0 + k*(0.31_wp - plastic), &
+      call move(tendon, branch, x_max, 0.31_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, 0.31_wp), force_0 + k*(0.31_wp - plastic), &
          'tendon, unloading', rtol=1.0e-13_wp)
-      call move(tendon, 0.31_wp, 0.0_wp, dissipated)
-      call checks%close_to(spring_force(tendon, 0.0_wp), 0.0_wp, 'tendon, slack')
-      call checks%close_to(spring_energy(tendon, 0.0_wp), -force_0**2/(2*k), &
+      call move(tendon, branch, 0.31_wp, 0.0_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, 0.0_wp), 0.0_wp, 'tendon, slack')
+      call checks%close_to(spring_energy(tendon, branch, 0.0_wp), -force_0**2/(2*k), &
          'tendon, what the prestress had stored', rtol=1.0e-14_wp)
-      call spring_limits(tendon, limits(1), limits(2))
+      call spring_limits(tendon, branch, limits(1), limits(2))
       call checks%close_to(limits(2), plastic - force_0/k, 'tendon, taut again', rtol=1.0e-13_wp)
-      call move(tendon, 0.0_wp, 0.45_wp, dissipated)
-      call checks%close_to(spring_force(tendon, 0.45_wp), force_0 + k*(0.45_wp - plastic), &
+      call move(tendon, branch, 0.0_wp, 0.45_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, 0.45_wp), force_0 + k*(0.45_wp - plastic), &
          'tendon, loading again', rtol=1.0e-13_wp)
       call checks%close_to(dissipated, yield*plastic, 'tendon, no more dissipation', &
          rtol=1.0e-14_wp)
@@ -169,16 +173,17 @@ contains
    !> A broken tendon bears nothing any more, and what it held is gone.
    subroutine check_rupture()
       type(spring_t) :: tendon
+      type(branch_t) :: branch
       real(wp) :: dissipated
 
       tendon = new_spring(k, yield, 0.0_wp, 0.4_wp, is_tendon=.true., rupture=0.3_wp)
       dissipated = 0
-      call move(tendon, 0.0_wp, 0.29_wp, dissipated)
-      call checks%that(.not. is_broken(tendon), 'below the strain of rupture')
-      call move(tendon, 0.29_wp, 0.31_wp, dissipated)
-      call checks%that(is_broken(tendon), 'rupture')
-      call move(tendon, 0.31_wp, -0.5_wp, dissipated)
-      call checks%close_to(spring_force(tendon, -0.5_wp), 0.0_wp, 'broken for good')
+      call move(tendon, branch, 0.0_wp, 0.29_wp, dissipated)
+      call checks%that(.not. is_broken(branch), 'below the strain of rupture')
+      call move(tendon, branch, 0.29_wp, 0.31_wp, dissipated)
+      call checks%that(is_broken(branch), 'rupture')
+      call move(tendon, branch, 0.31_wp, -0.5_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, -0.5_wp), 0.0_wp, 'broken for good')
       call checks%close_to(dissipated, yield*(0.3_wp - 0.2_wp/k), 'dissipation up to rupture', &
          rtol=1.0e-13_wp)
    end subroutine check_rupture
@@ -278,10 +283,10 @@ contains
       force = 0.4_wp*case%model%g*4*case%wall%b*sin(phi/2)/0.004_wp
       mass = with%p%R**2*(4.0_wp/3 + 4*with%p%gamma*cos(with%p%alpha - phi)**2)
       do side = -1, 1, 2
-         call enter_side(with, side)
-         call enter_side(without, side)
-         call enter_interval(with, 1)
-         call enter_interval(without, 1)
+         call enter_side(with%model_t, with%state, side)
+         call enter_side(without%model_t, without%state, side)
+         call enter_interval(with%model_t, with%state, 1)
+         call enter_interval(without%model_t, without%state, 1)
          call checks%close_to(second_derivative(with, 20.0_wp, [side*phi, 0.1_wp]) &
             - second_derivative(without, 20.0_wp, [side*phi, 0.1_wp]), &
             -side*force*2*case%wall%b*cos(phi/2)/mass, 'moment of a fuse', rtol=1.0e-10_wp)

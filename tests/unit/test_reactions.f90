@@ -160,8 +160,8 @@ contains
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
       t_lift = asin(equation%threshold/(case%motion%a_max_g*case%model%g))/case%motion%omega_p
-      call enter_interval(equation, interval_at(motion, t_lift))
-      call enter_side(equation, -1)
+      call enter_interval(equation%model_t, equation%state, interval_at(motion, t_lift))
+      call enter_side(equation%model_t, equation%state, -1)
       at = 0
       resting = reactions_at(equation, t_lift, at, 0.0_wp)
       rocking = reactions_at(equation, t_lift, at, second_derivative(equation, t_lift, at))

@@ -75,7 +75,7 @@ contains
 
       scene%overturned = abs(scene%y(1)) >= scene%overturning_angle
       if (scene%overturned) return
-      if (scene%equation%side*scene%y(1) < 0) call apply_impact(scene, dt)
+      if (scene%equation%state%side*scene%y(1) < 0) call apply_impact(scene, dt)
    end subroutine end_step
 
    subroutine runge_kutta_step(scene, h)

@@ -274,7 +274,7 @@ contains
       scene%t = secant%x(2)
       scene%y = state_inside(step, scene%t)
       scene%y(1) = 0
-      call enter_side(scene%equation, nint(side))
+      call enter_side(scene%equation%model_t, scene%equation%state, nint(side))
    end subroutine find_impact
 
 end module rwmf_baseline_ode45

@@ -99,7 +99,7 @@ contains
       scene%impacts = 0
       allocate (scene%impact_times(64))
       if (scene%y(1) < 0 .or. (abs(scene%y(1)) <= 0 .and. scene%y(2) < 0)) then
-         call enter_side(scene%equation, -1)
+         call enter_side(scene%equation%model_t, scene%equation%state, -1)
       end if
       call observe(scene, scene%y)
    end subroutine create_problem
@@ -130,7 +130,8 @@ contains
       !! theta, theta'
       real(wp), intent(out) :: y_dot(2)
 
-      call enter_interval(scene%equation, interval_at(scene%equation%motion, t))
+      call enter_interval(scene%equation%model_t, scene%equation%state, &
+         interval_at(scene%equation%motion, t))
       call rhs(scene%equation, t, y, y_dot)
    end subroutine evaluate
 
@@ -141,12 +142,13 @@ contains
       !! theta, theta'
       integer :: side
 
-      side = scene%equation%side
+      side = scene%equation%state%side
       ! a fixed step leaves theta beyond 0 before the impact is applied
-      if (y(1)*side < 0) call enter_side(scene%equation, -side)
-      scene%u_max = max(scene%u_max, abs(frame_displacement(scene%equation, y(1))))
+      if (y(1)*side < 0) call enter_side(scene%equation%model_t, scene%equation%state, -side)
+      scene%u_max = max(scene%u_max, abs(frame_displacement(scene%equation, &
+         scene%equation%state%side, y(1))))
       scene%angle_max = max(scene%angle_max, abs(y(1)))
-      call enter_side(scene%equation, side)
+      call enter_side(scene%equation%model_t, scene%equation%state, side)
    end subroutine observe
 
    !> Impact at the present time: the velocity falls by the factor e and the other side begins, or
@@ -165,7 +167,7 @@ contains
       end if
       scene%impacts = scene%impacts + 1
       scene%impact_times(scene%impacts) = scene%t
-      call enter_side(scene%equation, -scene%equation%side)
+      call enter_side(scene%equation%model_t, scene%equation%state, -scene%equation%state%side)
       scene%y(2) = factor_at(scene%restitution, abs(scene%y(2)))*scene%y(2)
       if (lifting_side(scene, scene%t) /= 0) return
       call evaluate(scene, scene%t, scene%y, slope)
@@ -194,7 +196,7 @@ contains
 
       side = lifting_side(scene, scene%t)
       if (side == 0) return
-      call enter_side(scene%equation, side)
+      call enter_side(scene%equation%model_t, scene%equation%state, side)
       scene%rests = .false.
    end subroutine try_lift_off
 

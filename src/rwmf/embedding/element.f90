@@ -21,7 +21,7 @@ module rwmf_embedding_element
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
-   use rwmf_model_equation, only: equation_t, kinematics_at
+   use rwmf_model_equation, only: cable_at, equation_t, kinematics_at
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
@@ -147,8 +147,7 @@ contains
       if (allocated(error)) return
       call find_rotation(element, side, side*u, phi, kin, error)
       if (allocated(error)) return
-      call element%equation%cable_law(element%equation%cable, element%equation%sin_alpha, phi, &
-         side, cable)
+      cable = cable_at(element%equation, side*phi, side)
       associate (R => element%equation%p%R)
          rates(1) = side*u_dot/(R*kin%j)
          rates(2) = (side*u_ddot/R - kin%k*rates(1)**2)/kin%j
@@ -309,8 +308,7 @@ contains
       type(cable_state_t) :: cable
 
       kin = kinematics_at(element%equation, 0.0_wp, side)
-      call element%equation%cable_law(element%equation%cable, element%equation%sin_alpha, 0.0_wp, &
-         side, cable)
+      cable = cable_at(element%equation, 0.0_wp, side)
       drive = side*push - element%m_w/kin%lever*(kin%c*side*u_g_ddot &
          + element%equation%p%g*(kin%s + cable%moment))
       drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s

@@ -195,7 +195,8 @@ contains
       associate (instance => stepping%instance)
          if (instance%follows_host) then
             instance%equation%motion => instance%own_motion
-            call enter_interval(instance%equation, interval_at(instance%own_motion, instance%t))
+            call enter_interval(instance%equation%model_t, instance%equation%state, &
+               interval_at(instance%own_motion, instance%t))
             instance%hybrid%must_restart = .true.
             instance%follows_host = .false.
          end if
@@ -386,9 +387,9 @@ contains
             state%theta_ddot = y_ddot
             kin = kinematics_at(equation, y(1))
             if (equation%has_frame) then
-               state%u_s = frame_displacement(equation, y(1))
+               state%u_s = frame_displacement(equation, equation%state%side, y(1))
                state%u_s_dot = equation%p%R*kin%j*y(2)
-               state%u_s_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+               state%u_s_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
             end if
          end if
          if (equation%has_frame) state%u_s_max = max(abs(state%u_s), instance%recorder%u_max)

@@ -7,15 +7,10 @@ module rwmf_embedding_wall_instance
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
-   use rwmf_model_effects_storeys_yielding_storeys, only: follow_storeys
-   use rwmf_model_equation, only: hysteresis_t, renew_coefficients, sprung_t
-   use rwmf_model_hysteresis_bilinear, only: spring_t
-   use rwmf_model_hysteresis_spring_set, only: renew_window
-   use rwmf_model_lift_off, only: find_uplift_acceleration
+   use rwmf_model_equation, only: discrete_state_t
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_held_wall, only: hold_wall
    use rwmf_simulation_hybrid_loop, only: advance_hybrid, has_ended, hybrid_t, start_hybrid
    use rwmf_simulation_recorder_recorder, only: create_recorder, recorder_t
    use rwmf_simulation_run, only: guess_size, impact_law, initial_state, tolerances
@@ -63,18 +58,7 @@ module rwmf_embedding_wall_instance
       real(wp), allocatable :: y(:)
       !! (states)
       logical :: must_restart = .true.
-      type(spring_t) :: tendon
-      type(sprung_t), allocatable :: springs(:)
-      !! memory of what yields
-      type(spring_t), allocatable :: storeys(:)
-      !! and of storeys that do
-      type(hysteresis_t), allocatable :: laws(:)
-      !! signs of their motion where they are smooth
-      integer :: interval = 0
-      integer :: side = 1
-      integer :: loading_direction = 1
-      type(hysteresis_t) :: hysteresis
-      !! with the signs in force
+      type(discrete_state_t) :: state
       real(wp) :: extremes(5) = 0
       !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
       integer(i8) :: counts(4) = 0
@@ -146,7 +130,7 @@ contains
       !! its first value [m/s2]
 
       instance%equation%motion => instance%given_motion
-      call enter_interval(instance%equation, 1)
+      call enter_interval(instance%equation%model_t, instance%equation%state, 1)
       instance%follows_host = .true.
       ! A kink costs a multistep method less than a restart; a jump does not.
       if (abs(a - instance%ground) > 1.0e4_wp*epsilon(a)*max(abs(a), abs(instance%ground))) then
@@ -160,7 +144,7 @@ contains
 
       call follow_samples(instance%given_motion, [instance%t], [instance%ground])
       instance%equation%motion => instance%given_motion
-      call enter_interval(instance%equation, 1)
+      call enter_interval(instance%equation%model_t, instance%equation%state, 1)
       instance%follows_host = .true.
    end subroutine hold_ground_acceleration
 
@@ -201,16 +185,7 @@ contains
       snapshot%follows_host = instance%follows_host
       snapshot%t = instance%t
       snapshot%ground = instance%ground
-      snapshot%interval = interval_of(instance%equation)
-      snapshot%side = instance%equation%side
-      snapshot%loading_direction = instance%equation%loading_direction
-      snapshot%hysteresis = instance%equation%hysteresis
-      snapshot%tendon = instance%equation%cable%tendon
-      if (instance%equation%has_bilinear_springs) snapshot%springs = instance%equation%springs
-      if (allocated(instance%equation%floors%springs)) then
-         snapshot%storeys = instance%equation%floors%springs
-      end if
-      if (allocated(instance%equation%floors%laws)) snapshot%laws = instance%equation%floors%laws
+      snapshot%state = instance%equation%state
       associate (hybrid => instance%hybrid, recorder => instance%recorder)
          snapshot%mode = hybrid%mode
          snapshot%t_hybrid = hybrid%t
@@ -237,22 +212,7 @@ contains
       instance%t = snapshot%t
       instance%ground = snapshot%ground
       if (.not. snapshot%follows_host) instance%equation%motion => instance%own_motion
-      call enter_interval(instance%equation, snapshot%interval)
-      instance%equation%side = snapshot%side
-      instance%equation%loading_direction = snapshot%loading_direction
-      instance%equation%hysteresis = snapshot%hysteresis
-      if (instance%equation%moves_at_rest) call hold_wall(instance%equation, .false.)
-      instance%equation%cable%tendon = snapshot%tendon
-      if (instance%equation%has_bilinear_springs) then
-         instance%equation%springs = snapshot%springs
-         call renew_window(instance%equation)
-      end if
-      if (allocated(instance%equation%floors%laws)) instance%equation%floors%laws = snapshot%laws
-      if (allocated(instance%equation%floors%springs)) then
-         instance%equation%floors%springs = snapshot%storeys
-         call follow_storeys(instance%equation)
-      end if
-      call renew_coefficients(instance%equation)
+      instance%equation%state = snapshot%state
       instance%equation%rhs_evaluations = snapshot%counts(4)
       instance%steps = snapshot%counts(3)
       associate (hybrid => instance%hybrid, recorder => instance%recorder)
@@ -267,7 +227,6 @@ contains
          recorder%theta_dot_max = snapshot%extremes(5)
          recorder%impacts = snapshot%counts(1)
          recorder%lift_offs = snapshot%counts(2)
-         call find_uplift_acceleration(instance%equation, hybrid%y)
       end associate
       select type (method => instance%integrator)
       class is (one_step_t)

@@ -45,8 +45,8 @@ contains
          length = h
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
-         call attempt_step(equation%scene, pair, equation%coef, acceleration, length, tolerance, &
-            y, .true., k, y_new, norm)
+         call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
+            tolerance, y, .true., k, y_new, norm)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
       error = norm(1)

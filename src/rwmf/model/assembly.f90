@@ -16,12 +16,12 @@ module rwmf_model_assembly
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
       frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &
       lift_off_drive, renew_coefficients, vertical_ground
-   use rwmf_model_hysteresis_bilinear, only: new_spring
+   use rwmf_model_hysteresis_bilinear, only: new_branch, new_spring
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: add_term, first_wall, frame_term, linear_cable_term, &
+   use rwmf_model_scene, only: add_term, first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term, term_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
@@ -49,7 +49,7 @@ contains
       equation%p = parameters_of(case)
       equation%sin_alpha = sin(equation%p%alpha)
       equation%cos_alpha = cos(equation%p%alpha)
-      equation%frame_slope = equation%p%omega_squared
+      equation%state%frame_slope = equation%p%omega_squared
       equation%has_impacts = .false.
       allocate (equation%scene%terms(0))
       if (equation%has_wall) call add_wall(case, equation)
@@ -58,14 +58,14 @@ contains
       call choose_cable(case, equation)
       call choose_contributions(case, equation)
       equation%n = equation%scene%n
-      allocate (equation%coef(1, equation%scene%n_coef))
-      equation%coef(1, 1) = 1
-      call renew_coefficients(equation)
+      allocate (equation%state%coef(1, equation%scene%n_coef))
+      equation%state%coef(1, 1) = 1
+      call renew_coefficients(equation%model_t, equation%state)
       equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
       equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
          /equation%effective_mass_ratio
-      equation%uplift_acceleration = equation%threshold
-      equation%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
+      equation%state%uplift_acceleration = equation%threshold
+      equation%state%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
       equation%effects_act_at_rest = equation%has_impacts &
          .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
@@ -134,13 +134,12 @@ contains
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/elongation
          equation%cable%tendon = new_spring(equation%cable%rate, huge(arm), 0.0_wp, &
             case%cable%eta_0)
+         equation%state%tendon = new_branch(equation%cable%tendon)
       else
          equation%cable_law => linear_cable
          equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
          equation%cable%is_signed = case%model%formulation == 'published'
          if (equation%cable%is_signed) equation%cable_law => signed_linear_cable
-         equation%cable%line_0 = equation%cable%eta_0
-         equation%cable%line_rate = equation%cable%rate
       end if
       if (has_tendon(case)) call choose_tendon(case, equation)
       call add_term(equation%scene, term_t(merge(straight_cable_term, linear_cable_term, &
@@ -168,6 +167,7 @@ contains
       equation%cable%is_tendon = .true.
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
+      equation%state%tendon = new_branch(equation%cable%tendon)
       equation%cable_law => spring_cable
    end subroutine choose_tendon
 
@@ -200,13 +200,15 @@ contains
       motion%ground = ground(equation, t)
       motion%vertical = 0
       if (equation%has_vertical) motion%vertical = vertical_ground(equation, t)
-      call lane_rates(equation%scene, equation%coef, y, motion, y_dot)
+      call lane_rates(equation%scene, equation%state%coef, y, motion, y_dot)
    end subroutine rates_at
 
    !> Moment away from the base and inertia of the wall at theta = 0 without velocity and without
    !> motion of the ground, over m_w R**2.
-   subroutine moment_at_rest(equation, y, moment, inertia)
-      type(equation_t), intent(in) :: equation
+   subroutine moment_at_rest(scene, coef, y, moment, inertia)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(:, :)
+      !! (1, coefficients) on the side of the pivot
       real(wp), intent(in) :: y(:)
       !! (states); the first two are taken as zero
       real(wp), intent(out) :: moment
@@ -220,7 +222,7 @@ contains
       at_rest(:2) = 0
       motion%ground = 0
       motion%vertical = 0
-      call lane_rates(equation%scene, equation%coef, at_rest, motion, rates)
+      call lane_rates(scene, coef, at_rest, motion, rates)
       moment = motion%moment(1)
       inertia = motion%inertia(1)
    end subroutine moment_at_rest

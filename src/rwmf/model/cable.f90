@@ -1,7 +1,8 @@
 !> Force of the unbonded cable, over the weight of the wall, and its arm.
 module rwmf_model_cable
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_bilinear, only: spring_energy, spring_force, spring_t, spring_tangent
+   use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy, spring_force, spring_t, &
+      spring_tangent
    use rwmf_model_lanes, only: cable_coefficients
    implicit none
    private
@@ -16,10 +17,6 @@ module rwmf_model_cable
       real(wp) :: rate = 0
       !! linear: (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the elongation at
       !! alpha [1/m]
-      real(wp) :: line_0 = 0
-      !! linear law, and a tendon's branch in force: P/(m_w g) at phi = 0 [-]
-      real(wp) :: line_rate = 0
-      !! and its rate [1/rad]
       real(wp) :: R = 0
       !! half diagonal [m]
       real(wp) :: h = 0
@@ -50,10 +47,12 @@ module rwmf_model_cable
 
    abstract interface
       !> State of the cable at |theta| = phi on the side sigma.
-      pure subroutine cable_law_i(law, sin_alpha, phi, side, cable)
-         import :: cable_law_t, cable_state_t, wp
+      pure subroutine cable_law_i(law, branch, sin_alpha, phi, side, cable)
+         import :: branch_t, cable_law_t, cable_state_t, wp
          implicit none
          type(cable_law_t), intent(in) :: law
+         type(branch_t), intent(in) :: branch
+         !! of the tendon
          real(wp), intent(in) :: sin_alpha
          !! of the slenderness [-]
          real(wp), intent(in) :: phi
@@ -81,8 +80,9 @@ module rwmf_model_cable
 contains
 
    !> A scene without a cable.
-   pure subroutine no_cable(law, sin_alpha, phi, side, cable)
+   pure subroutine no_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
       real(wp), intent(in) :: phi
       integer, intent(in) :: side
@@ -95,19 +95,21 @@ contains
    end subroutine no_cable
 
    !> Eq. (1) with |theta|: the force rises with rocking on both sides.
-   pure subroutine linear_cable(law, sin_alpha, phi, side, cable)
+   pure subroutine linear_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
       real(wp), intent(in) :: phi
       integer, intent(in) :: side
       type(cable_state_t), intent(out) :: cable
 
-      call signed_linear_cable(law, sin_alpha, phi, abs(side), cable)
+      call signed_linear_cable(law, branch, sin_alpha, phi, abs(side), cable)
    end subroutine linear_cable
 
    !> Eq. (1) as printed: for theta < 0 the force falls with rocking (kept for `published`).
-   pure subroutine signed_linear_cable(law, sin_alpha, phi, side, cable)
+   pure subroutine signed_linear_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
       real(wp), intent(in) :: phi
       integer, intent(in) :: side
@@ -137,8 +139,10 @@ contains
 
    !> Coefficients of the loop over lanes, `add_linear_cable` or `add_straight_cable`, on the branch
    !> in force.
-   pure function cable_row(law, side, g_over_R) result(row)
+   pure function cable_row(law, branch, side, g_over_R) result(row)
       type(cable_law_t), intent(in) :: law
+      type(branch_t), intent(in) :: branch
+      !! of a straight cable or a tendon
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(in) :: g_over_R
@@ -147,10 +151,11 @@ contains
 
       row = 0
       if (law%is_straight) then
-         row = [g_over_R/law%R*[spring_force(law%tendon, 0.0_wp), spring_tangent(law%tendon)], &
-            law%h, law%b]
+         row = [g_over_R/law%R*[branch%offset, branch%slope], law%h, law%b]
+      else if (law%is_tendon) then
+         row(:2) = g_over_R*law%b/law%R*[branch%offset, branch%slope*law%b]
       else
-         row(:2) = g_over_R*law%b/law%R*[law%line_0, law%line_rate]
+         row(:2) = g_over_R*law%b/law%R*[law%eta_0, law%rate]
          if (law%is_signed) row(2) = side*row(2)
       end if
    end function cable_row
@@ -182,8 +187,9 @@ contains
 
    !> Cable as a spring on its elongation: a straight one, or a tendon on either law that yields,
    !> goes slack or breaks.
-   pure subroutine spring_cable(law, sin_alpha, phi, side, cable)
+   pure subroutine spring_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
       real(wp), intent(in) :: phi
       integer, intent(in) :: side
@@ -193,10 +199,10 @@ contains
       real(wp) :: arm_1
 
       call cable_elongation(law, phi, elongation, arm, arm_1)
-      cable%force = spring_force(law%tendon, elongation)
+      cable%force = spring_force(law%tendon, branch, elongation)
       cable%moment = cable%force*arm/law%R
-      cable%moment_1 = (spring_tangent(law%tendon)*arm**2 + cable%force*arm_1)/law%R
-      cable%energy = spring_energy(law%tendon, elongation)/law%R
+      cable%moment_1 = (spring_tangent(law%tendon, branch)*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = spring_energy(law%tendon, branch, elongation)/law%R
    end subroutine spring_cable
 
 end module rwmf_model_cable

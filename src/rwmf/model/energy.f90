@@ -64,7 +64,7 @@ contains
          cable = cable_at(equation, y(1))
          stored%kinetic = p%R**2*(equation%inertia + p%gamma*kin%j**2)*y(2)**2/2
          stored%strain = p%gamma*(p%R*p%omega_s*kin%u)**2/2
-         phi = equation%side*y(1)
+         phi = equation%state%side*y(1)
          if (equation%has_impacts) then
             stored%gravity = p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2))
          else
@@ -144,7 +144,7 @@ contains
       real(wp), intent(in) :: after
       !! and after [rad/s]
 
-      loss = equation%p%R**2*equation%inertia_at_rest*(before**2 - after**2)/2
+      loss = equation%p%R**2*equation%state%inertia_at_rest*(before**2 - after**2)/2
    end function impact_loss
 
 end module rwmf_model_energy

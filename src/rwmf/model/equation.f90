@@ -1,9 +1,9 @@
-!> The scene that an equation of motion is written for: its parameters, the laws that were chosen
-!> for it, and what follows from both at a given rotation.
+!> The scene that an equation of motion is written for: the model, which is fixed once it has been
+!> put together, the discrete state, and what follows from both at a given rotation.
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
-   use rwmf_model_hysteresis_bilinear, only: spring_t
+   use rwmf_model_hysteresis_bilinear, only: branch_t, spring_t
    use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, wall_row
    use rwmf_model_lanes, only: wall_coefficients
    use rwmf_model_parameters, only: parameters_t
@@ -14,7 +14,8 @@ module rwmf_model_equation
    implicit none
    private
 
-   public :: equation_t, contribution_t, floors_t, hysteresis_t, sprung_t
+   public :: equation_t, model_t, discrete_state_t
+   public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients, constants_of
    public :: vertical_ground, has_further_effects
@@ -87,14 +88,18 @@ module rwmf_model_equation
       !! force of z = 1 over m_s [m/s2]
       integer :: factors = 0
       !! n where it is a small natural number, so that |z|**n is a product; else 0
-      integer :: sense = 1
-      !! sign of z in the piece of motion in force
+   end type hysteresis_t
+
+   !> Signs in the piece of motion in force, and what they mean for smooth hysteresis.
+   type :: motion_signs_t
       integer :: loading_direction = 1
-      !! of a storey: sign that u_i' - u_(i-1)' has in it
+      !! sign of the velocity: of theta', of a storey u_i' - u_(i-1)'; 0: it has not moved yet
+      integer :: sense = 1
+      !! sign of z
       real(wp) :: lost = 1
       !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the
       !! sign of z where z**n takes the place of |z|**n and n is odd [-]
-   end type hysteresis_t
+   end type motion_signs_t
 
    !> The floors of a frame with all its modes, from the ground to the roof.
    type :: floors_t
@@ -112,12 +117,8 @@ module rwmf_model_equation
       !! (n) of each storey [m]
       integer :: first = 3
       !! place of their first state among all
-      real(wp), allocatable :: slope(:)
-      !! (n) stiffness of each storey on the branch in force, over the same mass [1/s2]
       logical :: yields = .false.
       !! the storeys do; without, the following are not there
-      real(wp), allocatable :: offset(:)
-      !! (n) shear of that branch at zero drift, over the same mass [m/s2]
       type(spring_t), allocatable :: springs(:)
       !! (n) of each storey; forces over the same mass
       type(hysteresis_t), allocatable :: laws(:)
@@ -139,26 +140,58 @@ module rwmf_model_equation
       !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
       integer :: place
       !! one of the `place_` numbers
-      real(wp) :: offset = 0
-      !! force of the branch in force at the elongation zero
-      real(wp) :: slope = 0
-      !! and its derivative: a branch is a straight line
    end type sprung_t
 
-   !> The equation of one scene, its ground motion, and the piece of both that is in force.
-   type :: equation_t
+   !> The interval, side and branches in force, and what follows from them. Plain values: an
+   !> assignment saves or restores it.
+   type :: discrete_state_t
+      integer, private :: interval = 0
+      !! of the motion: `interval_of`, set by `enter_interval`
+      type(line_t) :: line
+      !! of the motion in that interval
+      type(line_t) :: vertical_line
+      !! of the vertical motion in it
+      integer :: side = 1
+      !! sign of theta in this flight
+      type(motion_signs_t) :: signs
+      !! of the frame until the next peak
+      type(branch_t) :: tendon
+      !! of the cable
+      type(branch_t), allocatable :: springs(:)
+      !! (springs) of the yielding frame and the fuses
+      type(branch_t), allocatable :: storeys(:)
+      !! (floors) of each storey
+      type(motion_signs_t), allocatable :: storey_signs(:)
+      !! (floors) of each storey where their laws are smooth
+      real(wp) :: frame_offset = 0
+      !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
+      real(wp) :: frame_slope = 0
+      !! and its stiffness [1/s2]
+      real(wp) :: low = -huge(1.0_wp)
+      !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
+      real(wp) :: high = huge(1.0_wp)
+      !! and up to which they do [rad]
+      logical :: ends_at_peak = .false.
+      !! a spring yields, and unloads when the motion turns back
+      real(wp) :: uplift_acceleration(-1:1) = 0
+      !! ground acceleration at which the resting wall lifts off, by side (+1: theta > 0), see
+      !! `rwmf_model_lift_off` [m/s2]
+      real(wp) :: inertia_at_rest = 1
+      !! of all that moves with the wall, at theta = 0 over m_w R**2 [-]
+      real(wp), allocatable :: coef(:, :)
+      !! (1, coefficients) that the loops over lanes read, see `renew_coefficients`
+   end type discrete_state_t
+
+   !> One scene and its ground motion, as they are put together once.
+   type :: model_t
       type(parameters_t) :: p
       !! parameters in the paper's letters; those of absent effects are zero
       real(wp) :: sin_alpha
       real(wp) :: cos_alpha
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
-      real(wp) :: uplift_acceleration(-1:1)
-      !! the same by side (+1: theta > 0) with further effects, see `rwmf_model_lift_off` [m/s2]
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
-      real(wp) :: inertia_at_rest = 1
-      !! of all that moves with the wall, at theta = 0 over m_w R**2 [-]
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
@@ -180,8 +213,6 @@ module rwmf_model_equation
       !! of the frame
       logical :: has_loading_direction = .false.
       !! rates depend on the sign of theta'
-      integer :: loading_direction = 1
-      !! that sign until the next peak, set by the hybrid loop
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
       logical :: has_wall
@@ -202,22 +233,10 @@ module rwmf_model_equation
       !! yielding frame and fuses; the tendon's is in `cable`
       real(wp), allocatable :: parts(:)
       !! of the frame's stiffness that its springs have, the first of them all [-]
-      real(wp) :: frame_offset = 0
-      !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
-      real(wp) :: frame_slope = 0
-      !! and its stiffness [1/s2]
-      real(wp) :: low = -huge(1.0_wp)
-      !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
-      real(wp) :: high = huge(1.0_wp)
-      !! and up to which they do [rad]
       real(wp) :: angle_limit = 0
       !! largest |theta| at which the springs are asked for their elongation [rad]
-      logical :: ends_at_peak = .false.
-      !! a spring yields, and unloads when the motion turns back
       logical :: has_vertical = .false.
       !! the ground moves vertically as well
-      type(line_t) :: vertical_line
-      !! of that motion in the interval in force
       real(wp) :: weight_share = 0
       !! threshold of lift-off per vertical ground acceleration [-]
       real(wp) :: inertance = 0
@@ -225,27 +244,24 @@ module rwmf_model_equation
       real(wp) :: damper_c = 0
       !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
-      integer, private :: interval = 0
-      !! of the motion: `interval_of`, set by `enter_interval`
-      type(line_t) :: line
-      !! of the motion in that interval
-      integer :: side = 1
-      !! sign of theta in this flight, set by the hybrid loop
-      integer(i8) :: rhs_evaluations = 0
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       type(scene_t) :: scene
       !! the loops over lanes
-      real(wp), allocatable :: coef(:, :)
-      !! (1, coefficients) that they read: on the side and the branches in force, see
-      !! `renew_coefficients`
+   end type model_t
+
+   !> The equation of motion of one scene in the piece of motion in force.
+   type, extends(model_t) :: equation_t
+      type(discrete_state_t) :: state
+      integer(i8) :: rhs_evaluations = 0
    end type equation_t
 
    abstract interface
       !> Coefficients of the loop of an effect, on the side and the branches in force.
-      pure subroutine coefficients_i(equation, coef)
-         import :: equation_t, wp
+      pure subroutine coefficients_i(model, state, coef)
+         import :: discrete_state_t, model_t, wp
          implicit none
-         class(equation_t), intent(in) :: equation
+         type(model_t), intent(in) :: model
+         type(discrete_state_t), intent(in) :: state
          real(wp), intent(out) :: coef(:)
          !! (n_coef)
       end subroutine coefficients_i
@@ -326,83 +342,86 @@ module rwmf_model_equation
 contains
 
    !> Constants of an effect that the scene has.
-   pure function constants_of(equation, group) result(constants)
-      type(equation_t), intent(in) :: equation
+   pure function constants_of(model, group) result(constants)
+      class(model_t), intent(in) :: model
       character(*), intent(in) :: group
       real(wp), allocatable :: constants(:)
       integer :: i
 
-      do i = 1, size(equation%effects)
-         if (equation%effects(i)%group == group) constants = equation%effects(i)%constants
+      do i = 1, size(model%effects)
+         if (model%effects(i)%group == group) constants = model%effects(i)%constants
       end do
    end function constants_of
 
    !> An interval of the motion comes into force, or the motion has changed within it.
    !>
    !> The only way to set it, so that nobody can forget what depends on it.
-   pure subroutine enter_interval(equation, interval)
-      type(equation_t), intent(inout) :: equation
+   pure subroutine enter_interval(model, state, interval)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: interval
       !! as `interval_at` counts
 
-      equation%interval = interval
-      equation%line = line_of(equation%motion, interval)
-      if (equation%has_vertical) equation%vertical_line = vertical_line_of(equation%motion, &
-         interval, equation%line)
+      state%interval = interval
+      state%line = line_of(model%motion, interval)
+      if (model%has_vertical) state%vertical_line = vertical_line_of(model%motion, interval, &
+         state%line)
    end subroutine enter_interval
 
    !> Interval of the motion that is in force.
    pure integer function interval_of(equation) result(interval)
       type(equation_t), intent(in) :: equation
 
-      interval = equation%interval
+      interval = equation%state%interval
    end function interval_of
 
    !> A side of the motion comes into force.
-   pure subroutine enter_side(equation, side)
-      type(equation_t), intent(inout) :: equation
+   pure subroutine enter_side(model, state, side)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: side
       !! +1 or -1
 
-      equation%side = side
-      call renew_coefficients(equation, is_side_alone=.true.)
+      state%side = side
+      call renew_coefficients(model, state, is_side_alone=.true.)
    end subroutine enter_side
 
    !> Let the loops over lanes follow the side and the branches in force; to be called when one of
    !> them has changed.
-   pure subroutine renew_coefficients(equation, is_side_alone)
-      type(equation_t), intent(inout) :: equation
+   pure subroutine renew_coefficients(model, state, is_side_alone)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       logical, intent(in), optional :: is_side_alone
       !! no branch has changed
       logical :: is_all
       integer :: i
 
-      if (.not. allocated(equation%coef)) return
-      if (equation%has_wall) equation%coef(:, first_wall:first_wall + wall_coefficients - 1) = &
-         wall_row(equation%geometry, equation%side, equation%p%R, equation%inertia, equation%p%g)
-      do i = 1, size(equation%scene%terms)
-         associate (term => equation%scene%terms(i))
-            associate (row => equation%coef(1, term%coef:term%coef + term%n_coef - 1))
+      if (.not. allocated(state%coef)) return
+      if (model%has_wall) state%coef(:, first_wall:first_wall + wall_coefficients - 1) = &
+         wall_row(model%geometry, state%side, model%p%R, model%inertia, model%p%g)
+      do i = 1, size(model%scene%terms)
+         associate (term => model%scene%terms(i))
+            associate (row => state%coef(1, term%coef:term%coef + term%n_coef - 1))
                select case (term%effect)
                case (frame_term)
-                  row = [frame_mass(equation), equation%p%two_xi_omega, equation%frame_slope, &
-                     equation%frame_offset/equation%p%R]
+                  row = [frame_mass(model), model%p%two_xi_omega, state%frame_slope, &
+                     state%frame_offset/model%p%R]
                case (linear_cable_term, straight_cable_term)
-                  row = cable_row(equation%cable, equation%side, equation%p%g_over_R)
+                  row = cable_row(model%cable, state%tendon, state%side, model%p%g_over_R)
                case default
                   ! an effect, below
                end select
             end associate
          end associate
       end do
-      if (.not. allocated(equation%effects)) return
+      if (.not. allocated(model%effects)) return
       is_all = .true.
       if (present(is_side_alone)) is_all = .not. is_side_alone
-      do i = 1, size(equation%effects)
-         associate (extra => equation%effects(i))
+      do i = 1, size(model%effects)
+         associate (extra => model%effects(i))
             if ((is_all .or. extra%has_sides) .and. associated(extra%coefficients)) call &
-               extra%coefficients(equation, &
-               equation%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
+               extra%coefficients(model, state, &
+               state%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
          end associate
       end do
    end subroutine renew_coefficients
@@ -421,11 +440,11 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      associate (line => equation%line)
+      associate (line => equation%state%line)
          if (line%is_straight) then
             ground = line%a_0 + line%slope*(t - line%t_0)
          else
-            ground = acceleration(equation%motion, equation%interval, t)
+            ground = acceleration(equation%motion, equation%state%interval, t)
          end if
       end associate
    end function ground
@@ -436,11 +455,11 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      associate (line => equation%vertical_line)
+      associate (line => equation%state%vertical_line)
          if (line%is_straight) then
             vertical_ground = line%a_0 + line%slope*(t - line%t_0)
          else
-            vertical_ground = vertical_acceleration(equation%motion, equation%interval, t)
+            vertical_ground = vertical_acceleration(equation%motion, equation%state%interval, t)
          end if
       end associate
    end function vertical_ground
@@ -454,19 +473,24 @@ contains
       !! +1 or -1; the one in force
       integer :: which
 
-      which = equation%side
+      which = equation%state%side
       if (present(side)) which = side
       kin = kinematics_of(equation%geometry, which, which*theta)
    end function kinematics_at
 
-   !> Cable on the side in force.
-   type(cable_state_t) function cable_at(equation, theta) result(cable)
+   !> Cable on a side.
+   type(cable_state_t) function cable_at(equation, theta, side) result(cable)
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
+      integer, intent(in), optional :: side
+      !! +1 or -1; the one in force
+      integer :: which
 
-      call equation%cable_law(equation%cable, equation%sin_alpha, equation%side*theta, &
-         equation%side, cable)
+      which = equation%state%side
+      if (present(side)) which = side
+      call equation%cable_law(equation%cable, equation%state%tendon, equation%sin_alpha, &
+         which*theta, which, cable)
    end function cable_at
 
    !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
@@ -481,7 +505,8 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      drive = -side*acceleration(equation%motion, interval, t) - equation%uplift_acceleration(side)
+      drive = -side*acceleration(equation%motion, interval, t) &
+         - equation%state%uplift_acceleration(side)
       if (equation%has_vertical) then
          drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
       end if
@@ -499,43 +524,46 @@ contains
       real(wp) :: push
 
       push = acceleration(equation%motion, interval, t)
-      drive(1) = push - equation%uplift_acceleration(-1)
-      drive(2) = -push - equation%uplift_acceleration(1)
+      drive(1) = push - equation%state%uplift_acceleration(-1)
+      drive(2) = -push - equation%state%uplift_acceleration(1)
       if (equation%has_vertical) drive = drive - equation%weight_share &
          *vertical_acceleration(equation%motion, interval, t)
    end function lift_off_drives
 
-   !> Displacement of the frame u_s [m].
-   real(wp) function frame_displacement(equation, theta) result(u_s)
-      type(equation_t), intent(in) :: equation
+   !> Displacement of the frame u_s on a side [m].
+   pure real(wp) function frame_displacement(model, side, theta) result(u_s)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
       real(wp), intent(in) :: theta
       !! [rad]; bare frame: the displacement itself [m]
       type(kinematics_t) :: kin
 
-      if (equation%has_wall) then
-         kin = kinematics_at(equation, theta)
-         u_s = equation%side*equation%p%R*kin%u
+      if (model%has_wall) then
+         kin = kinematics_of(model%geometry, side, side*theta)
+         u_s = side*model%p%R*kin%u
       else
          u_s = theta
       end if
    end function frame_displacement
 
-   !> Velocity of the frame u_s' [m/s].
-   real(wp) function frame_velocity(equation, y) result(u_s_dot)
-      type(equation_t), intent(in) :: equation
+   !> Velocity of the frame u_s' on a side [m/s].
+   pure real(wp) function frame_velocity(model, side, y) result(u_s_dot)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
       real(wp), intent(in) :: y(:)
       !! (states)
-      type(kinematics_t) :: kin
+      real(wp) :: u_s
 
-      u_s_dot = y(2)
-      if (.not. equation%has_wall) return
-      kin = kinematics_at(equation, y(1))
-      u_s_dot = equation%p%R*kin%j*y(2)
+      call frame_motion(model, side, y, u_s, u_s_dot)
    end function frame_velocity
 
    !> Both.
-   subroutine frame_motion(equation, y, u_s, u_s_dot)
-      type(equation_t), intent(in) :: equation
+   pure subroutine frame_motion(model, side, y, u_s, u_s_dot)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(out) :: u_s
@@ -546,34 +574,34 @@ contains
 
       u_s = y(1)
       u_s_dot = y(2)
-      if (.not. equation%has_wall) return
-      kin = kinematics_at(equation, y(1))
-      u_s = equation%side*equation%p%R*kin%u
-      u_s_dot = equation%p%R*kin%j*y(2)
+      if (.not. model%has_wall) return
+      kin = kinematics_of(model%geometry, side, side*y(1))
+      u_s = side*model%p%R*kin%u
+      u_s_dot = model%p%R*kin%j*y(2)
    end subroutine frame_motion
 
    !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
-   pure real(wp) function frame_travel(equation) result(travel)
-      type(equation_t), intent(in) :: equation
+   pure real(wp) function frame_travel(model) result(travel)
+      class(model_t), intent(in) :: model
 
       travel = 1
-      if (equation%has_wall) travel = 2*equation%p%R*equation%cos_alpha
+      if (model%has_wall) travel = 2*model%p%R*model%cos_alpha
    end function frame_travel
 
    !> A rocking wall has one corner that moves, at the arm 2b; a hinged one two with half the arm
    !> and so half the moment [-].
-   pure real(wp) function corner_share(equation)
-      type(equation_t), intent(in) :: equation
+   pure real(wp) function corner_share(model)
+      class(model_t), intent(in) :: model
 
-      corner_share = merge(1.0_wp, 0.5_wp, equation%has_impacts)
+      corner_share = merge(1.0_wp, 0.5_wp, model%has_impacts)
    end function corner_share
 
    !> Mass of the frame over that of the wall; 1 for the bare frame [-].
-   pure real(wp) function frame_mass(equation)
-      type(equation_t), intent(in) :: equation
+   pure real(wp) function frame_mass(model)
+      class(model_t), intent(in) :: model
 
       frame_mass = 1
-      if (equation%has_wall) frame_mass = equation%p%gamma
+      if (model%has_wall) frame_mass = model%p%gamma
    end function frame_mass
 
 end module rwmf_model_equation

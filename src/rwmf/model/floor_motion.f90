@@ -2,7 +2,7 @@
 !> displaced by.
 module rwmf_model_floor_motion
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, frame_motion
+   use rwmf_model_equation, only: frame_motion, model_t
    implicit none
    private
 
@@ -11,8 +11,10 @@ module rwmf_model_floor_motion
 contains
 
    !> Displacements and velocities of ground, floors and roof relative to the ground.
-   subroutine floor_motion(equation, y, u, v)
-      class(equation_t), intent(in) :: equation
+   pure subroutine floor_motion(model, side, y, u, v)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: u(0:)
       !! (0:n) [m]
@@ -22,16 +24,18 @@ contains
 
       n = size(v)
       u(0) = 0
-      associate (first => equation%floors%first)
+      associate (first => model%floors%first)
          u(1:n - 1) = y(first:first + n - 2)
          v(:n - 1) = y(first + n - 1:first + 2*n - 3)
       end associate
-      call frame_motion(equation, y, u(n), v(n))
+      call frame_motion(model, side, y, u(n), v(n))
    end subroutine floor_motion
 
    !> What the storeys are displaced by, and how fast.
-   subroutine storey_motion(equation, y, d, d_dot)
-      type(equation_t), intent(in) :: equation
+   pure subroutine storey_motion(model, side, y, d, d_dot)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(out) :: d(:)
@@ -43,7 +47,7 @@ contains
       integer :: n
 
       n = size(d)
-      call floor_motion(equation, y, u, v)
+      call floor_motion(model, side, y, u, v)
       d = u(1:) - u(:n - 1)
       d_dot = v
       d_dot(2:) = v(2:) - v(:n - 1)

@@ -74,15 +74,15 @@ contains
          end if
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
-         phi_dot = equation%side*y(2)
+         phi_dot = equation%state%side*y(2)
          force = kin%k*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%j*phi_dot + p%omega_s**2*kin%u
          force_1 = kin%k_1*phi_dot**2 + 2*p%xi_s*p%omega_s*kin%k*phi_dot + p%omega_s**2*kin%j
          inertia = equation%inertia + p%gamma*kin%lever*kin%j
          moment_1 = -p%gamma*(kin%lever_1*force + kin%lever*force_1) &
-            - (p%gamma*kin%lever_1 + kin%s)*equation%side*ground(equation, t)/p%R &
+            - (p%gamma*kin%lever_1 + kin%s)*equation%state%side*ground(equation, t)/p%R &
             - p%g/p%R*(cable%moment_1 - kin%c)
          by_theta = (moment_1 - p%gamma*(kin%lever_1*kin%j + kin%lever*kin%k) &
-            *equation%side*second_derivative(equation, t, y))/inertia
+            *equation%state%side*second_derivative(equation, t, y))/inertia
          by_theta_dot = -2*p%gamma*kin%lever*(kin%k*phi_dot + p%xi_s*p%omega_s*kin%j)/inertia
       end associate
    end subroutine jacobian

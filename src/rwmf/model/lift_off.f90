@@ -8,8 +8,8 @@ module rwmf_model_lift_off
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: enter_side, interval_of, lift_off_drive, moment_at_rest
-   use rwmf_model_equation, only: equation_t, kinematics_at, lift_off_drives
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: discrete_state_t, equation_t, lift_off_drives, model_t
+   use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_motion_ground_motion, only: interval_end, steep_point, turning_point
    implicit none
    private
@@ -152,13 +152,14 @@ contains
          if (low >= interval_end(equation%motion, interval_of(equation))) return
          if (low >= huge(low)) return
          high = drive_turns(equation, interval_of(equation), low)
-         if (lift_off_drive(equation, equation%side, interval_of(equation), high) <= 0) exit
+         if (lift_off_drive(equation, equation%state%side, interval_of(equation), high) <= 0) exit
       end do
       bracket = bracket_between(low, high)
       do while (is_wider(bracket, 4) .and. bracket%high - bracket%low &
           > 1.0e-3_wp*(bracket%low - t_begin))
          call narrow(bracket, &
-            lift_off_drive(equation, equation%side, interval_of(equation), bracket%middle) <= 0)
+            lift_off_drive(equation, equation%state%side, interval_of(equation), &
+            bracket%middle) <= 0)
       end do
       duration = bracket%low - t_begin
    end function pull_duration
@@ -167,8 +168,9 @@ contains
    !> further effects add there: from the moment about the pivot at theta = 0 without ground motion.
    !>
    !> Scenes without further effects keep the closed form of `build_equation`.
-   subroutine find_uplift_acceleration(equation, y)
-      type(equation_t), intent(inout) :: equation
+   subroutine find_uplift_acceleration(model, state, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states); the first two are taken as zero
       type(kinematics_t) :: kin
@@ -176,17 +178,16 @@ contains
       integer :: side_in_force
       integer :: side
 
-      if (.not. equation%effects_act_at_rest) return
-      side_in_force = equation%side
+      if (.not. model%effects_act_at_rest) return
+      side_in_force = state%side
       do side = -1, 1, 2
-         call enter_side(equation, side)
-         kin = kinematics_at(equation, 0.0_wp)
-         call moment_at_rest(equation, y, moment, equation%inertia_at_rest)
-         equation%uplift_acceleration(side) = &
-            -moment*equation%p%R/(equation%p%gamma*equation%excited_mass_ratio*kin%lever &
-            + kin%c)
+         call enter_side(model, state, side)
+         kin = kinematics_of(model%geometry, side, 0.0_wp)
+         call moment_at_rest(model%scene, state%coef, y, moment, state%inertia_at_rest)
+         state%uplift_acceleration(side) = &
+            -moment*model%p%R/(model%p%gamma*model%excited_mass_ratio*kin%lever + kin%c)
       end do
-      call enter_side(equation, side_in_force)
+      call enter_side(model, state, side_in_force)
    end subroutine find_uplift_acceleration
 
 end module rwmf_model_lift_off

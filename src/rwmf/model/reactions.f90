@@ -54,8 +54,8 @@ contains
          return
       end if
       kin = kinematics_at(equation, y(1))
-      mean = equation%p%R*[kin%c*y_ddot + equation%side*kin%s*y(2)**2, &
-         equation%side*kin%s*y_ddot - kin%c*y(2)**2]
+      mean = equation%p%R*[kin%c*y_ddot + equation%state%side*kin%s*y(2)**2, &
+         equation%state%side*kin%s*y_ddot - kin%c*y(2)**2]
       mean(1) = mean(1) + ground(equation, t)
       if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
       applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1))
@@ -115,7 +115,7 @@ contains
             force(1) = force(1) - resisting(size(resisting))
          else
             force(1) = force(1) - p%gamma*p%omega_s*p%R &
-               *(p%omega_s*equation%side*kin%u + 2*p%xi_s*kin%j*y(2))
+               *(p%omega_s*equation%state%side*kin%u + 2*p%xi_s*kin%j*y(2))
          end if
          if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
             force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
@@ -126,7 +126,7 @@ contains
       force(1) = force(1) - on_frame(1)
       if (equation%geometry%link <= 0) return
       ! `symmetric` is a wall whose frame changes its place with the side
-      side_of_frame = equation%side*equation%geometry%tilt(equation%side)
+      side_of_frame = equation%state%side*equation%geometry%tilt(equation%state%side)
       force(2) = side_of_frame*force(1)*kin%rise/sqrt(equation%geometry%link**2 - kin%rise**2)
    end function link_force
 
@@ -187,8 +187,8 @@ contains
       run = [sin(theta), cos(theta)]
       if (equation%cable%is_straight) then
          associate (s => equation%sin_alpha, c => equation%cos_alpha)
-            run = [equation%side*2*s*sin(theta/2)**2 + 2*c*sin(theta), &
-               s*equation%side*sin(theta) + 2*c*cos(theta)]
+            run = [equation%state%side*2*s*sin(theta/2)**2 + 2*c*sin(theta), &
+               s*equation%state%side*sin(theta) + 2*c*cos(theta)]
          end associate
       end if
       cable = cable_at(equation, theta)
@@ -214,7 +214,7 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
 
-      u_ddot = equation%p%R*(equation%side*kin%k*y(2)**2 + kin%j*y_ddot)
+      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
    end function roof_acceleration
 
 end module rwmf_model_reactions

@@ -11,6 +11,7 @@ module rwmf_simulation_held_wall
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
+   use rwmf_model_equation, only: discrete_state_t
    use rwmf_model_lift_off, only: find_uplift_acceleration, lifts
    use rwmf_model_rest, only: inverse_inertia, pressing_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
@@ -28,11 +29,11 @@ module rwmf_simulation_held_wall
 contains
 
    !> Hold the resting wall while further states move, or let it go.
-   subroutine hold_wall(equation, is_held)
-      type(equation_t), intent(inout) :: equation
+   subroutine hold_wall(state, is_held)
+      type(discrete_state_t), intent(inout) :: state
       logical, intent(in) :: is_held
 
-      equation%coef(1, 1) = merge(0, 1, is_held)
+      state%coef(1, 1) = merge(0, 1, is_held)
    end subroutine hold_wall
 
    !> One step of the other states, cut where the wall lifts off.
@@ -58,9 +59,9 @@ contains
          call pass_knot(hybrid, equation, integrator%steps)
          return
       end if
-      call hold_wall(equation, .true.)
+      call hold_wall(equation%state, .true.)
       if (hybrid%must_restart) then
-         if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
+         if (equation%floors%yields) call settle_storeys(equation%model_t, equation%state, hybrid%y)
          call integrator%start(hybrid%t, hybrid%y, huge(t_limit), error)
          if (allocated(error)) return
       end if
@@ -92,7 +93,7 @@ contains
       !! (states)
       real(wp) :: drive(2)
 
-      call find_uplift_acceleration(equation, y)
+      call find_uplift_acceleration(equation%model_t, equation%state, y)
       drive(1) = lift_off_drive(equation, 1, interval_of(equation), t)
       drive(2) = lift_off_drive(equation, -1, interval_of(equation), t)
    end function drives
@@ -202,7 +203,7 @@ contains
          side = side_there
       end do
       hybrid%t = bracket%high
-      call find_uplift_acceleration(step%equation, hybrid%y)
+      call find_uplift_acceleration(step%equation%model_t, step%equation%state, hybrid%y)
    end subroutine refine
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?
@@ -263,13 +264,13 @@ contains
 
       held = y
       held(:2) = 0
-      present = equation%uplift_acceleration
-      call hold_wall(equation, .true.)
+      present = equation%state%uplift_acceleration
+      call hold_wall(equation%state, .true.)
       call rhs(equation, t, held, rates)
-      call hold_wall(equation, .false.)
-      call find_uplift_acceleration(equation, held + duration*rates)
-      later = equation%uplift_acceleration
-      call find_uplift_acceleration(equation, y)
+      call hold_wall(equation%state, .false.)
+      call find_uplift_acceleration(equation%model_t, equation%state, held + duration*rates)
+      later = equation%state%uplift_acceleration
+      call find_uplift_acceleration(equation%model_t, equation%state, y)
       displaced = maxval(abs(present([-1, 1]) - equation%threshold))
       change = 2*maxval(abs(later([-1, 1]) - present([-1, 1]))) &
          + (duration*equation%max_frequency)**2*displaced

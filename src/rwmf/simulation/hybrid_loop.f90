@@ -60,25 +60,26 @@ contains
       hybrid%y = y
       hybrid%must_restart = .true.
       hybrid%drifts = count_drifts(equation)
-      call enter_interval(equation, interval_at(equation%motion, t))
+      call enter_interval(equation%model_t, equation%state, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
-      call enter_side(equation, 1)
-      if (equation%moves_at_rest) call hold_wall(equation, .false.)
-      equation%loading_direction = 1
+      call enter_side(equation%model_t, equation%state, 1)
+      if (equation%moves_at_rest) call hold_wall(equation%state, .false.)
+      equation%state%signs%loading_direction = 1
       if (equation%has_impacts) then
-         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) call enter_side(equation, -1)
+         if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) call enter_side(equation%model_t, &
+            equation%state, -1)
       end if
       if (equation%has_bilinear_springs) call start_springs(equation, y(1))
       if (equation%has_loading_direction .and. abs(y(1)) > 0) call start_hysteresis(hybrid, &
          equation)
       if (.not. equation%has_impacts) then
-         if (equation%floors%yields) call start_storeys(equation, y)
+         if (equation%floors%yields) call start_storeys(equation%model_t, equation%state, y)
          hybrid%mode = mode_no_impacts
          if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
          return
       end if
-      if (equation%floors%yields) call start_storeys(equation, y)
-      call find_uplift_acceleration(equation, y)
+      if (equation%floors%yields) call start_storeys(equation%model_t, equation%state, y)
+      call find_uplift_acceleration(equation%model_t, equation%state, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
       if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
@@ -92,8 +93,8 @@ contains
       type(equation_t), intent(inout) :: equation
 
       call load_bouc_wen(equation, hybrid%y)
-      equation%loading_direction = 1
-      if (abs(hybrid%y(2)) <= 0) equation%loading_direction = int(sign(1.0_wp, &
+      equation%state%signs%loading_direction = 1
+      if (abs(hybrid%y(2)) <= 0) equation%state%signs%loading_direction = int(sign(1.0_wp, &
          second_derivative(equation, &
          hybrid%t, hybrid%y)))
    end subroutine start_hysteresis
@@ -104,8 +105,8 @@ contains
       real(wp), intent(in) :: theta
       !! [rad] or [m]
 
-      call reset_springs(equation)
-      call load_to(equation, theta)
+      call reset_springs(equation%model_t, equation%state)
+      call load_to(equation%model_t, equation%state, theta)
    end subroutine start_springs
 
    !> Follow the system to the time t_target, or to overturning or collapse.
@@ -175,13 +176,13 @@ contains
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
          ! A motion that begins with a jump lifts the wall at once: that is no rest.
          if (hybrid%t > t_begin) call observe_rest(recorder, equation, t_begin, hybrid%t)
-         call enter_interval(equation, interval)
+         call enter_interval(equation%model_t, equation%state, interval)
       end do
       if (side == 0) return
-      if (equation%moves_at_rest) call hold_wall(equation, .false.)
+      if (equation%moves_at_rest) call hold_wall(equation%state, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
-      call enter_side(equation, side)
+      call enter_side(equation%model_t, equation%state, side)
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
       recorder%lift_offs = recorder%lift_offs + 1_i8
@@ -212,7 +213,7 @@ contains
       real(wp) :: y(equation%n)
 
       ! forces grow with the stroke: what they are on the base mostly says that all is well
-      if (-sum(equation%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
+      if (-sum(equation%state%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
       if (.not. stands_on_fuses(equation, piece%y_b(1))) return
       bracket = bracket_between(piece%t_a, piece%t_b)
       do while (bracket%is_open)
@@ -280,9 +281,9 @@ contains
          return
       end if
       if (.not. hybrid%must_restart) return
-      if (equation%has_bilinear_springs) call renew_window(equation)
+      if (equation%has_bilinear_springs) call renew_window(equation%model_t, equation%state)
       if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
-      if (equation%floors%yields) call settle_storeys(equation, hybrid%y)
+      if (equation%floors%yields) call settle_storeys(equation%model_t, equation%state, hybrid%y)
       if (hybrid%flight > 0) then
          span = hybrid%flight
       else
@@ -337,9 +338,9 @@ contains
          call enter_branch(hybrid, equation, recorder)
       case (event_peak)
          hybrid%y(2) = 0
-         call turn_back(equation, hybrid%y(1))
+         call turn_back(equation%model_t, equation%state, hybrid%y(1))
          if (equation%has_loading_direction) then
-            equation%loading_direction = -equation%loading_direction
+            equation%state%signs%loading_direction = -equation%state%signs%loading_direction
          end if
          hybrid%must_restart = .true.
       case (event_passage)
@@ -359,11 +360,11 @@ contains
       type(equation_t), intent(inout) :: equation
 
       if (abs(hybrid%y(2)) > 0) then
-         equation%loading_direction = int(sign(1.0_wp, hybrid%y(2)))
+         equation%state%signs%loading_direction = int(sign(1.0_wp, hybrid%y(2)))
       else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
-         equation%loading_direction = equation%side
+         equation%state%signs%loading_direction = equation%state%side
       end if
-      call follow_loading_direction(equation, hybrid%y(equation%hysteresis%place))
+      call follow_loading_direction(equation%model_t, equation%state, hybrid%y)
    end subroutine set_loading_direction
 
    !> A spring enters another branch.
@@ -376,7 +377,7 @@ contains
       was_broken = tendon_is_broken(equation)
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
       call observe_branch(recorder, equation, hybrid%y, +1)
-      call pass_window(equation, is_rising=hybrid%is_rising)
+      call pass_window(equation%model_t, equation%state, is_rising=hybrid%is_rising)
       call observe_branch(recorder, equation, hybrid%y, -1)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then
@@ -397,7 +398,7 @@ contains
 
       time = huge(time)
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
-      pull = -equation%side*second_derivative(equation, hybrid%t, hybrid%y)
+      pull = -equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
          time = 2.2_wp*abs(hybrid%y(2))/max(pull, tiny(pull))
       else if (pull <= 0) then
@@ -441,10 +442,11 @@ contains
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
-      call turn_back(equation, 0.0_wp)
-      call enter_side(equation, -equation%side)
+      call turn_back(equation%model_t, equation%state, 0.0_wp)
+      call enter_side(equation%model_t, equation%state, -equation%state%side)
       if (equation%has_bilinear_springs .or. equation%has_loading_direction &
-          .or. equation%moves_at_rest) call find_uplift_acceleration(equation, hybrid%y)
+          .or. equation%moves_at_rest) call find_uplift_acceleration(equation%model_t, &
+          equation%state, hybrid%y)
       if (equation%moves_at_rest) then
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
@@ -478,7 +480,7 @@ contains
       interval = interval_of(equation)
       call find_lift_off(equation, t, t, interval, side)
       if (side /= 0) then
-         call enter_side(equation, side)
+         call enter_side(equation%model_t, equation%state, side)
       else
          hybrid%mode = mode_rest
       end if

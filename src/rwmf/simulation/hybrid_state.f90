@@ -87,7 +87,7 @@ contains
       !! that the integrator has taken
 
       if (hybrid%t < interval_end(equation%motion, interval_of(equation))) return
-      call enter_interval(equation, interval_of(equation) + 1)
+      call enter_interval(equation%model_t, equation%state, interval_of(equation) + 1)
       if (has_jump(equation%motion, interval_of(equation))) hybrid%must_restart = .true.
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
       if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
@@ -107,7 +107,7 @@ contains
          return
       end if
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call end_branch(equation, ending, hybrid%y)
+      call end_branch(equation%model_t, equation%state, ending, hybrid%y)
       if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
          hybrid%t, hybrid%y)
       hybrid%must_restart = .true.

@@ -264,7 +264,7 @@ contains
    !> What applies to the scene, and only that.
    subroutine fill_result(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
-      type(equation_t), intent(inout) :: equation
+      type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
       type(recorder_t), intent(inout) :: recorder
       type(result_t), intent(inout) :: result
@@ -393,7 +393,7 @@ contains
 
    subroutine fill_wall(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
-      type(equation_t), intent(inout) :: equation
+      type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
       type(recorder_t), intent(in) :: recorder
       type(result_t), intent(inout) :: result
@@ -412,7 +412,7 @@ contains
 
    !> Maximum of P/(m_w g) - eta_0: the force is monotone in |theta| on each side [-].
    real(wp) function largest_increment(equation, recorder) result(increment)
-      type(equation_t), intent(inout) :: equation
+      type(equation_t), intent(in) :: equation
       type(recorder_t), intent(in) :: recorder
       type(cable_state_t) :: cable
 
@@ -422,17 +422,15 @@ contains
       end if
       increment = -huge(increment)
       if (recorder%theta_max >= 0) then
-         equation%side = 1
-         cable = cable_at(equation, recorder%theta_max)
+         cable = cable_at(equation, recorder%theta_max, +1)
          increment = max(increment, cable%force)
-         cable = cable_at(equation, max(0.0_wp, recorder%theta_min))
+         cable = cable_at(equation, max(0.0_wp, recorder%theta_min), +1)
          increment = max(increment, cable%force)
       end if
       if (recorder%theta_min <= 0) then
-         equation%side = -1
-         cable = cable_at(equation, recorder%theta_min)
+         cable = cable_at(equation, recorder%theta_min, -1)
          increment = max(increment, cable%force)
-         cable = cable_at(equation, min(0.0_wp, recorder%theta_max))
+         cable = cable_at(equation, min(0.0_wp, recorder%theta_max), -1)
          increment = max(increment, cable%force)
       end if
       increment = increment - equation%cable%eta_0

@@ -193,7 +193,7 @@ contains
       team%kernels = lane_kernels_of(best_level())
       associate (n => equation%n)
          allocate (team%table(width, column_count), source=0.0_wp)
-         team%coef = spread(equation%coef(1, :), 1, width)
+         team%coef = spread(equation%state%coef(1, :), 1, width)
          allocate (team%tolerance(width, 0:n), source=1.0_wp)
          allocate (team%ground(width, most_stages, 2), team%y(width, n), team%y_new(width, n), &
             team%k(width, n, most_stages), source=0.0_wp)
@@ -370,7 +370,7 @@ contains
             team%y(i, j) = hybrid%y(j)
          end do
          do j = 1, equation%scene%n_coef
-            team%coef(i, j) = equation%coef(1, j)
+            team%coef(i, j) = equation%state%coef(1, j)
          end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
          table(i, of_time) = hybrid%t
@@ -383,22 +383,24 @@ contains
          if (equation%has_loading_direction) then
             ! the hysteretic force that falls back passes zero
             if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
-               equation%loading_direction > 0)) = 0
+               equation%state%signs%loading_direction > 0)) = 0
          end if
-         if (equation%has_fuses) lane%is_smooth = lane%is_smooth .and. -sum(equation%springs( &
+         if (equation%has_fuses) lane%is_smooth = lane%is_smooth &
+            .and. -sum(equation%state%springs( &
             size(equation%springs) - 1:)%offset) <= equation%p%g
          lane%goal = no_event
          table(i, of_goal) = 0
          table(i, of_watch) = merge(0, 1, lane%is_smooth)
          table(i, of_low) = merge(-hybrid%overturning_angle, -huge(1.0_wp), equation%has_wall)
          table(i, of_high) = -table(i, of_low)
-         if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, equation%side > 0)) = 0
+         if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, &
+            equation%state%side > 0)) = 0
          if (equation%has_bilinear_springs) then
-            table(i, of_low) = max(table(i, of_low), equation%low)
-            table(i, of_high) = min(table(i, of_high), equation%high)
+            table(i, of_low) = max(table(i, of_low), equation%state%low)
+            table(i, of_high) = min(table(i, of_high), equation%state%high)
          end if
-         table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%ends_at_peak)
-         table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%ends_at_peak)
+         table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%state%ends_at_peak)
+         table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%state%ends_at_peak)
       end associate
       call load_line(lane, i, t_limit, team)
    end subroutine load_lane
@@ -411,7 +413,8 @@ contains
       type(team_t), intent(inout) :: team
 
       team%table(i, of_interval) = interval_of(lane%equation)
-      associate (row => line_row(t_limit, lane%equation%line, lane%equation%vertical_line))
+      associate (row => line_row(t_limit, lane%equation%state%line, &
+                                 lane%equation%state%vertical_line))
          team%table(i, of_limit) = row(1)
          team%table(i, of_line) = row(2)
          team%table(i, of_line + 1) = row(3)
@@ -496,7 +499,7 @@ contains
       do i = 1, team%width
          if (lanes(i)%ordinate == 0) cycle
          associate (equation => lanes(i)%equation)
-            if (equation%line%is_straight) cycle
+            if (equation%state%line%is_straight) cycle
             do s = 1, team%pair%stages
                t = team%table(i, of_time) + team%pair%c(s)*team%table(i, of_trial)
                team%ground(i, s, 1) = ground(equation, t)
@@ -528,7 +531,8 @@ contains
       lane%hybrid%t = team%table(i, of_time)
       lane%recorder%theta_dot_max = team%table(i, of_fastest)
       associate (interval => int(team%table(i, of_interval)))
-         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation, interval)
+         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
+            lane%equation%state, interval)
       end associate
    end subroutine catch_up
 
@@ -565,7 +569,8 @@ contains
       call catch_up(lane, i, team)
       associate (t_end => lane%case%solver%t_end)
          if (lane%hybrid%t < t_end) then
-            call enter_interval(lane%equation, interval_of(lane%equation) + 1)
+            call enter_interval(lane%equation%model_t, lane%equation%state, &
+               interval_of(lane%equation) + 1)
             t_limit = min(t_end, interval_end(motion, interval_of(lane%equation)))
             if (t_limit - lane%hybrid%t > 16*epsilon(t_limit)*t_limit) then
                call load_line(lane, i, t_limit, team)
@@ -667,7 +672,7 @@ contains
 
       is_against = .false.
       if (.not. lane%equation%has_loading_direction) return
-      associate (direction => lane%equation%loading_direction)
+      associate (direction => lane%equation%state%signs%loading_direction)
          is_against = direction*team%y(i, 2) < 0 .or. (abs(team%y(i, 2)) <= 0 &
             .and. direction*team%k(i, 2, 1) < 0)
          if (lane%goal == no_event) is_against = is_against .or. direction*team%y_new(i, 2) < 0
@@ -828,7 +833,8 @@ contains
          lane%integrator%h = table(i, of_length)
          lane%recorder%theta_dot_max = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
-         if (event /= event_peak .or. equation%ends_at_peak) call apply_event(hybrid, equation, &
+         if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
+            equation, &
             lane%recorder, event, lane%error)
       end associate
       call enter_team(lane, i, motion, team)
@@ -843,7 +849,8 @@ contains
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
       if (.not. lane%equation%has_bilinear_springs) return
-      if (abs(level - merge(lane%equation%high, lane%equation%low, lane%goal == at_high)) <= 0) then
+      if (abs(level - merge(lane%equation%state%high, lane%equation%state%low, &
+         lane%goal == at_high)) <= 0) then
          event = event_branch
       end if
    end function event_at_level

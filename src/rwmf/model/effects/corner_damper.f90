@@ -6,7 +6,8 @@
 module rwmf_model_effects_corner_damper
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, corner_share, equation_t
+   use rwmf_model_equation, only: contribution_t, corner_share, discrete_state_t, equation_t, &
+      model_t
    use rwmf_problem_case, only: case_t, damper_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -56,11 +57,12 @@ contains
       damper%force => damper_force
    end subroutine prepare_damper
 
-   pure subroutine damper_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine damper_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = equation%damper_c*(2*equation%sin_alpha)**2
+      coef(1) = model%damper_c*(2*model%sin_alpha)**2
    end subroutine damper_coefficients
 
    !> Power that it takes [W/kg].
@@ -84,9 +86,9 @@ contains
       real(wp) :: stroke_rate
       !! [m/s]
 
-      half_angle = equation%side*y(1)/2
-      stroke_rate = 2*equation%p%R*equation%sin_alpha*cos(half_angle)*equation%side*y(2)
-      force = force - equation%damper_c*stroke_rate*[equation%side*sin(half_angle), &
+      half_angle = equation%state%side*y(1)/2
+      stroke_rate = 2*equation%p%R*equation%sin_alpha*cos(half_angle)*equation%state%side*y(2)
+      force = force - equation%damper_c*stroke_rate*[equation%state%side*sin(half_angle), &
          cos(half_angle)]
    end subroutine damper_force
 

@@ -7,7 +7,8 @@
 module rwmf_model_effects_corner_inerter
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, corner_share, equation_t
+   use rwmf_model_equation, only: contribution_t, corner_share, discrete_state_t, equation_t, &
+      model_t
    use rwmf_problem_case, only: case_t, inerter_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -57,11 +58,12 @@ contains
       inerter%force => inerter_force
    end subroutine prepare_inerter
 
-   pure subroutine inerter_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine inerter_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = equation%inertance*(2*equation%sin_alpha)**2
+      coef(1) = model%inertance*(2*model%sin_alpha)**2
    end subroutine inerter_coefficients
 
    !> Kinetic energy of the inerter [J/kg].
@@ -84,10 +86,10 @@ contains
       real(wp) :: stroke_ddot
       !! [m/s2]
 
-      half_angle = equation%side*y(1)/2
-      stroke_ddot = 2*equation%p%R*equation%sin_alpha*(cos(half_angle)*equation%side*y_ddot &
+      half_angle = equation%state%side*y(1)/2
+      stroke_ddot = 2*equation%p%R*equation%sin_alpha*(cos(half_angle)*equation%state%side*y_ddot &
          - sin(half_angle)*y(2)**2/2)
-      force = force - equation%inertance*stroke_ddot*[equation%side*sin(half_angle), &
+      force = force - equation%inertance*stroke_ddot*[equation%state%side*sin(half_angle), &
          cos(half_angle)]
    end subroutine inerter_force
 

@@ -2,7 +2,7 @@
 module rwmf_model_effects_fuse
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, equation_t, place_left
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, place_left
    use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force, fuses_power
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -76,15 +76,16 @@ contains
    end subroutine prepare_fuse
 
    !> Of the fuse whose corner lifts; those come last, left and right.
-   pure subroutine fuse_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine fuse_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
       integer :: n
 
-      n = size(equation%springs)
-      if (equation%side == place_left) n = n - 1
-      coef = 2*equation%sin_alpha*[equation%springs(n)%offset/equation%p%R, &
-         4*equation%sin_alpha*equation%springs(n)%slope]
+      n = size(model%springs)
+      if (state%side == place_left) n = n - 1
+      coef = 2*model%sin_alpha*[state%springs(n)%offset/model%p%R, &
+         4*model%sin_alpha*state%springs(n)%slope]
    end subroutine fuse_coefficients
 
    pure subroutine add_branch_event(case, names)

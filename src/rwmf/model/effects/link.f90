@@ -2,7 +2,7 @@
 module rwmf_model_effects_link
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, equation_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, model_t
    use rwmf_model_kinematics, only: link_row
    use rwmf_model_lanes, only: link_coefficients
    use rwmf_problem_case, only: case_t, link_t
@@ -71,11 +71,12 @@ contains
       link%coefficients => coefficients_of_link
    end subroutine prepare_link
 
-   pure subroutine coefficients_of_link(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine coefficients_of_link(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef = reshape(link_row(equation%geometry, equation%side), [link_coefficients])
+      coef = reshape(link_row(model%geometry, state%side), [link_coefficients])
    end subroutine coefficients_of_link
 
    pure logical function has_link(case)

@@ -5,8 +5,8 @@
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: constants_of, contribution_t, equation_t, frame_mass, &
-      frame_motion
+   use rwmf_model_equation, only: constants_of, contribution_t, discrete_state_t, equation_t, &
+      frame_mass, frame_motion, model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -152,15 +152,16 @@ contains
    end subroutine prepare_storeys
 
    !> As the loops read them.
-   pure subroutine p_delta_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine p_delta_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
       real(wp), allocatable :: constants(:)
 
-      constants = constants_of(equation, 'p_delta')
-      associate (n => equation%floors%n)
+      constants = constants_of(model, 'p_delta')
+      associate (n => model%floors%n)
          if (n > 0) then
-            coef = [equation%p%R, constants(:n), 1/equation%floors%m(:n - 1)]
+            coef = [model%p%R, constants(:n), 1/model%floors%m(:n - 1)]
          else
             coef = constants(:1)
          end if
@@ -227,9 +228,9 @@ contains
       !! [m/s]
 
       if (equation%floors%n > 0) then
-         call storey_motion(equation, y, d, rate)
+         call storey_motion(equation, equation%state%side, y, d, rate)
       else
-         call frame_motion(equation, y, d(1), rate(1))
+         call frame_motion(equation, equation%state%side, y, d(1), rate(1))
       end if
    end subroutine displacements
 

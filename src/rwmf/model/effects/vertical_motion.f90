@@ -5,7 +5,8 @@
 module rwmf_model_effects_vertical_motion
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, equation_t, kinematics_at, vertical_ground
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, kinematics_at, &
+      model_t, vertical_ground
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
@@ -107,11 +108,12 @@ contains
       vertical%coefficients => vertical_coefficients
    end subroutine prepare_vertical
 
-   pure subroutine vertical_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine vertical_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = 1/equation%p%R
+      coef(1) = 1/model%p%R
    end subroutine vertical_coefficients
 
    !> Power that it puts in while the wall's centroid rises [W/kg].
@@ -124,7 +126,7 @@ contains
       type(kinematics_t) :: kin
 
       kin = kinematics_at(equation, y(1))
-      power = -vertical_ground(equation, t)*equation%p%R*kin%s*equation%side*y(2)
+      power = -vertical_ground(equation, t)*equation%p%R*kin%s*equation%state%side*y(2)
    end function vertical_power
 
    !> Lowest vertical acceleration of all times, at most zero [m/s2].

@@ -3,7 +3,8 @@ module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_equation, only: contribution_t, equation_t, frame_mass
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
+      model_t
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_power, bouc_wen_sizes, &
       prepare_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, yielding_energy, yielding_power
@@ -246,12 +247,13 @@ contains
       end if
    end subroutine prepare_yielding
 
-   pure subroutine bouc_wen_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine bouc_wen_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      associate (law => equation%hysteresis, R => equation%p%R)
-         coef = [frame_mass(equation)*law%force_at_z1/R, R/law%u_y, law%lost, law%exponent]
+      associate (law => model%hysteresis, R => model%p%R)
+         coef = [frame_mass(model)*law%force_at_z1/R, R/law%u_y, state%signs%lost, law%exponent]
       end associate
    end subroutine bouc_wen_coefficients
 

@@ -13,7 +13,7 @@ module rwmf_model_hysteresis_bilinear
    implicit none
    private
 
-   public :: spring_t, new_spring, reset_spring
+   public :: spring_t, branch_t, new_spring, new_branch
    public :: spring_force, spring_tangent, spring_plastic, spring_energy, spring_power
    public :: spring_limits, pass_limit, turn_spring, is_yielding, is_broken
 
@@ -23,7 +23,7 @@ module rwmf_model_hysteresis_bilinear
    integer, parameter :: slack = 2
    integer, parameter :: broken = 3
 
-   !> Parameters and memory; units are those of the one who uses it.
+   !> Parameters; units are those of the one who uses it.
    type :: spring_t
       private
       real(wp) :: stiffness = 1
@@ -38,10 +38,18 @@ module rwmf_model_hysteresis_bilinear
       !! elongation at which it breaks
       logical :: is_tendon = .false.
       !! bears tension only
-      integer :: branch = elastic
-      real(wp) :: plastic = 0
-      !! plastic elongation p when the branch began
    end type spring_t
+
+   !> Branch that is in force.
+   type :: branch_t
+      integer, private :: kind = elastic
+      real(wp), private :: plastic = 0
+      !! plastic elongation p when it began
+      real(wp) :: offset = 0
+      !! force at the elongation zero: a branch is a straight line
+      real(wp) :: slope = 0
+      !! and its derivative
+   end type branch_t
 
 contains
 
@@ -69,34 +77,44 @@ contains
       if (present(rupture)) spring%rupture = rupture
    end function new_spring
 
-   !> Forget what has happened.
-   elemental subroutine reset_spring(spring)
-      type(spring_t), intent(inout) :: spring
+   !> Branch of a spring to which nothing has happened yet.
+   elemental type(branch_t) function new_branch(spring) result(branch)
+      type(spring_t), intent(in) :: spring
 
-      spring%branch = elastic
-      spring%plastic = 0
-   end subroutine reset_spring
+      call draw_line(spring, branch)
+   end function new_branch
+
+   !> Straight line of the branch that is in force.
+   elemental subroutine draw_line(spring, branch)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
+
+      branch%offset = spring_force(spring, branch, 0.0_wp)
+      branch%slope = spring_tangent(spring, branch)
+   end subroutine draw_line
 
    !> Force at the elongation x.
-   elemental real(wp) function spring_force(spring, x) result(force)
+   elemental real(wp) function spring_force(spring, branch, x) result(force)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x
 
-      select case (spring%branch)
+      select case (branch%kind)
       case (elastic)
-         force = spring%force_0 + spring%stiffness*(x - spring%plastic)
+         force = spring%force_0 + spring%stiffness*(x - branch%plastic)
       case (yields_up, yields_down)
-         force = spring%branch*spring%yield + spring%modulus*spring_plastic(spring, x)
+         force = branch%kind*spring%yield + spring%modulus*spring_plastic(spring, branch, x)
       case default
          force = 0
       end select
    end function spring_force
 
    !> Its derivative by x.
-   elemental real(wp) function spring_tangent(spring) result(tangent)
+   elemental real(wp) function spring_tangent(spring, branch) result(tangent)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
 
-      select case (spring%branch)
+      select case (branch%kind)
       case (elastic)
          tangent = spring%stiffness
       case (yields_up, yields_down)
@@ -107,27 +125,29 @@ contains
    end function spring_tangent
 
    !> Plastic elongation at the elongation x: that part of it that unloading would leave.
-   elemental real(wp) function spring_plastic(spring, x) result(plastic)
+   elemental real(wp) function spring_plastic(spring, branch, x) result(plastic)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x
 
-      plastic = spring%plastic
-      if (.not. is_yielding(spring)) return
-      plastic = (spring%force_0 + spring%stiffness*x - spring%branch*spring%yield) &
+      plastic = branch%plastic
+      if (.not. is_yielding(branch)) return
+      plastic = (spring%force_0 + spring%stiffness*x - branch%kind*spring%yield) &
          /(spring%stiffness + spring%modulus)
    end function spring_plastic
 
    !> Stored energy beyond that at x = 0 before any yielding: elastic part and hardening.
-   elemental real(wp) function spring_energy(spring, x) result(energy)
+   elemental real(wp) function spring_energy(spring, branch, x) result(energy)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x
       real(wp) :: plastic
       real(wp) :: elastic_part
       !! of the elongation
 
-      plastic = spring_plastic(spring, x)
+      plastic = spring_plastic(spring, branch, x)
       elastic_part = x - plastic
-      if (spring%branch == slack .or. spring%branch == broken) then
+      if (branch%kind == slack .or. branch%kind == broken) then
          elastic_part = -spring%force_0/spring%stiffness
       end if
       energy = elastic_part*(spring%force_0 + spring%stiffness*elastic_part/2) &
@@ -135,13 +155,14 @@ contains
    end function spring_energy
 
    !> Power that plastic flow takes when x changes at the rate x_dot.
-   elemental real(wp) function spring_power(spring, x_dot) result(power)
+   elemental real(wp) function spring_power(spring, branch, x_dot) result(power)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x_dot
 
       power = 0
-      if (.not. is_yielding(spring)) return
-      power = spring%branch*spring%yield*x_dot*spring%stiffness &
+      if (.not. is_yielding(branch)) return
+      power = branch%kind*spring%yield*x_dot*spring%stiffness &
          /(spring%stiffness + spring%modulus)
    end function spring_power
 
@@ -149,8 +170,9 @@ contains
    !>
    !> Yielding that begins within round-off of a turn would go on while the spring unloads: going
    !> back beyond the elongation at which it began ends it as well.
-   pure subroutine spring_limits(spring, low, high)
+   pure subroutine spring_limits(spring, branch, low, high)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       real(wp), intent(out) :: low
       !! -huge: none
       real(wp), intent(out) :: high
@@ -158,88 +180,93 @@ contains
 
       low = -huge(low)
       high = huge(high)
-      select case (spring%branch)
+      select case (branch%kind)
       case (elastic)
-         high = min(first_yield(spring, +1), spring%rupture)
+         high = min(first_yield(spring, branch, +1), spring%rupture)
          if (spring%is_tendon) then
-            low = spring%plastic - spring%force_0/spring%stiffness
+            low = branch%plastic - spring%force_0/spring%stiffness
          else
-            low = first_yield(spring, -1)
+            low = first_yield(spring, branch, -1)
          end if
       case (yields_up)
-         low = first_yield(spring, +1)
+         low = first_yield(spring, branch, +1)
          high = spring%rupture
       case (yields_down)
-         high = first_yield(spring, -1)
+         high = first_yield(spring, branch, -1)
       case (slack)
-         high = spring%plastic - spring%force_0/spring%stiffness
+         high = branch%plastic - spring%force_0/spring%stiffness
       case default
          ! broken for good
       end select
    end subroutine spring_limits
 
    !> Elongation at which an elastic spring begins to yield in one direction.
-   pure real(wp) function first_yield(spring, direction) result(x)
+   pure real(wp) function first_yield(spring, branch, direction) result(x)
       type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       integer, intent(in) :: direction
       !! +1 or -1
 
       x = direction*huge(x)
       if (spring%yield >= huge(x)) return
-      x = spring%plastic + (direction*spring%yield + spring%modulus*spring%plastic &
+      x = branch%plastic + (direction*spring%yield + spring%modulus*branch%plastic &
          - spring%force_0)/spring%stiffness
    end function first_yield
 
    !> The elongation passes a limit of the branch.
-   pure subroutine pass_limit(spring, is_rising)
-      type(spring_t), intent(inout) :: spring
+   pure subroutine pass_limit(spring, branch, is_rising)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
       logical, intent(in) :: is_rising
       !! the elongation grows
       real(wp) :: x
       !! where it happens
 
-      select case (spring%branch)
+      select case (branch%kind)
       case (elastic)
-         x = min(first_yield(spring, +1), spring%rupture)
+         x = min(first_yield(spring, branch, +1), spring%rupture)
          if (is_rising) then
-            spring%branch = merge(broken, yields_up, x >= spring%rupture)
+            branch%kind = merge(broken, yields_up, x >= spring%rupture)
          else
-            spring%branch = merge(slack, yields_down, spring%is_tendon)
+            branch%kind = merge(slack, yields_down, spring%is_tendon)
          end if
       case (yields_up)
          if (is_rising) then
-            spring%plastic = spring_plastic(spring, spring%rupture)
-            spring%branch = broken
+            branch%plastic = spring_plastic(spring, branch, spring%rupture)
+            branch%kind = broken
          else
-            spring%branch = elastic
+            branch%kind = elastic
          end if
       case (yields_down, slack)
-         spring%branch = elastic
+         branch%kind = elastic
       case default
          ! no limits
       end select
+      call draw_line(spring, branch)
    end subroutine pass_limit
 
    !> The motion turns back at the elongation x: what yielded unloads elastically.
-   pure subroutine turn_spring(spring, x)
-      type(spring_t), intent(inout) :: spring
+   pure subroutine turn_spring(spring, branch, x)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
       real(wp), intent(in) :: x
 
-      if (.not. is_yielding(spring)) return
-      spring%plastic = spring_plastic(spring, x)
-      spring%branch = elastic
+      if (.not. is_yielding(branch)) return
+      branch%plastic = spring_plastic(spring, branch, x)
+      branch%kind = elastic
+      call draw_line(spring, branch)
    end subroutine turn_spring
 
-   elemental logical function is_yielding(spring)
-      type(spring_t), intent(in) :: spring
+   elemental logical function is_yielding(branch)
+      type(branch_t), intent(in) :: branch
 
-      is_yielding = abs(spring%branch) == yields_up
+      is_yielding = abs(branch%kind) == yields_up
    end function is_yielding
 
-   pure logical function is_broken(spring)
-      type(spring_t), intent(in) :: spring
+   pure logical function is_broken(branch)
+      type(branch_t), intent(in) :: branch
 
-      is_broken = spring%branch == broken
+      is_broken = branch%kind == broken
    end function is_broken
 
 end module rwmf_model_hysteresis_bilinear

@@ -11,8 +11,8 @@
 !> natural number).
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_travel, &
-      frame_velocity, hysteresis_t, renew_coefficients
+   use rwmf_model_equation, only: discrete_state_t, equation_t, frame_displacement, frame_mass, &
+      frame_travel, frame_velocity, hysteresis_t, model_t, motion_signs_t, renew_coefficients
    use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
@@ -35,9 +35,9 @@ contains
       equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
          equation%p%omega_squared)
       equation%hysteresis%place = equation%scene%n + 1
-      equation%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
+      equation%state%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
       equation%has_loading_direction = .true.
-      equation%ends_at_peak = .true.
+      equation%state%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
 
    !> Bring a frame that has not moved yet to an initial displacement, as if it had grown from zero.
@@ -48,8 +48,8 @@ contains
       !! (states)
 
       associate (law => equation%hysteresis)
-         y(law%place) = virgin_displacement(frame_displacement(equation, y(1))/law%u_y, &
-            law%exponent)
+         y(law%place) = virgin_displacement(frame_displacement(equation, equation%state%side, &
+            y(1))/law%u_y, law%exponent)
       end associate
    end subroutine load_bouc_wen
 
@@ -72,49 +72,52 @@ contains
       law%factors = nint(law%exponent)
    end function new_hysteresis
 
-   !> A piece of motion begins on the course in force: what follows from the signs of u' and z.
-   pure subroutine follow_loading_direction(equation, z)
-      type(equation_t), intent(inout) :: equation
-      real(wp), intent(in) :: z
-      !! [-]
+   !> A piece of motion begins in the loading direction in force: what follows from the signs of u'
+   !> and z.
+   pure subroutine follow_loading_direction(model, state, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      real(wp), intent(in) :: y(:)
+      !! (states)
 
-      call follow_signs(equation%hysteresis, equation%loading_direction, z)
-      call renew_coefficients(equation)
+      call follow_signs(model%hysteresis, y(model%hysteresis%place), state%signs)
+      call renew_coefficients(model, state)
    end subroutine follow_loading_direction
 
    !> What follows from them for one law.
-   pure subroutine follow_signs(law, loading_direction, z)
-      type(hysteresis_t), intent(inout) :: law
-      integer, intent(in) :: loading_direction
-      !! sign of u'
+   pure subroutine follow_signs(law, z, signs)
+      type(hysteresis_t), intent(in) :: law
       real(wp), intent(in) :: z
       !! [-]
+      type(motion_signs_t), intent(inout) :: signs
+      !! with the loading direction
 
-      law%sense = loading_direction
-      law%lost = 1
-      if (loading_direction*z < 0) then
-         law%sense = -loading_direction
-         law%lost = 1 - 2*law%beta
+      signs%sense = signs%loading_direction
+      signs%lost = 1
+      if (signs%loading_direction*z < 0) then
+         signs%sense = -signs%loading_direction
+         signs%lost = 1 - 2*law%beta
       end if
-      if (modulo(law%factors, 2) == 1) law%lost = law%sense*law%lost
+      if (modulo(law%factors, 2) == 1) signs%lost = signs%sense*signs%lost
    end subroutine follow_signs
 
    !> Does |z| fall in the piece of motion in force, so that z may pass zero?
    pure logical function will_pass_zero(equation)
       type(equation_t), intent(in) :: equation
 
-      will_pass_zero = equation%hysteresis%sense /= equation%loading_direction
+      will_pass_zero = equation%state%signs%sense /= equation%state%signs%loading_direction
    end function will_pass_zero
 
    !> Part of the velocity that does not go into plastic flow [-].
-   elemental real(wp) function kept_part(law, z)
+   elemental real(wp) function kept_part(law, signs, z)
       type(hysteresis_t), intent(in) :: law
+      type(motion_signs_t), intent(in) :: signs
       real(wp), intent(in) :: z
       !! [-]
       real(wp) :: power(1)
 
       call raise_state(law%factors, [law%exponent], [z], power)
-      kept_part = 1 - law%lost*power(1)
+      kept_part = 1 - signs%lost*power(1)
    end function kept_part
 
    !> z is below 1, and u/u_y while the frame is elastic.
@@ -133,8 +136,8 @@ contains
       real(wp), intent(in) :: y(:)
 
       associate (law => equation%hysteresis)
-         power = frame_mass(equation)*law%force_at_z1*y(law%place)*frame_velocity(equation, y) &
-            *(1 - kept_part(law, y(law%place)))
+         power = frame_mass(equation)*law%force_at_z1*y(law%place)*frame_velocity(equation, &
+            equation%state%side, y)*(1 - kept_part(law, equation%state%signs, y(law%place)))
       end associate
    end function bouc_wen_power
 
@@ -145,7 +148,8 @@ contains
 
       associate (law => equation%hysteresis)
          energy = frame_mass(equation)*equation%p%omega_s**2*(1 - law%hardening)/2 &
-            *((law%u_y*y(law%place))**2 - frame_displacement(equation, y(1))**2)
+            *((law%u_y*y(law%place))**2 - frame_displacement(equation, equation%state%side, &
+            y(1))**2)
       end associate
    end function bouc_wen_energy
 
@@ -156,7 +160,7 @@ contains
       !! (states)
 
       associate (law => equation%hysteresis)
-         residual = (1 - law%hardening)*(frame_displacement(equation, y(1)) &
+         residual = (1 - law%hardening)*(frame_displacement(equation, equation%state%side, y(1)) &
             - law%u_y*y(law%place))
       end associate
    end function bouc_wen_residual
@@ -167,7 +171,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      force = equation%p%omega_s**2*(frame_displacement(equation, y(1)) &
+      force = equation%p%omega_s**2*(frame_displacement(equation, equation%state%side, y(1)) &
          - bouc_wen_residual(equation, y))
    end function bouc_wen_force
 

@@ -7,17 +7,16 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_cable, only: cable_elongation
-   use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_velocity, &
-      place_frame, place_left, place_right, renew_coefficients, sprung_t
+   use rwmf_model_equation, only: discrete_state_t, equation_t, frame_displacement, frame_mass, &
+      frame_velocity, model_t, place_frame, place_left, place_right, renew_coefficients, sprung_t
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: is_broken, is_yielding, new_spring, pass_limit, &
-      reset_spring, spring_energy, spring_force, spring_limits, spring_plastic, spring_power, &
-      spring_t, spring_tangent, turn_spring
+   use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, is_yielding, new_branch, &
+      new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_plastic, &
+      spring_power, spring_t, turn_spring
    use rwmf_problem_case, only: case_t, yielding_t
    implicit none
    private
 
-   public :: follow_branches
    public :: is_elastic_plastic, choose_springs
    public :: fuses_power, fuses_energy, fuses_force, yielding_power, yielding_energy
    public :: tendon_power
@@ -33,25 +32,18 @@ module rwmf_model_hysteresis_spring_set
 contains
 
    !> Straight lines of the branches that are in force; to be called when one has changed.
-   subroutine follow_branches(equation)
-      type(equation_t), intent(inout) :: equation
+   subroutine follow_branches(model, state)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
 
-      if (.not. equation%has_bilinear_springs) return
-      associate (springs => equation%springs)
-         springs%offset = spring_force(springs%spring, 0.0_wp)
-         springs%slope = spring_tangent(springs%spring)
-         if (any(springs%place == place_frame)) then
-            equation%frame_offset = sum(springs%offset, springs%place == place_frame)
-            equation%frame_slope = sum(springs%slope, springs%place == place_frame)
+      if (.not. model%has_bilinear_springs) return
+      associate (of_frame => model%springs%place == place_frame)
+         if (any(of_frame)) then
+            state%frame_offset = sum(state%springs%offset, of_frame)
+            state%frame_slope = sum(state%springs%slope, of_frame)
          end if
       end associate
-      associate (cable => equation%cable)
-         if (cable%is_tendon .and. .not. cable%is_straight) then
-            cable%line_0 = spring_force(cable%tendon, 0.0_wp)
-            cable%line_rate = spring_tangent(cable%tendon)*cable%b
-         end if
-      end associate
-      call renew_coefficients(equation)
+      call renew_coefficients(model, state)
    end subroutine follow_branches
 
    !> The springs that a case calls for.
@@ -86,7 +78,7 @@ contains
       end if
       equation%has_bilinear_springs = .true.
       equation%angle_limit = case%model%overturning_angle
-      call follow_branches(equation)
+      call reset_springs(equation%model_t, equation%state)
    end subroutine choose_springs
 
    !> Spring of the frame, or one for each of its storeys where a straight line links them to the
@@ -149,11 +141,11 @@ contains
 
    !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
    !> hinged wall always, and stands for both.
-   pure logical function moves(equation, place)
-      type(equation_t), intent(in) :: equation
+   pure logical function moves(place, side)
       integer, intent(in) :: place
+      integer, intent(in) :: side
 
-      moves = place == place_frame .or. place == equation%side
+      moves = place == place_frame .or. place == side
    end function moves
 
    !> Power that the fuses dissipate by yielding [W/kg].
@@ -165,9 +157,10 @@ contains
 
       power = 0
       do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
-            if (place == equation%side) power = power + spring_power(spring, 2*equation%p%R &
-               *equation%sin_alpha*cos(y(1)/2)*equation%side*y(2))
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
+                    branch => equation%state%springs(i))
+            if (place == equation%state%side) power = power + spring_power(spring, branch, &
+               2*equation%p%R*equation%sin_alpha*cos(y(1)/2)*equation%state%side*y(2))
          end associate
       end do
    end function fuses_power
@@ -179,8 +172,8 @@ contains
       real(wp), intent(in) :: y(:)
 
       associate (springs => equation%springs)
-         power = frame_mass(equation)*sum(spring_power(springs%spring, &
-            frame_velocity(equation, y)), springs%place == place_frame)
+         power = frame_mass(equation)*sum(spring_power(springs%spring, equation%state%springs, &
+            frame_velocity(equation, equation%state%side, y)), springs%place == place_frame)
       end associate
    end function yielding_power
 
@@ -193,11 +186,13 @@ contains
 
       energy = 0
       do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
+                    branch => equation%state%springs(i))
             if (place == place_frame) cycle
             x = 0
-            if (moves(equation, place)) x = elongation_of(equation, i, equation%side*y(1))
-            energy = energy + spring_energy(spring, x)
+            if (moves(place, equation%state%side)) x = elongation_of(equation, &
+               equation%state%side, i, equation%state%side*y(1))
+            energy = energy + spring_energy(spring, branch, x)
          end associate
       end do
    end function fuses_energy
@@ -210,11 +205,12 @@ contains
       integer :: i
 
       energy = 0
-      x = frame_displacement(equation, y(1))
+      x = frame_displacement(equation, equation%state%side, y(1))
       do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
+                    branch => equation%state%springs(i))
             if (place == place_frame) energy = energy + frame_mass(equation)*(spring_energy( &
-               spring, x) - equation%parts(i)*(equation%p%omega_s*x)**2/2)
+               spring, branch, x) - equation%parts(i)*(equation%p%omega_s*x)**2/2)
          end associate
       end do
    end function yielding_energy
@@ -231,15 +227,17 @@ contains
       !! of the chord from the vertical, as well [rad]
       integer :: i
 
-      half_angle = equation%side*y(1)/2
+      half_angle = equation%state%side*y(1)/2
       do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place)
+         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
+                    branch => equation%state%springs(i))
             if (place == place_frame) cycle
-            if (moves(equation, place)) then
-               force = force - spring_force(spring, elongation_of(equation, i, 2*half_angle)) &
-                  *[equation%side*sin(half_angle), cos(half_angle)]
+            if (moves(place, equation%state%side)) then
+               force = force - spring_force(spring, branch, elongation_of(equation, &
+                  equation%state%side, i, 2*half_angle))*[equation%state%side*sin(half_angle), &
+                  cos(half_angle)]
             else
-               force(2) = force(2) - spring_force(spring, 0.0_wp)
+               force(2) = force(2) - branch%offset
             end if
          end associate
       end do
@@ -253,81 +251,87 @@ contains
       real(wp) :: x
       real(wp) :: arm
 
-      call cable_elongation(equation%cable, equation%side*y(1), x, arm)
-      power = equation%p%g*spring_power(equation%cable%tendon, arm*equation%side*y(2))
+      call cable_elongation(equation%cable, equation%state%side*y(1), x, arm)
+      power = equation%p%g*spring_power(equation%cable%tendon, equation%state%tendon, &
+         arm*equation%state%side*y(2))
    end function tendon_power
 
    !> All springs as they were before anything happened.
-   subroutine reset_springs(equation)
-      type(equation_t), intent(inout) :: equation
+   subroutine reset_springs(model, state)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
 
-      if (.not. equation%has_bilinear_springs) return
-      call reset_spring(equation%cable%tendon)
-      call reset_spring(equation%springs%spring)
-      call follow_branches(equation)
+      if (.not. model%has_bilinear_springs) return
+      state%tendon = new_branch(model%cable%tendon)
+      state%springs = new_branch(model%springs%spring)
+      call follow_branches(model, state)
    end subroutine reset_springs
 
    !> Bring springs that have not moved yet to an initial rotation, as if it had grown from zero.
-   subroutine load_to(equation, theta)
-      type(equation_t), intent(inout) :: equation
+   subroutine load_to(model, state, theta)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
 
       do
-         call renew_window(equation)
-         if (theta > equation%high) then
-            call pass_window(equation, is_rising=.true.)
-         else if (theta < equation%low) then
-            call pass_window(equation, is_rising=.false.)
+         call renew_window(model, state)
+         if (theta > state%high) then
+            call pass_window(model, state, is_rising=.true.)
+         else if (theta < state%low) then
+            call pass_window(model, state, is_rising=.false.)
          else
             exit
          end if
       end do
       ! What has yielded on the way may unload from here on.
-      call turn_back(equation, theta)
-      call renew_window(equation)
+      call turn_back(model, state, theta)
+      call renew_window(model, state)
    end subroutine load_to
 
    !> Find the rotations between which the branches in force hold, and their lines.
-   subroutine renew_window(equation)
-      type(equation_t), intent(inout) :: equation
+   subroutine renew_window(model, state)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       integer :: i
 
-      call follow_branches(equation)
-      equation%low = -huge(1.0_wp)
-      equation%high = huge(1.0_wp)
-      equation%ends_at_peak = equation%has_loading_direction
-      if (equation%cable%is_tendon) call narrow_window(equation, 0)
-      do i = 1, size(equation%springs)
-         if (moves(equation, equation%springs(i)%place)) call narrow_window(equation, i)
+      call follow_branches(model, state)
+      state%low = -huge(1.0_wp)
+      state%high = huge(1.0_wp)
+      state%ends_at_peak = model%has_loading_direction
+      if (model%cable%is_tendon) call narrow_window(model, state, 0, model%cable%tendon, &
+         state%tendon)
+      do i = 1, size(model%springs)
+         if (moves(model%springs(i)%place, state%side)) call narrow_window(model, state, &
+            i, model%springs(i)%spring, state%springs(i))
       end do
    end subroutine renew_window
 
    !> Narrow the window to that of one spring.
-   subroutine narrow_window(equation, number)
-      type(equation_t), intent(inout) :: equation
+   subroutine narrow_window(model, state, number, spring, branch)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
-      type(spring_t) :: spring
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
       real(wp) :: x(2)
       !! limits of the elongation [m]
       real(wp) :: theta(2)
 
-      if (number == 0) then
-         spring = equation%cable%tendon
-      else
-         spring = equation%springs(number)%spring
-      end if
-      if (is_yielding(spring)) equation%ends_at_peak = .true.
-      call spring_limits(spring, x(1), x(2))
-      theta = [rotation_at(equation, number, x(1)), rotation_at(equation, number, x(2))]
-      equation%low = max(equation%low, minval(theta))
-      equation%high = min(equation%high, maxval(theta))
+      if (is_yielding(branch)) state%ends_at_peak = .true.
+      call spring_limits(spring, branch, x(1), x(2))
+      theta = [rotation_at(model, state%side, number, x(1)), &
+         rotation_at(model, state%side, number, x(2))]
+      state%low = max(state%low, minval(theta))
+      state%high = min(state%high, maxval(theta))
    end subroutine narrow_window
 
    !> Elongation of a spring at a rotation of the side in force [m].
-   real(wp) function elongation_of(equation, number, phi) result(x)
-      class(equation_t), intent(in) :: equation
+   real(wp) function elongation_of(model, side, number, phi) result(x)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
       real(wp), intent(in) :: phi
@@ -335,18 +339,20 @@ contains
       real(wp) :: arm
 
       if (number == 0) then
-         call cable_elongation(equation%cable, phi, x, arm)
-      else if (equation%springs(number)%place == place_frame) then
-         x = frame_displacement(equation, equation%side*phi)
+         call cable_elongation(model%cable, phi, x, arm)
+      else if (model%springs(number)%place == place_frame) then
+         x = frame_displacement(model, side, side*phi)
       else
-         x = 4*equation%p%R*equation%sin_alpha*sin(phi/2)
+         x = 4*model%p%R*model%sin_alpha*sin(phi/2)
       end if
    end function elongation_of
 
    !> Rotation (bare frame: displacement) at which a spring has the elongation x inside the range up
    !> to overturning, where all elongations are monotone; else +-huge.
-   real(wp) function rotation_at(equation, number, x) result(theta)
-      type(equation_t), intent(in) :: equation
+   real(wp) function rotation_at(model, side, number, x) result(theta)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
       real(wp), intent(in) :: x
@@ -358,28 +364,31 @@ contains
       !! +1 if the elongation grows with |theta|
 
       theta = x
-      if (.not. equation%has_wall .and. number > 0) return
-      bracket = bracket_between(merge(0.0_wp, -equation%angle_limit, equation%has_impacts), &
-         equation%angle_limit)
-      at_ends = [elongation_of(equation, number, bracket%low), &
-         elongation_of(equation, number, bracket%high)]
+      if (.not. model%has_wall .and. number > 0) return
+      bracket = bracket_between(merge(0.0_wp, -model%angle_limit, model%has_impacts), &
+         model%angle_limit)
+      at_ends = [elongation_of(model, side, number, bracket%low), &
+         elongation_of(model, side, number, bracket%high)]
       direction = merge(1, -1, at_ends(2) > at_ends(1))
-      theta = direction*equation%side*huge(x)
+      theta = direction*side*huge(x)
       if (x >= maxval(at_ends)) return
       theta = -theta
       if (x <= minval(at_ends)) return
-      theta = equation%side*angle_of(equation, number, x)
+      theta = side*angle_of(model, side, number, x)
       if (abs(theta) < huge(x)) return
       do while (bracket%is_open)
-         call narrow(bracket, direction*(elongation_of(equation, number, bracket%middle) - x) >= 0)
+         call narrow(bracket, direction*(elongation_of(model, side, number, bracket%middle) &
+            - x) >= 0)
       end do
-      theta = equation%side*bracket%high
+      theta = side*bracket%high
    end function rotation_at
 
    !> |theta| at which a spring has an elongation that it comes to, where a formula says so; else
    !> the largest number. A straight cable and the far end of a tilted link have none.
-   pure real(wp) function angle_of(equation, number, x) result(angle)
-      type(equation_t), intent(in) :: equation
+   pure real(wp) function angle_of(model, side, number, x) result(angle)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
       real(wp), intent(in) :: x
@@ -390,22 +399,22 @@ contains
       !! of alpha - phi
 
       angle = huge(angle)
-      associate (R => equation%p%R, shape => equation%geometry)
+      associate (R => model%p%R, shape => model%geometry)
          if (number == 0) then
-            if (.not. equation%cable%is_straight) angle = x/equation%cable%b
-         else if (equation%springs(number)%place /= place_frame) then
-            angle = 2*asin(x/(4*R*equation%sin_alpha))
+            if (.not. model%cable%is_straight) angle = x/model%cable%b
+         else if (model%springs(number)%place /= place_frame) then
+            angle = 2*asin(x/(4*R*model%sin_alpha))
          else if (.not. shape%link > 0) then
-            away = equation%side*x/(2*R)
-            if (shape%sine_link(equation%side) > 0) then
+            away = side*x/(2*R)
+            if (shape%sine_link(side) > 0) then
                ! as a difference of sines that keeps all digits of a small rotation
-               associate (s => equation%sin_alpha, c => equation%cos_alpha)
+               associate (s => model%sin_alpha, c => model%cos_alpha)
                   cosine = sqrt(c**2 + away*(2*s - away))
                   angle = atan2(s*(away*(2*s - away)/(cosine + c)) + c*away, c*cosine &
                      + s*(s - away))
                end associate
             else
-               angle = asin(away/equation%cos_alpha)
+               angle = asin(away/model%cos_alpha)
             end if
          end if
       end associate
@@ -413,68 +422,74 @@ contains
 
    !> The rotation has come to a limit of the window: the springs whose limit it is go over to their
    !> next branch.
-   subroutine pass_window(equation, is_rising)
-      type(equation_t), intent(inout) :: equation
+   subroutine pass_window(model, state, is_rising)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       logical, intent(in) :: is_rising
       !! theta grows
       real(wp) :: limit
       integer :: number
 
-      limit = merge(equation%high, equation%low, is_rising)
-      do number = 0, size(equation%springs)
+      limit = merge(state%high, state%low, is_rising)
+      do number = 0, size(model%springs)
          if (number == 0) then
-            if (equation%cable%is_tendon) call pass_one(equation, number, limit, is_rising, &
-               equation%cable%tendon)
-         else if (moves(equation, equation%springs(number)%place)) then
-            call pass_one(equation, number, limit, is_rising, equation%springs(number)%spring)
+            if (model%cable%is_tendon) call pass_one(model, state%side, number, limit, is_rising, &
+               model%cable%tendon, state%tendon)
+         else if (moves(model%springs(number)%place, state%side)) then
+            call pass_one(model, state%side, number, limit, is_rising, &
+               model%springs(number)%spring, state%springs(number))
          end if
       end do
-      call renew_window(equation)
+      call renew_window(model, state)
    end subroutine pass_window
 
    !> Let one spring pass its limit if it has it there.
-   subroutine pass_one(equation, number, limit, is_rising, spring)
-      type(equation_t), intent(in) :: equation
+   subroutine pass_one(model, side, number, limit, is_rising, spring, branch)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       integer, intent(in) :: number
       real(wp), intent(in) :: limit
       !! [rad] or [m]
       logical, intent(in) :: is_rising
       !! theta grows
-      type(spring_t), intent(inout) :: spring
-      type(spring_t) :: before
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
       real(wp) :: x(2)
       logical :: grows
       !! the elongation does
 
-      before = spring
-      call spring_limits(before, x(1), x(2))
-      grows = is_rising .eqv. equation%side > 0
+      call spring_limits(spring, branch, x(1), x(2))
+      grows = is_rising .eqv. side > 0
       if (number > 0) then
-         if (equation%springs(number)%place == place_frame) grows = is_rising
+         if (model%springs(number)%place == place_frame) grows = is_rising
       end if
-      if (abs(rotation_at(equation, number, merge(x(2), x(1), grows)) - limit) <= 0) then
-         call pass_limit(spring, grows)
+      if (abs(rotation_at(model, side, number, merge(x(2), x(1), grows)) - limit) <= 0) then
+         call pass_limit(spring, branch, grows)
       end if
    end subroutine pass_one
 
    !> The motion turns back, or hits the base, at a rotation: what yielded unloads.
-   subroutine turn_back(equation, theta)
-      type(equation_t), intent(inout) :: equation
+   subroutine turn_back(model, state, theta)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       real(wp) :: phi
       integer :: i
 
-      if (.not. equation%has_bilinear_springs) return
-      phi = equation%side*theta
-      if (equation%cable%is_tendon) then
-         call turn_spring(equation%cable%tendon, elongation_of(equation, 0, phi))
+      if (.not. model%has_bilinear_springs) return
+      phi = state%side*theta
+      if (model%cable%is_tendon) then
+         call turn_spring(model%cable%tendon, state%tendon, &
+            elongation_of(model, state%side, 0, phi))
       end if
-      do i = 1, size(equation%springs)
-         if (.not. moves(equation, equation%springs(i)%place)) cycle
-         call turn_spring(equation%springs(i)%spring, elongation_of(equation, i, phi))
+      do i = 1, size(model%springs)
+         if (.not. moves(model%springs(i)%place, state%side)) cycle
+         call turn_spring(model%springs(i)%spring, state%springs(i), &
+            elongation_of(model, state%side, i, phi))
       end do
-      call follow_branches(equation)
+      call follow_branches(model, state)
    end subroutine turn_back
 
    !> Columns of the history: forces of the frame, all its springs together, and of the fuses.
@@ -514,10 +529,11 @@ contains
 
       do i = 1, size(forces)
          x = 0
-         if (moves(equation, equation%springs(i)%place)) then
-            x = elongation_of(equation, i, equation%side*theta)
+         if (moves(equation%springs(i)%place, equation%state%side)) then
+            x = elongation_of(equation, equation%state%side, i, equation%state%side*theta)
          end if
-         forces(i) = spring_force(equation%springs(i)%spring, x)/equation%p%g
+         forces(i) = spring_force(equation%springs(i)%spring, equation%state%springs(i), x) &
+            /equation%p%g
       end do
       ! under a hinged wall the right fuse, which comes last, mirrors the left one
       i = size(forces)
@@ -543,7 +559,7 @@ contains
    pure logical function tendon_is_broken(equation)
       type(equation_t), intent(in) :: equation
 
-      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%cable%tendon)
+      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%state%tendon)
    end function tendon_is_broken
 
    !> What the tendon has lost of its force at theta = 0, over m_w g [-].
@@ -551,11 +567,12 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! present rotation [rad]
-      type(spring_t) :: tendon
+      type(branch_t) :: unloaded
 
-      tendon = equation%cable%tendon
-      call turn_spring(tendon, elongation_of(equation, 0, equation%side*theta))
-      loss = equation%cable%eta_0 - max(0.0_wp, spring_force(tendon, 0.0_wp))
+      unloaded = equation%state%tendon
+      call turn_spring(equation%cable%tendon, unloaded, elongation_of(equation, &
+         equation%state%side, 0, equation%state%side*theta))
+      loss = equation%cable%eta_0 - max(0.0_wp, unloaded%offset)
    end function prestress_loss
 
    !> Displacement of the frame that elastic unloading to no force would leave [m].
@@ -591,8 +608,9 @@ contains
       !! (springs of the frame)
       integer :: i
 
-      residuals = pack([(spring_plastic(equation%springs(i)%spring, elongation_of(equation, i, &
-         equation%side*theta)), i=1, size(equation%springs))], &
+      residuals = pack([(spring_plastic(equation%springs(i)%spring, equation%state%springs(i), &
+         elongation_of(equation, equation%state%side, i, equation%state%side*theta)), i=1, &
+         size(equation%springs))], &
          equation%springs%place == place_frame)
    end function frame_residuals
 

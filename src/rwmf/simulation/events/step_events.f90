@@ -73,11 +73,12 @@ contains
          if (is_quiet .and. equation%has_wall) then
             is_quiet = abs(b(1)) < hybrid%overturning_angle
             if (hybrid%mode == mode_rocking) then
-               is_quiet = is_quiet .and. equation%side*a(1) > 0 .and. equation%side*b(1) > 0
+               is_quiet = is_quiet .and. equation%state%side*a(1) > 0 &
+                  .and. equation%state%side*b(1) > 0
             end if
          end if
          if (is_quiet .and. equation%has_bilinear_springs) then
-            is_quiet = b(1) < equation%high .and. b(1) > equation%low
+            is_quiet = b(1) < equation%state%high .and. b(1) > equation%state%low
          end if
          if (is_quiet .and. equation%has_loading_direction) is_quiet = .not. passes_zero( &
             equation, b)
@@ -142,7 +143,7 @@ contains
       call observe_state(recorder, span%equation, t_peak, y_peak)
       call observe_event(recorder, event_peak, t_peak, y_peak)
       if (is_plain) return
-      if (span%equation%ends_at_peak) then
+      if (span%equation%state%ends_at_peak) then
          event = event_peak
       else
          call search_piece(hybrid, from(span, t_peak, y_peak), event, error)
@@ -156,19 +157,19 @@ contains
       type(step_view_t), intent(in) :: span
       real(wp) :: low, high, turn
 
-      associate (equation => span%equation)
+      associate (equation => span%equation, state => span%equation%state)
          is_inside = .false.
-         if (equation%ends_at_peak .or. equation%has_loading_direction) return
+         if (state%ends_at_peak .or. equation%has_loading_direction) return
          ! from an end of the window only the turn tells whether the motion leaves it
-         if (span%y_a(1) <= equation%low .or. span%y_a(1) >= equation%high) return
+         if (span%y_a(1) <= state%low .or. span%y_a(1) >= state%high) return
          low = -huge(low)
          high = huge(high)
          if (equation%has_wall) high = hybrid%overturning_angle
          if (equation%has_wall) low = -high
-         if (hybrid%mode == mode_rocking .and. equation%side > 0) low = 0
-         if (hybrid%mode == mode_rocking .and. equation%side < 0) high = 0
+         if (hybrid%mode == mode_rocking .and. state%side > 0) low = 0
+         if (hybrid%mode == mode_rocking .and. state%side < 0) high = 0
          turn = farthest_turn(span)
-         is_inside = turn < min(high, equation%high) .and. turn > max(low, equation%low)
+         is_inside = turn < min(high, state%high) .and. turn > max(low, state%low)
       end associate
    end function turns_inside
 
@@ -220,9 +221,10 @@ contains
 
       associate (equation => span%equation, v_b => span%y_b(2))
          v_a = span%y_a(2)
-         if (abs(v_a) <= 0 .and. equation%has_loading_direction) v_a = equation%loading_direction
+         if (abs(v_a) <= 0 .and. equation%has_loading_direction) v_a = &
+            equation%state%signs%loading_direction
          if (abs(v_a) <= 0 .and. abs(span%y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
-            v_a = equation%side
+            v_a = equation%state%side
          end if
          has_peak = (v_a > 0 .and. v_b <= 0) .or. (v_a < 0 .and. v_b >= 0)
       end associate
@@ -261,7 +263,7 @@ contains
             call find_event_time(until(piece, t_b, y_b), place, 0.0_wp, hybrid%t, hybrid%y, error)
             if (allocated(error)) return
             if (t_b - hybrid%t <= 8*spacing(t_b) .or. (event == event_impact &
-                .and. equation%side*hybrid%y(1) <= 0)) then
+                .and. equation%state%side*hybrid%y(1) <= 0)) then
                hybrid%t = t_b
                hybrid%y(:) = y_b
                return
@@ -279,7 +281,7 @@ contains
       !! (states)
 
       passes_zero = will_pass_zero(equation) &
-         .and. equation%loading_direction*y(equation%hysteresis%place) > 0
+         .and. equation%state%signs%loading_direction*y(equation%hysteresis%place) > 0
    end function passes_zero
 
    !> A monotone piece: does the flight end in it, or does a spring enter another branch?
@@ -299,7 +301,7 @@ contains
             if (leaves_window(hybrid, equation, theta_a, theta_b, level)) event = event_branch
          end if
          if (event == 0) then
-            if (hybrid%mode == mode_rocking .and. equation%side*theta_b < 0) then
+            if (hybrid%mode == mode_rocking .and. equation%state%side*theta_b < 0) then
                event = event_impact
             else if (equation%has_wall .and. abs(theta_b) >= hybrid%overturning_angle) then
                event = event_overturned
@@ -329,14 +331,14 @@ contains
 
       level = 0
       if (theta_b > theta_a) then
-         leaves = theta_b > equation%high
-         if (leaves) level = max(equation%high, theta_a)
+         leaves = theta_b > equation%state%high
+         if (leaves) level = max(equation%state%high, theta_a)
       else
-         leaves = theta_b < equation%low
-         if (leaves) level = min(equation%low, theta_a)
+         leaves = theta_b < equation%state%low
+         if (leaves) level = min(equation%state%low, theta_a)
       end if
       if (.not. leaves) return
-      if (hybrid%mode == mode_rocking) leaves = equation%side*level >= 0
+      if (hybrid%mode == mode_rocking) leaves = equation%state%side*level >= 0
       if (equation%has_wall) leaves = leaves .and. abs(level) < hybrid%overturning_angle
       if (.not. leaves) level = 0
    end function leaves_window

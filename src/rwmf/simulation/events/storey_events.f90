@@ -6,10 +6,10 @@ module rwmf_simulation_events_storey_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
-   use rwmf_model_assembly, only: equation_t
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
       turn_storey
+   use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_steady, may_reverse, &
       sample_state, step_view_t
@@ -101,16 +101,16 @@ contains
 
       is_quiet = .true.
       associate (equation => step%equation)
-         call storey_motion(equation, step%y_a, d(:, 1), rate(:, 1))
-         call storey_motion(equation, step%y_b, d(:, 2), rate(:, 2))
+         call storey_motion(equation, equation%state%side, step%y_a, d(:, 1), rate(:, 1))
+         call storey_motion(equation, equation%state%side, step%y_b, d(:, 2), rate(:, 2))
          z = hysteretic_states(equation, step%y_b)
          do i = 1, size(z)
-            loading_direction = loading_direction_of(equation, i)
-            if (stands_still(equation, i)) then
+            loading_direction = loading_direction_of(equation, equation%state, i)
+            if (stands_still(equation%state, i)) then
                is_quiet = abs(rate(i, 2)) <= 0
             else if (loading_direction /= 0) then
                is_quiet = is_steady(rate(i, 1), rate(i, 2)) .and. loading_direction*rate(i, 1) > 0 &
-                  .and. side_beyond_zero(equation, i)*z(i) <= 0
+                  .and. side_beyond_zero(equation%state, i)*z(i) <= 0
             else
                call branch_limits(equation, i, low, high)
                associate (reach => (step%t_b - step%t_a)*maxval(abs(rate(i, :))))
@@ -134,10 +134,10 @@ contains
 
       do i = 1, step%equation%floors%n
          span = span_of(step, i, a, b)
-         if (stands_still(step%equation, i)) then
+         if (stands_still(step%equation%state, i)) then
             ending = storey_end_t(merge(i, 0, abs(span%motion(of_rate, 2)) > 0), a%t, &
                turns=.true., is_rising=span%motion(of_rate, 2) > 0)
-         else if (loading_direction_of(step%equation, i) /= 0) then
+         else if (loading_direction_of(step%equation, step%equation%state, i) /= 0) then
             call search_turn(span, ending, error)
          else
             call search_limit(span, ending, error)
@@ -172,7 +172,8 @@ contains
       type(storey_span_t) :: part
       integer :: loading_direction
 
-      loading_direction = loading_direction_of(span%step%equation, span%storey)
+      loading_direction = loading_direction_of(span%step%equation, span%step%equation%state, &
+         span%storey)
       part = span
       if (loading_direction*span%motion(of_rate, 2) >= 0) then
          call end_at_slowest(part, error)
@@ -191,7 +192,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: side
 
-      side = side_beyond_zero(span%step%equation, span%storey)
+      side = side_beyond_zero(span%step%equation%state, span%storey)
       if (side*span%motion(of_z, 2) <= 0) return
       ending = storey_end_t(span%storey, span%t(1), passes_zero=.true.)
       if (side*span%motion(of_z, 1) >= 0) return
@@ -337,23 +338,25 @@ contains
       if (allocated(error)) return
       now%t = t
       allocate (now%motion(step%equation%floors%n, 3))
-      call storey_motion(step%equation, y, now%motion(:, of_drift), now%motion(:, of_rate))
+      call storey_motion(step%equation, step%equation%state%side, y, now%motion(:, of_drift), &
+         now%motion(:, of_rate))
       now%motion(:, of_z) = hysteretic_states(step%equation, y)
    end subroutine sample_storeys
 
    !> The storey whose branch has ended goes over to its next one.
-   subroutine end_branch(equation, ending, y)
-      type(equation_t), intent(inout) :: equation
+   subroutine end_branch(model, state, ending, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       type(storey_end_t), intent(in) :: ending
       real(wp), intent(inout) :: y(:)
       !! (states)
 
       if (ending%turns) then
-         call turn_storey(equation, ending%storey, ending%is_rising, y)
+         call turn_storey(model, state, ending%storey, ending%is_rising, y)
       else if (ending%passes_zero) then
-         call stop_at_zero(equation, ending%storey, y)
+         call stop_at_zero(model, ending%storey, y)
       else
-         call pass_storey_limit(equation, ending%storey, ending%is_rising)
+         call pass_storey_limit(model, state, ending%storey, ending%is_rising)
       end if
    end subroutine end_branch
 

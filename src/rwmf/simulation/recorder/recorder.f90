@@ -162,7 +162,7 @@ contains
       end if
       if (.not. equation%has_frame) return
       if (allocated(recorder%drifts)) call observe_drifts(recorder%drifts, equation, y)
-      u = abs(frame_displacement(equation, y(1)))
+      u = abs(frame_displacement(equation, equation%state%side, y(1)))
       if (u > recorder%u_max) then
          recorder%u_max = u
          recorder%t_u_max = t
@@ -302,7 +302,7 @@ contains
             call put(row, 'theta_ddot_rad_s2', y_ddot)
          end if
          if (equation%has_frame) then
-            call frame_motion(equation, y, u_s, u_s_dot)
+            call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
             call put(row, 'u_s_m', u_s)
             call put(row, 'u_s_dot_m_s', u_s_dot)
          end if

@@ -24,7 +24,7 @@ contains
       real(wp) :: d(size(largest))
       real(wp) :: d_dot(size(largest))
 
-      call storey_motion(equation, y, d, d_dot)
+      call storey_motion(equation, equation%state%side, y, d, d_dot)
       largest = max(largest, abs(d))
    end subroutine observe_drifts
 
@@ -61,8 +61,8 @@ contains
       type(step_view_t), intent(in) :: step
       real(wp), dimension(size(largest), 2) :: d, rate
 
-      call storey_motion(step%equation, step%y_a, d(:, 1), rate(:, 1))
-      call storey_motion(step%equation, step%y_b, d(:, 2), rate(:, 2))
+      call storey_motion(step%equation, step%equation%state%side, step%y_a, d(:, 1), rate(:, 1))
+      call storey_motion(step%equation, step%equation%state%side, step%y_b, d(:, 2), rate(:, 2))
       may_turn = any(rate(:, 1)*rate(:, 2) < 0 .and. maxval(abs(d), 2) &
          + (step%t_b - step%t_a)*maxval(abs(rate), 2) > largest)
       largest = max(largest, abs(d(:, 2)))

@@ -10,11 +10,11 @@
 !> and omega_s); a storey that yields is on one of the branches of `yielding_storeys`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_equation, only: equation_t, floors_t, frame_mass, frame_motion, frame_travel, &
-      frame_velocity, ground
+   use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, frame_mass, &
+      frame_motion, frame_travel, frame_velocity, ground, model_t
    use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: spring_energy
+   use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy
    use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
@@ -59,42 +59,43 @@ contains
       equation%floors%k = frame%k*pace**2/unit
       equation%floor_mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
-      equation%floors%slope = equation%floors%k
+      allocate (equation%state%storeys(n))
+      equation%state%storeys%slope = equation%floors%k
       equation%max_frequency = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
-      equation%frame_slope = 0
+      equation%state%frame_slope = 0
       equation%p%xi_s = 0
       equation%p%two_xi_omega = 0
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine set_storeys
 
    !> Coefficients of the loop of all modes, as `add_floors` reads them.
-   pure subroutine storey_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine storey_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
       integer :: i
 
-      associate (floors => equation%floors, n => equation%floors%n)
-         coef(:n + 1) = [equation%p%R, floors%slope]
-         coef(n + 2:2*n + 1) = 0
-         if (allocated(floors%offset)) coef(n + 2:2*n + 1) = floors%offset
+      associate (floors => model%floors, n => model%floors%n)
+         coef(:2*n + 1) = [model%p%R, state%storeys%slope, state%storeys%offset]
          coef(2*n + 2:3*n + 1) = 1/floors%m
          do i = 1, n
             coef(3*n + 2 + (i - 1)*n:3*n + 1 + i*n) = floors%c(i, :)
          end do
          if (.not. allocated(floors%laws)) return
-         coef(3*n + 2 + n**2:) = [floors%laws%force_at_z1, 1/floors%laws%u_y, floors%laws%lost, &
-            floors%laws%exponent]
+         coef(3*n + 2 + n**2:) = [floors%laws%force_at_z1, 1/floors%laws%u_y, &
+            state%storey_signs%lost, floors%laws%exponent]
       end associate
    end subroutine storey_coefficients
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
-   pure subroutine excited_mass_coefficients(equation, coef)
-      class(equation_t), intent(in) :: equation
+   pure subroutine excited_mass_coefficients(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = frame_mass(equation)*(equation%excited_mass_ratio - 1)
+      coef(1) = frame_mass(model)*(model%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
 
    !> Power of that push [W/kg].
@@ -104,7 +105,7 @@ contains
       real(wp), intent(in) :: y(:)
 
       power = -frame_mass(equation)*(equation%excited_mass_ratio - 1)*ground(equation, t) &
-         *frame_velocity(equation, y)
+         *frame_velocity(equation, equation%state%side, y)
    end function excited_mass_input
 
    !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
@@ -117,13 +118,15 @@ contains
       real(wp) :: u_roof
       real(wp) :: v_roof
 
-      call frame_motion(equation, y, u_roof, v_roof)
-      force = resistance_to(equation%floors, y, u_roof, v_roof)
+      call frame_motion(equation, equation%state%side, y, u_roof, v_roof)
+      force = resistance_to(equation%floors, equation%state%storeys, y, u_roof, v_roof)
    end function resistance
 
    !> The same for a motion of the roof that is known.
-   pure function resistance_to(floors, y, u_roof, v_roof) result(force)
+   pure function resistance_to(floors, branches, y, u_roof, v_roof) result(force)
       type(floors_t), intent(in) :: floors
+      type(branch_t), intent(in) :: branches(:)
+      !! (floors)
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_roof
@@ -137,11 +140,11 @@ contains
 
       associate (n => floors%n, first => floors%first)
          u = [0.0_wp, y(first:first + n - 2), u_roof]
-         shear = floors%slope*(u(1:) - u(:n - 1))
+         shear = branches%slope*(u(1:) - u(:n - 1))
          if (allocated(floors%laws)) then
             shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
          else if (floors%yields) then
-            shear = shear + floors%offset
+            shear = shear + branches%offset
          end if
          force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
          force(:n - 1) = force(:n - 1) - shear(2:)
@@ -185,7 +188,7 @@ contains
       integer :: n
 
       n = size(v)
-      call floor_motion(equation, y, u, v)
+      call floor_motion(equation, equation%state%side, y, u, v)
       call put(row, 'floor_{i}_m', u(1:n - 1))
       call put(row, 'storey_{i}_drift', (u(1:) - u(:n - 1))/equation%floors%height)
    end subroutine put_floors
@@ -212,7 +215,7 @@ contains
       real(wp) :: u(0:size(equation%floors%m))
       real(wp) :: v(size(equation%floors%m))
 
-      call floor_motion(equation, y, u, v)
+      call floor_motion(equation, equation%state%side, y, u, v)
       power = dot_product(v, matmul(equation%floors%c, v))
    end function storey_power
 
@@ -225,15 +228,16 @@ contains
       integer :: n
 
       n = size(v)
-      call floor_motion(equation, y, u, v)
+      call floor_motion(equation, equation%state%side, y, u, v)
       energy = (sum(equation%floors%m(:n - 1)*v(:n - 1)**2) - equation%floors%k(n)*u(n)**2)/2
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            energy = energy + sum(equation%floors%slope*(u(1:) - u(:n - 1))**2 &
+            energy = energy + sum(equation%state%storeys%slope*(u(1:) - u(:n - 1))**2 &
                + laws%force_at_z1*laws%u_y*y(laws%place)**2)/2
          end associate
       else if (equation%floors%yields) then
-         energy = energy + sum(spring_energy(equation%floors%springs, u(1:) - u(:n - 1)))
+         energy = energy + sum(spring_energy(equation%floors%springs, equation%state%storeys, &
+            u(1:) - u(:n - 1)))
       else
          energy = energy + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
       end if

@@ -6,11 +6,12 @@
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, floors_t, renew_coefficients
+   use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, model_t, &
+      renew_coefficients
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: is_yielding, new_spring, pass_limit, reset_spring, &
-      spring_force, spring_limits, spring_plastic, spring_power, spring_tangent, turn_spring
+   use rwmf_model_hysteresis_bilinear, only: is_yielding, new_branch, new_spring, pass_limit, &
+      spring_force, spring_limits, spring_plastic, spring_power, turn_spring
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs, kept_part, new_hysteresis
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
    use rwmf_problem_case, only: case_t
@@ -18,7 +19,6 @@ module rwmf_model_effects_storeys_yielding_storeys
    private
 
    public :: choose_storey_springs, storeys_plastic_power, start_storeys, settle_storeys
-   public :: follow_storeys
    public :: branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
    public :: put_shears, storey_residuals
@@ -32,17 +32,18 @@ contains
       type(equation_t), intent(inout) :: equation
       !! with its floors
 
-      associate (floors => equation%floors)
-         floors%yields = .true.
-         if (is_elastic_plastic(case%yielding)) then
+      equation%floors%yields = .true.
+      if (is_elastic_plastic(case%yielding)) then
+         associate (floors => equation%floors)
             floors%springs = new_spring(floors%k, floors%k*storey_strengths(case), &
                case%yielding%hardening)
-            allocate (floors%offset(floors%n))
-            call follow_storeys(equation)
-         else
-            call choose_laws(case, floors)
-         end if
-      end associate
+            equation%state%storeys = new_branch(floors%springs)
+         end associate
+      else
+         call choose_laws(case, equation%floors)
+         equation%state%storeys%slope = case%yielding%hardening*equation%floors%k
+         allocate (equation%state%storey_signs(equation%floors%n))
+      end if
    end subroutine choose_storey_springs
 
    !> Smooth hysteresis of each storey; the states of all stand behind the velocities of the floors.
@@ -58,71 +59,59 @@ contains
          floors%laws(i) = new_hysteresis(case%yielding, u_y(i), floors%k(i))
          floors%laws(i)%place = floors%first + 2*floors%below - 1 + i
       end do
-      floors%slope = case%yielding%hardening*floors%k
    end subroutine choose_laws
 
-   !> Straight lines of the branches that are in force; to be called when one has changed.
-   pure subroutine follow_storeys(equation)
-      type(equation_t), intent(inout) :: equation
-
-      equation%floors%slope = spring_tangent(equation%floors%springs)
-      equation%floors%offset = spring_force(equation%floors%springs, 0.0_wp)
-      call renew_coefficients(equation)
-   end subroutine follow_storeys
-
    !> Storeys that have not moved before, at an initial state: loaded once from zero and let go.
-   subroutine start_storeys(equation, y)
-      type(equation_t), intent(inout) :: equation
+   subroutine start_storeys(model, state, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(equation%floors%n)
-      real(wp) :: d_dot(equation%floors%n)
+      real(wp) :: d(model%floors%n)
+      real(wp) :: d_dot(model%floors%n)
       real(wp) :: low
       real(wp) :: high
       integer :: i
 
-      if (allocated(equation%floors%laws)) then
-         equation%floors%laws%loading_direction = 0
+      if (allocated(state%storey_signs)) then
+         state%storey_signs%loading_direction = 0
          return
       end if
-      call storey_motion(equation, y, d, d_dot)
-      do i = 1, equation%floors%n
-         associate (spring => equation%floors%springs(i))
-            call reset_spring(spring)
-            call spring_limits(spring, low, high)
-            if (d(i) < low .or. d(i) > high) call pass_limit(spring, d(i) > high)
-            call turn_spring(spring, d(i))
+      call storey_motion(model, state%side, y, d, d_dot)
+      do i = 1, model%floors%n
+         associate (spring => model%floors%springs(i), branch => state%storeys(i))
+            branch = new_branch(spring)
+            call spring_limits(spring, branch, low, high)
+            if (d(i) < low .or. d(i) > high) call pass_limit(spring, branch, d(i) > high)
+            call turn_spring(spring, branch, d(i))
          end associate
       end do
-      call follow_storeys(equation)
+      call renew_coefficients(model, state)
    end subroutine start_storeys
 
    !> Storeys that yield against their motion unload: an impact has turned it, or the state has come
    !> to a turn within round-off. Smooth ones take over the signs of their motion.
-   subroutine settle_storeys(equation, y)
-      type(equation_t), intent(inout) :: equation
+   subroutine settle_storeys(model, state, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(equation%floors%n)
-      real(wp) :: d_dot(equation%floors%n)
+      real(wp) :: d(model%floors%n)
+      real(wp) :: d_dot(model%floors%n)
       integer :: i
 
-      call storey_motion(equation, y, d, d_dot)
-      if (allocated(equation%floors%laws)) then
-         do i = 1, equation%floors%n
-            associate (law => equation%floors%laws(i))
-               if (abs(d_dot(i)) > 0) law%loading_direction = int(sign(1.0_wp, d_dot(i)))
-               call follow_signs(law, law%loading_direction, y(law%place))
+      call storey_motion(model, state%side, y, d, d_dot)
+      do i = 1, model%floors%n
+         if (allocated(state%storey_signs)) then
+            associate (law => model%floors%laws(i), signs => state%storey_signs(i))
+               if (abs(d_dot(i)) > 0) signs%loading_direction = int(sign(1.0_wp, d_dot(i)))
+               call follow_signs(law, y(law%place), signs)
             end associate
-         end do
-         call renew_coefficients(equation)
-         return
-      end if
-      do i = 1, equation%floors%n
-         if (loading_direction_of(equation, i)*d_dot(i) < 0) call &
-            turn_spring(equation%floors%springs(i), d(i))
+         else if (loading_direction_of(model, state, i)*d_dot(i) < 0) then
+            call turn_spring(model%floors%springs(i), state%storeys(i), d(i))
+         end if
       end do
-      call follow_storeys(equation)
+      call renew_coefficients(model, state)
    end subroutine settle_storeys
 
    !> Displacements between which the branch of a storey holds.
@@ -134,46 +123,45 @@ contains
       real(wp), intent(out) :: high
       !! [m]
 
-      call spring_limits(equation%floors%springs(storey), low, high)
+      call spring_limits(equation%floors%springs(storey), equation%state%storeys(storey), low, high)
    end subroutine branch_limits
 
    !> Sign that d_i' must keep on the branch in force, or in the piece of a smooth law; 0 on an
    !> elastic branch.
-   pure integer function loading_direction_of(equation, storey) result(loading_direction)
-      type(equation_t), intent(in) :: equation
+   pure integer function loading_direction_of(model, state, storey) result(loading_direction)
+      class(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
 
-      if (allocated(equation%floors%laws)) then
-         loading_direction = equation%floors%laws(storey)%loading_direction
-         return
-      end if
       loading_direction = 0
-      associate (spring => equation%floors%springs(storey))
-         if (is_yielding(spring)) loading_direction = int(sign(1.0_wp, spring_power(spring, &
-            1.0_wp)))
-      end associate
+      if (allocated(state%storey_signs)) then
+         loading_direction = state%storey_signs(storey)%loading_direction
+      else if (is_yielding(state%storeys(storey))) then
+         loading_direction = int(sign(1.0_wp, spring_power(model%floors%springs(storey), &
+            state%storeys(storey), 1.0_wp)))
+      end if
    end function loading_direction_of
 
-   !> Has a smooth storey not moved yet, so that it has no course?
-   pure logical function stands_still(equation, storey)
-      type(equation_t), intent(in) :: equation
+   !> Has a smooth storey not moved yet, so that it has no loading direction?
+   pure logical function stands_still(state, storey)
+      type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
 
       stands_still = .false.
-      if (allocated(equation%floors%laws)) stands_still = &
-         equation%floors%laws(storey)%loading_direction == 0
+      if (allocated(state%storey_signs)) stands_still = &
+         state%storey_signs(storey)%loading_direction == 0
    end function stands_still
 
    !> Sign of the hysteretic state of a smooth storey beyond zero, where it can pass zero in the
    !> piece in force; else 0.
-   pure integer function side_beyond_zero(equation, storey) result(side)
-      type(equation_t), intent(in) :: equation
+   pure integer function side_beyond_zero(state, storey) result(side)
+      type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
 
       side = 0
-      if (.not. allocated(equation%floors%laws)) return
-      associate (law => equation%floors%laws(storey))
-         if (law%sense /= law%loading_direction) side = law%loading_direction
+      if (.not. allocated(state%storey_signs)) return
+      associate (signs => state%storey_signs(storey))
+         if (signs%sense /= signs%loading_direction) side = signs%loading_direction
       end associate
    end function side_beyond_zero
 
@@ -189,44 +177,46 @@ contains
    end function hysteretic_states
 
    !> The hysteretic force of a smooth storey passes zero, to the last bit.
-   pure subroutine stop_at_zero(equation, storey, y)
-      type(equation_t), intent(in) :: equation
+   pure subroutine stop_at_zero(model, storey, y)
+      type(model_t), intent(in) :: model
       integer, intent(in) :: storey
       real(wp), intent(inout) :: y(:)
       !! (states)
 
-      y(equation%floors%laws(storey)%place) = 0
+      y(model%floors%laws(storey)%place) = 0
    end subroutine stop_at_zero
 
    !> A storey comes to a limit of its branch.
-   pure subroutine pass_storey_limit(equation, storey, is_rising)
-      type(equation_t), intent(inout) :: equation
+   pure subroutine pass_storey_limit(model, state, storey, is_rising)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: storey
       logical, intent(in) :: is_rising
       !! d_i grows
 
-      call pass_limit(equation%floors%springs(storey), is_rising)
-      call follow_storeys(equation)
+      call pass_limit(model%floors%springs(storey), state%storeys(storey), is_rising)
+      call renew_coefficients(model, state)
    end subroutine pass_storey_limit
 
    !> A storey turns back, or begins to move: what yielded unloads.
-   subroutine turn_storey(equation, storey, is_rising, y)
-      type(equation_t), intent(inout) :: equation
+   subroutine turn_storey(model, state, storey, is_rising, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: storey
       logical, intent(in) :: is_rising
       !! d_i grows from here on
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(equation%floors%n)
-      real(wp) :: d_dot(equation%floors%n)
+      real(wp) :: d(model%floors%n)
+      real(wp) :: d_dot(model%floors%n)
 
-      if (allocated(equation%floors%laws)) then
-         equation%floors%laws(storey)%loading_direction = merge(1, -1, is_rising)
+      if (allocated(state%storey_signs)) then
+         state%storey_signs(storey)%loading_direction = merge(1, -1, is_rising)
          return
       end if
-      call storey_motion(equation, y, d, d_dot)
-      call turn_spring(equation%floors%springs(storey), d(storey))
-      call follow_storeys(equation)
+      call storey_motion(model, state%side, y, d, d_dot)
+      call turn_spring(model%floors%springs(storey), state%storeys(storey), d(storey))
+      call renew_coefficients(model, state)
    end subroutine turn_storey
 
    !> Power that the storeys dissipate by yielding [W/kg].
@@ -237,13 +227,14 @@ contains
       real(wp) :: d(equation%floors%n)
       real(wp) :: d_dot(equation%floors%n)
 
-      call storey_motion(equation, y, d, d_dot)
+      call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            power = sum(laws%force_at_z1*y(laws%place)*d_dot*(1 - kept_part(laws, y(laws%place))))
+            power = sum(laws%force_at_z1*y(laws%place)*d_dot*(1 - kept_part(laws, &
+               equation%state%storey_signs, y(laws%place))))
          end associate
       else
-         power = sum(spring_power(equation%floors%springs, d_dot))
+         power = sum(spring_power(equation%floors%springs, equation%state%storeys, d_dot))
       end if
    end function storeys_plastic_power
 
@@ -259,13 +250,13 @@ contains
       real(wp) :: d(equation%floors%n)
       real(wp) :: d_dot(equation%floors%n)
 
-      call storey_motion(equation, y, d, d_dot)
+      call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            shears = equation%floors%slope*d + laws%force_at_z1*y(laws%place)
+            shears = equation%state%storeys%slope*d + laws%force_at_z1*y(laws%place)
          end associate
       else
-         shears = spring_force(equation%floors%springs, d)
+         shears = spring_force(equation%floors%springs, equation%state%storeys, d)
       end if
       shears = shears*(equation%floors%unit/equation%p%g)
       call put(row, 'storey_{i}_shear_over_m_w_g', shears)
@@ -280,13 +271,13 @@ contains
       real(wp) :: d(equation%floors%n)
       real(wp) :: d_dot(equation%floors%n)
 
-      call storey_motion(equation, y, d, d_dot)
+      call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
             residuals = (1 - laws%hardening)*(d - laws%u_y*y(laws%place))
          end associate
       else
-         residuals = spring_plastic(equation%floors%springs, d)
+         residuals = spring_plastic(equation%floors%springs, equation%state%storeys, d)
       end if
    end function storey_residuals
 
