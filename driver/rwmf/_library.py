@@ -170,15 +170,34 @@ class KernelCase:
         InputError, NumericalError
             When the case cannot be simulated.
         """
+        rows = split_table(self._ask(_kernel.inventory))
+        return {word: [name for name in names if name] for word, *names in rows}
+
+    def applicable(self) -> list[str]:
+        """List the keys of the quantities that a spectrum of the scene may be asked for.
+
+        Returns
+        -------
+        list of str
+            In the order of the kernel's table.
+
+        Raises
+        ------
+        InputError, NumericalError
+            When the case cannot be simulated.
+        """
+        return self._ask(_kernel.applicable).split("\t")
+
+    def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
+        """Fetch a text that the kernel may refuse."""
 
         def call(buffer: npt.NDArray[np.int8]) -> int:
             message = message_buffer()
-            length, status, n = _kernel.inventory(self.handle, buffer, message)
+            length, status, n = procedure(self.handle, buffer, message)
             raise_for(status, message, n)
             return length
 
-        rows = split_table(fetch_text(call))
-        return {word: [name for name in names if name] for word, *names in rows}
+        return fetch_text(call)
 
     def end_of_motion(self) -> float:
         """When the ground has come to rest, at the end of pulse or record; 0 without motion [s]."""
@@ -317,16 +336,17 @@ class Sweep(_Result):
         return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:
-        """T_s [s], gamma [-], b [m], u_s_max [m] and status, the last two (b, gamma, T_s)."""
-        shape = _kernel.spectrum_shape(self.handle)[:3]
+        """T_s [s], gamma [-], b [m], status (b, gamma, T_s), each quantity likewise by its key."""
+        shape = tuple(_kernel.spectrum_shape(self.handle)[:3])
+        keys = fetch_text(_kernel.spectrum_quantities, self.handle).split("\t")
         axes = [np.zeros(n) for n in shape]
         address = _kernel.spectrum_values(self.handle, *axes)
+        found = np.asarray(_Array(self.memory, address, (len(keys), *shape[::-1])))
         status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
-        return {
+        return dict(zip(keys, found, strict=True)) | {
             "T_s": axes[0],
             "gamma": axes[1],
             "b": axes[2],
-            "u_s_max": np.asarray(_Array(self.memory, address, shape[::-1])),
             "status": status.reshape(shape[::-1]),
         }
 

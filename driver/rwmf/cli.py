@@ -114,7 +114,8 @@ def _add_spectrum(subparsers: argparse._SubParsersAction[argparse.ArgumentParser
         subparsers,
         "spectrum",
         commands.spectrum,
-        "Compute the displacement spectrum that the case's &spectrum asks for.",
+        "Compute the spectrum that the case's &spectrum asks for: largest displacements of the "
+        "frame, or other quantities.",
         "inputs/fig12_one_cosine.nml --csv cosine.csv --plot cosine.png",
     )
     _add_case(parser)
@@ -122,6 +123,12 @@ def _add_spectrum(subparsers: argparse._SubParsersAction[argparse.ArgumentParser
     parser.add_argument("--plot", metavar="FILE", help="draw the spectrum (png, svg, pdf)")
     parser.add_argument(
         "--threads", metavar="N", type=_thread_count, default=0, help="threads (0: all)"
+    )
+    parser.add_argument(
+        "--quantity",
+        metavar="KEY",
+        nargs="+",
+        help="what each ordinate reports in place of &spectrum quantities (docs/outputs.md)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 

@@ -20,7 +20,8 @@ from rwmf import _library, figures, loops, records, simulation
 from rwmf.case import Case
 from rwmf.endings import ENDINGS
 from rwmf.errors import OutputError
-from rwmf.spectrum import count_ordinates
+from rwmf.quantities import keys_of
+from rwmf.spectrum import count_ordinates, with_grid
 from rwmf.spectrum import start as start_spectrum
 from rwmf.spectrum import to_dataset as spectrum_dataset
 
@@ -86,6 +87,7 @@ def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
 def spectrum(options: argparse.Namespace) -> int:
     """Compute a spectrum (``rwmf spectrum``)."""
     case = Case.from_namelist(options.case)
+    case = with_grid(case, quantities=options.quantity)
     _check_outputs(options.plot, options.csv)
     _check_plot(options.plot)
     with (
@@ -215,8 +217,8 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
     if "gamma" in dataset.dims:
         found["gamma"] = dataset["gamma"].values
         found["b_m"] = dataset["b"].values
-    found["u_s_max_m"] = dataset["u_s_max"].values
-    found["status"] = dataset["status"].values
+    for key, name in zip(keys_of(dataset.data_vars), dataset.data_vars, strict=True):
+        found[key] = dataset[name].values
     for key in ("seconds", "threads", "rhs_evaluations"):
         found[key] = dataset.attrs[key]
     return found
@@ -243,13 +245,17 @@ def _print_ordinates(dataset: xr.Dataset) -> None:
     """One line a period, one column a mass ratio and half width."""
     bare = "gamma" not in dataset.dims
     columns = dataset if bare else dataset.stack(column=("b", "gamma"))
-    heads = ["u_s_max_m"]
-    if not bare:
-        heads = [f"gamma={gamma:g},b={b:g}" for b, gamma in columns["column"].values]
-    print(" ".join([f"{'T_s_s':>9s}", *(f"{head:>20s}" for head in heads)]))
-    values = columns["u_s_max"].values.reshape(dataset.sizes["T_s"], -1)
-    for period, row in zip(dataset["T_s"].values, values, strict=True):
-        print(" ".join([f"{period:9.4f}", *(f"{value:20.9g}" for value in row)]))
+    names = [name for name in dataset.data_vars if name != "status"]
+    for key, name in zip(keys_of(names), names, strict=True):
+        heads = [key]
+        if not bare:
+            if len(names) > 1:
+                print(f"{key}:")
+            heads = [f"gamma={gamma:g},b={b:g}" for b, gamma in columns["column"].values]
+        print(" ".join([f"{'T_s_s':>9s}", *(f"{head:>20s}" for head in heads)]))
+        values = columns[name].values.reshape(dataset.sizes["T_s"], -1)
+        for period, row in zip(dataset["T_s"].values, values, strict=True):
+            print(" ".join([f"{period:9.4f}", *(f"{value:20.9g}" for value in row)]))
 
 
 def _print_json(value: dict[str, Any]) -> None:

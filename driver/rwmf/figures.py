@@ -157,7 +157,7 @@ def save_spectrum(
     bare: xr.Dataset | None = None,
     title: str = "",
 ) -> None:
-    """Draw a spectrum into a file.
+    """Draw a spectrum into a file, each of its quantities in a panel of its own.
 
     Parameters
     ----------
@@ -175,7 +175,10 @@ def save_spectrum(
     InputError, OutputError
         As `save`.
     """
-    with new_figure(6.4, 3.6) as figure:
-        ax = plot.spectrum(dataset, figure.subplots(), bare)
-        ax.set_title(title)
+    names = [str(name) for name in dataset.data_vars if name != "status"]
+    with new_figure(6.4, 3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
+        panels = plot.make_panels(figure.subplots(len(names)), len(names))
+        for ax, name in zip(panels, names, strict=True):
+            plot.spectrum(dataset, ax, bare, name)
+        panels[0].set_title(title)
         save(figure, path)

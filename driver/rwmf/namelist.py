@@ -13,7 +13,7 @@ from rwmf.errors import InputError
 
 __all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
 
-Value = bool | int | float | str | tuple[float, ...]
+Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
 _LINE_WIDTH = 100
 
@@ -132,9 +132,11 @@ def parse_value(kind: str, text: str) -> Value:
 
     Returns
     -------
-    bool, int, float, str or tuple of float
+    bool, int, float, str, tuple of float or tuple of str
         The typed value.
     """
+    if kind == "text list":
+        return tuple(text.split(", "))
     if kind.endswith("list"):
         return tuple(float(item) for item in text.replace(",", " ").split())
     if kind == "real":

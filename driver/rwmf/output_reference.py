@@ -37,6 +37,11 @@ _SECTIONS = {
     "history": "Columns of the history\n\n`CASE.history.csv`, with `&output dt`",
     "run": "Scalars of a run\n\n`rwmf run --json`, `CASE.summary.csv`",
     "spectrum": "Spectra\n\n`rwmf spectrum --json`, `CASE.spectrum.csv`",
+    "ordinate": "Ordinates of a spectrum\n\nWhat `&spectrum quantities`, `rwmf spectrum "
+    "--quantity`, `rwmf.spectrum(case, quantities=[...])`\nand `values` of a Fortran `spectrum_t` "
+    "report of each ordinate when asked: each as a number, 1 for\nyes, 0 for no, NaN for the time "
+    "of what did not happen. `&output` need not ask for it as well, only\n`friction_limit` has to "
+    "be given there. In Python it is a variable under its name, or under its key",
     "sweep": "Sweeps\n\nBeside the scalars of a run that were asked for",
     "cost": "Comparison of methods\n\n`rwmf cost --json`",
 }

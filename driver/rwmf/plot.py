@@ -29,6 +29,9 @@ _SYMBOLS = {
     "theta_ddot": r"$\ddot\theta$",
     "u_s": r"$u_s$",
     "u_s_dot": r"$\dot u_s$",
+    "u_s_max": r"$u_{s,\max}$",
+    "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
+    "theta_dot_max": r"$\dot\theta_{\max}$",
     "u_g_ddot": r"$\ddot u_g$",
     "cable_force_over_m_w_g": r"$P/(m_w g)$",
     "cable_force": r"$P$",
@@ -115,9 +118,13 @@ def history(
 
 
 def spectrum(
-    dataset: xr.Dataset, ax: Axes | None = None, bare: xr.Dataset | None = None, **line: object
+    dataset: xr.Dataset,
+    ax: Axes | None = None,
+    bare: xr.Dataset | None = None,
+    quantity: str = "u_s_max",
+    **line: object,
 ) -> Axes:
-    """Draw the largest displacement of the frame against its period.
+    """Draw the largest displacement of the frame, or another quantity, against its period.
 
     Parameters
     ----------
@@ -127,6 +134,8 @@ def spectrum(
         Where to draw; otherwise a new figure.
     bare : xarray.Dataset, optional
         Spectrum of the frame without wall, drawn dashed for comparison.
+    quantity : str
+        Variable of the dataset.
     **line
         Arguments of ``Axes.plot``.
 
@@ -134,7 +143,15 @@ def spectrum(
     -------
     matplotlib.axes.Axes
         The axes. Ordinates that overturned or collapsed are crosses; failed ones are gaps.
+
+    Raises
+    ------
+    ValueError
+        When the dataset has no such quantity.
     """
+    if quantity not in dataset:
+        names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
+        raise ValueError(f"{quantity}: is not in the spectrum, which has {names}")
     axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     shades = np.linspace(_DARKEST, _LIGHTEST, max(len(curves), 2))
@@ -144,23 +161,24 @@ def spectrum(
         colour = _viridis(float(shade))
         axes.plot(
             curve["T_s"],
-            curve["u_s_max"],
+            curve[quantity],
             **({"color": colour, "linewidth": width, "label": label or None} | line),
         )
         fallen = curve.isel(T_s=np.flatnonzero(np.isin(curve["status"].values, _FALLEN)))
-        axes.plot(fallen["T_s"], fallen["u_s_max"], "x", color=colour, markersize=4)
+        axes.plot(fallen["T_s"], fallen[quantity], "x", color=colour, markersize=4)
     if bare is not None:
         axes.plot(
             bare["T_s"],
-            bare["u_s_max"],
+            bare[quantity],
             color=_BARE_COLOUR,
             linestyle=(0, (4, 2)),
             label="frame alone",
             zorder=1,
         )
     axes.set_xlabel("$T_s$ (s)")
-    axes.set_ylabel(r"$u_{s,\max}$ (m)")
-    axes.set_ylim(bottom=0)
+    axes.set_ylabel(_axis_label(dataset[quantity]))
+    if not (dataset[quantity] < 0).any():
+        axes.set_ylim(bottom=0)
     axes.margins(x=0)
     if len(curves) > 1 or bare is not None:
         # beside the axes: it cannot hide data there

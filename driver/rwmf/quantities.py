@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass
 
 from rwmf import _library
 
-__all__ = ["AXES", "QUANTITIES", "Quantity", "find"]
+__all__ = ["AXES", "QUANTITIES", "Quantity", "find", "keys_of"]
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Quantity:
     found : str
         'row', 'peak', 'time', 'end', 'count', 'whether', 'before', 'axis', 'work' or 'error'.
     outputs : str
-        Words 'history', 'run', 'spectrum', 'sweep', 'cost': where it stands.
+        Words 'history', 'run', 'ordinate', 'spectrum', 'sweep', 'cost': where it stands.
     group : str
         Group of the case without which it is absent; '' for none.
     asked_by : str
@@ -49,6 +50,11 @@ class Quantity:
     meaning: str
 
     @property
+    def variable(self) -> str:
+        """Name of its variable where each has one: in spectra and sweeps."""
+        return self.name or self.key
+
+    @property
     def attributes(self) -> dict[str, str]:
         """Attributes of its variable."""
         return {"units": self.unit, "long_name": self.meaning}
@@ -57,6 +63,23 @@ class Quantity:
 QUANTITIES = {row[0]: Quantity(*row) for row in _library.quantities()}
 # dimensions of the grids of spectra and sweeps that the kernel loops over
 AXES = {"b": QUANTITIES["b_m"], "gamma": QUANTITIES["gamma"], "T_s": QUANTITIES["T_s_s"]}
+
+
+def keys_of(names: Iterable[str]) -> list[str]:
+    """Turn names of variables into keys; what is a key, or neither, stays.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Names in a dataset, or keys.
+
+    Returns
+    -------
+    list of str
+        In their order.
+    """
+    keys = {item.name: key for key, item in QUANTITIES.items() if "run" in item.outputs.split()}
+    return [keys.get(name, name) for name in names]
 
 
 def find(key: str) -> Quantity:

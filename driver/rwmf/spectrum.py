@@ -11,7 +11,7 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf.case import Case
-from rwmf.quantities import AXES, QUANTITIES
+from rwmf.quantities import AXES, find, keys_of
 
 __all__ = ["count_ordinates", "spectrum", "start", "to_dataset", "with_grid"]
 
@@ -26,8 +26,9 @@ def spectrum(
     b: Values | None = None,
     threads: int = 0,
     progress: Progress | None = None,
+    quantities: Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """Compute the largest displacement of the frame over frame periods.
+    """Compute the largest displacement of the frame, or more, over frame periods.
 
     Parameters
     ----------
@@ -43,21 +44,26 @@ def spectrum(
         Threads of the kernel, 0 for all. The result does not depend on it.
     progress : callable, optional
         Called about 20 times a second with the number of finished ordinates and of all.
+    quantities : sequence of str, optional
+        What is reported of each ordinate, by names or keys of docs/outputs.md; otherwise what
+        `&spectrum` asks for, which is ``u_s_max`` when it says nothing.
 
     Returns
     -------
     xarray.Dataset
-        ``u_s_max`` [m] and ``status`` over (b, gamma, T_s), for the bare frame over T_s. An
-        ordinate that failed is NaN, its status the name of the reason.
+        The quantities, ``u_s_max`` [m], and ``status`` over (b, gamma, T_s), for the bare frame
+        over T_s. An ordinate that failed is NaN, its status the name of the reason. Counts and yes
+        (1) or no (0) are numbers; what has not happened has no time, NaN.
 
     Raises
     ------
     InputError
-        When the case or the grid is not acceptable.
+        When the case, the grid or a quantity is not acceptable.
     Interrupted
         After Ctrl-C.
     """
-    with start(with_grid(case, T_s, gamma, b), threads, progress) as sweep:
+    case = with_grid(case, T_s, gamma, b, quantities)
+    with start(case, threads, progress) as sweep:
         return to_dataset(sweep)
 
 
@@ -66,8 +72,9 @@ def with_grid(
     T_s: Values | None = None,
     gamma: Values | None = None,
     b: Values | None = None,
+    quantities: Sequence[str] | None = None,
 ) -> Case:
-    """Return the case with another grid in its `&spectrum`.
+    """Return the case with another grid, or other quantities, in its `&spectrum`.
 
     Parameters
     ----------
@@ -75,6 +82,8 @@ def with_grid(
         The case.
     T_s, gamma, b : float or sequence of float, optional
         As in `spectrum`; None leaves what the case has.
+    quantities : sequence of str, optional
+        Likewise.
 
     Returns
     -------
@@ -86,7 +95,7 @@ def with_grid(
     InputError
         When the grid is not acceptable.
     """
-    grid: dict[str, list[float] | None] = {}
+    grid: dict[str, list[float] | list[str] | None] = {}
     if T_s is not None:
         # the list takes the place of the whole uniform grid
         grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))
@@ -95,6 +104,8 @@ def with_grid(
         grid["gamma"] = _floats(gamma)
     if b is not None:
         grid["b"] = _floats(b)
+    if quantities is not None:
+        grid["quantities"] = keys_of(quantities)
     return case.replace(spectrum=grid) if grid else case
 
 
@@ -165,14 +176,16 @@ def to_dataset(sweep: _library.Sweep) -> xr.Dataset:
     values = sweep.values()
     facts = sweep.facts()
     dims: tuple[str, ...] = ("b", "gamma", "T_s")
-    coordinates = {name: (name, values[name], item.attributes) for name, item in AXES.items()}
-    u_s_max, status = values["u_s_max"], values["status"]
+    coordinates = {name: (name, values.pop(name), item.attributes) for name, item in AXES.items()}
     if facts["bare"]:
-        dims, u_s_max, status = ("T_s",), u_s_max[0, 0], status[0, 0]
+        dims = ("T_s",)
+        values = {name: array[0, 0] for name, array in values.items()}
         coordinates = {"T_s": coordinates["T_s"]}
-    attributes = QUANTITIES["u_s_max_m"].attributes
+    status = values.pop("status")
+    found = {key: find(key) for key in values}
+    variables = {item.variable: (dims, values[key], item.attributes) for key, item in found.items()}
     return xr.Dataset(
-        {"u_s_max": (dims, u_s_max, attributes), "status": (dims, status)},
+        variables | {"status": (dims, status)},
         coords=coordinates,
         attrs={
             "version": _library.version(),

@@ -102,7 +102,8 @@ def test_outputs_that_cost_are_asked_for_by_their_names() -> None:
     for T_s in (0.7, 1.2):
         single = rwmf.simulate(case.replace(frame={"T_s": T_s}, output=asked))
         for name in wanted:
-            assert float(found[name].sel(T_s=T_s)) == float(single[name])
+            # in lanes, by another method than the run
+            assert float(found[name].sel(T_s=T_s)) == pytest.approx(float(single[name]), rel=1e-6)
     assert not any(name in rwmf.simulate(case) for name in wanted)
 
 

@@ -11,6 +11,8 @@ program test_lanes
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: ending_name, result_t
+   use rwmf_simulation_simulate, only: simulate
    use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    implicit none
@@ -144,8 +146,11 @@ contains
          //'1.0, 1.3, 1.7, 2.2 /'
       real(wp), parameter :: rtol = 1.0e-7_wp
       type(case_t) :: case
-      type(spectrum_t) :: lanes, threads, runs, alone
+      type(spectrum_t) :: lanes, threads, alone, accurate
+      type(case_t) :: single
+      type(result_t) :: run
       type(error_t), allocatable :: error
+      real(wp) :: u_s_max
       integer :: i
 
       call read_scene(text//' &solver t_end=4.0, rtol=1.0e-7 /'//periods, case)
@@ -153,14 +158,24 @@ contains
       call checks%no_error(error, name)
       call compute_spectrum(case, 2, threads, error)
       call checks%that(all(abs(lanes%u_s_max - threads%u_s_max) <= 0), 'bits of threads, '//name)
-      case%solver%method = 'dop853'
-      case%solver%rtol = 1.0e-12_wp
-      call compute_spectrum(case, 1, runs, error)
-      call checks%that(all(lanes%status == runs%status), 'status, '//name)
-      call checks%that(all(abs(lanes%u_s_max - runs%u_s_max) <= 10*rtol*runs%u_s_max), &
-         'single runs, '//name)
-      case%solver%method = 'auto'
-      case%solver%rtol = rtol
+      case%solver%accuracy = 1.0e-6_wp
+      call compute_spectrum(case, 1, accurate, error)
+      deallocate (case%solver%accuracy)
+      single = case
+      single%solver%method = 'dop853'
+      single%solver%rtol = 1.0e-12_wp
+      do i = 1, size(lanes%T_s)
+         single%frame%T_s = lanes%T_s(i)
+         call simulate(single, run, error)
+         call checks%no_error(error, name)
+         u_s_max = run%u_s_max
+         call checks%that(lanes%status(i, 1, 1) == ending_name(run), 'status, '//name)
+         call checks%that(accurate%status(i, 1, 1) == ending_name(run), 'accurate status, '//name)
+         call checks%close_to(lanes%u_s_max(i, 1, 1), u_s_max, 'single run, '//name, &
+            atol=10*rtol*u_s_max)
+         call checks%close_to(accurate%u_s_max(i, 1, 1), u_s_max, 'accuracy, '//name, &
+            atol=1.0e-6_wp*u_s_max)
+      end do
       do i = 1, size(lanes%T_s), 4
          case%spectrum%T_s = lanes%T_s(i:i)
          call compute_spectrum(case, 1, alone, error)

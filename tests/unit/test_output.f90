@@ -289,6 +289,8 @@ contains
 
       spectrum%T_s = [1.0_wp, 2.0_wp]
       allocate (spectrum%u_s_max(2, 2, 1), source=0.1_wp)
+      allocate (spectrum%values(2, 2, 1, 1), source=0.1_wp)
+      spectrum%quantities = [character(40) :: 'u_s_max_m']
       allocate (spectrum%status(2, 2, 1))
       spectrum%status = 'ok'
       spectrum%rhs_evaluations = 1

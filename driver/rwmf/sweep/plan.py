@@ -167,7 +167,7 @@ def make_plan(
     for quantity in wanted.values():
         if quantity.asked_by:
             base.setdefault("output", {})[quantity.asked_by] = True
-    size = chunk or (_CHUNK_RUNS if quantities == (DISPLACEMENT,) else _CHUNK_POINTS)
+    size = chunk or (_CHUNK_RUNS if any(name == "T_s" for name, _ in inner) else _CHUNK_POINTS)
     layout = _make_layout(case, compose(base), axes, inner, quantities, size)
     plan = Plan(layout, base, case.kernel_source(), tuple(axes), inner)
     plan.check()

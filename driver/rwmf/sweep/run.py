@@ -59,7 +59,7 @@ def sweep(
         NetCDF file to write. Finished chunks are kept beside it until it is complete: the same
         call continues where it was interrupted and gives the same bytes.
     quantities : sequence of str
-        What is kept of each run. Displacements alone come a whole grid a call and are faster.
+        What is kept of each run, a whole grid of T_s, gamma and b a call.
     threads : int
         Threads, 0 for all; not used with an executor. The result does not depend on it.
     executor : concurrent.futures.Executor, optional

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +15,7 @@ from rwmf.endings import ending_of
 from rwmf.errors import InputError, NumericalError
 from rwmf.namelist import compose
 from rwmf.sweep.axes import Entries
-from rwmf.sweep.quantities import DISPLACEMENT, QUANTITIES
+from rwmf.sweep.quantities import QUANTITIES
 
 __all__ = ["Chunk", "Task", "run_task"]
 
@@ -24,7 +25,7 @@ _PLACE = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b
 
 @dataclass(frozen=True)
 class Task:
-    """One call of the kernel, or one a point where more than displacements are asked for.
+    """One call of the kernel, or one a point where there is no frame.
 
     Attributes
     ----------
@@ -89,22 +90,43 @@ def run_task(task: Task, progress: Progress | None = None) -> Chunk:
     Chunk
         The results.
     """
-    if task.quantities == (DISPLACEMENT,) and any(name == "T_s" for name, _ in task.grid):
+    if any(name == "T_s" for name, _ in task.grid):
         return _run_grid(task, progress)
     return _run_points(task, progress)
 
 
 def _run_grid(task: Task, progress: Progress | None) -> Chunk:
     """Leave the whole chunk to the kernel."""
-    text = compose(task.entries | {"spectrum": dict(task.grid)})
+    keys = {name: QUANTITIES[name].key for name in task.quantities}
     try:
-        case = _library.read_case(text, task.source)
-        with _library.start_spectrum(case, task.source, task.threads, progress) as sweep:
-            found = sweep.values()
+        try:
+            found = _compute_grid(task, tuple(keys.values()), progress)
+        except InputError:
+            # a quantity whose effect is not in the scene has no value
+            allowed = _read_grid(task, ()).applicable()
+            found = _compute_grid(
+                task, tuple(key for key in keys.values() if key in allowed), progress
+            )
     except (InputError, NumericalError) as error:
         return _failed(task, _status_of(error))
-    status = found["status"].reshape(task.shape)
-    return Chunk(task.number, status, {DISPLACEMENT: found["u_s_max"].reshape(task.shape)})
+    missing = np.full(task.shape, np.nan)
+    values = {name: found.get(key, missing).reshape(task.shape) for name, key in keys.items()}
+    return Chunk(task.number, found["status"].reshape(task.shape), values)
+
+
+def _read_grid(task: Task, keys: tuple[str, ...]) -> _library.KernelCase:
+    grid: dict[str, object] = dict(task.grid)
+    if keys:
+        grid["quantities"] = keys
+    return _library.read_case(compose(task.entries | {"spectrum": grid}), task.source)
+
+
+def _compute_grid(
+    task: Task, keys: tuple[str, ...], progress: Progress | None
+) -> dict[str, npt.NDArray[Any]]:
+    case = _read_grid(task, keys)
+    with _library.start_spectrum(case, task.source, task.threads, progress) as sweep:
+        return sweep.values()
 
 
 def _run_points(task: Task, progress: Progress | None) -> Chunk:

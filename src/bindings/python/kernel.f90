@@ -23,11 +23,12 @@ module rwmf_bindings_python_kernel
    use rwmf_motion_ground_motion, only: motion_end, motion_from_case
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
-   use rwmf_output_summary, only: summarise, summary_item_t, summary_text
+   use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_simulation_quantities, only: quantities_text
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_simulation_simulate, only: run_simulation => simulate
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
+   use rwmf_spectrum_quantities, only: list_applicable
    use rwmf_spectrum_spectrum, only: compute_spectrum
    implicit none
    public
@@ -343,7 +344,7 @@ contains
    end subroutine spectrum_shape
 
    !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, and the address
-   !> of the displacements (n_T, n_gamma, n_b), T_s running fastest.
+   !> of the values (n_T, n_gamma, n_b, n_quantities), T_s running fastest.
    subroutine spectrum_values(sweep, T_s, gamma, b, address)
       integer(c_int64_t), intent(in) :: sweep
       real(c_double), intent(inout) :: T_s(:)
@@ -358,8 +359,39 @@ contains
       b = ieee_value(1.0_c_double, ieee_quiet_nan)
       if (allocated(kept%spectrum%gamma)) gamma = real(kept%spectrum%gamma, c_double)
       if (allocated(kept%spectrum%b)) b = real(kept%spectrum%b, c_double)
-      address = transfer(c_loc(kept%spectrum%u_s_max), address)
+      address = transfer(c_loc(kept%spectrum%values), address)
    end subroutine spectrum_values
+
+   !> Keys of the quantities in these values, separated by tabs.
+   subroutine spectrum_quantities(sweep, buffer, length)
+      integer(c_int64_t), intent(in) :: sweep
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      type(kept_t), pointer :: kept
+
+      kept => find(sweep)
+      call put_text(joined(kept%spectrum%quantities), buffer, length)
+   end subroutine spectrum_quantities
+
+   !> Keys of the quantities that a spectrum of the scene may be asked for, separated by
+   !> tabs.
+   subroutine applicable(handle, buffer, length, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+      character(40), allocatable :: keys(:)
+
+      length = 0_c_int
+      kept => find(handle)
+      call list_applicable(kept%case, motion_from_case(kept%case), keys, error)
+      if (.not. allocated(error)) call put_text(joined(keys), buffer, length)
+      call put_error(error, status, message, message_length)
+   end subroutine applicable
 
    !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
    subroutine spectrum_status(sweep, buffer, length)

@@ -207,7 +207,7 @@ contains
       real(dp) :: number
       integer :: i
 
-      if (key%type /= 'real list' .and. size(entry%values) > 1) then
+      if (index(key%type, 'list') == 0 .and. size(entry%values) > 1) then
          call fail_at_entry(group, entry, trim(key%key), 'must be one value: ' &
             //trim(requirement(key)), error)
          return

@@ -30,7 +30,7 @@ contains
       select case (key%type)
       case ('choice')
          if (is_quoted) ok = is_choice(trim(key%allowed), value)
-      case ('text')
+      case ('text', 'text list')
          ok = is_quoted .and. len_trim(value) > 0
       case ('logical')
          call parse_logical(value, truth, ok)
@@ -57,7 +57,7 @@ contains
 
       number = 0
       select case (key%type)
-      case ('choice', 'text')
+      case ('choice', 'text', 'text list')
          return
       case ('logical')
          call parse_logical(trim(key%default), truth, ok)
@@ -77,6 +77,8 @@ contains
          text = quoted_choices(trim(key%allowed))
       case ('text')
          text = 'a text in quotes'
+      case ('text list')
+         text = 'texts in quotes'
       case ('logical')
          text = '.true. or .false.'
       case ('integer')

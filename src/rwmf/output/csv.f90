@@ -55,15 +55,18 @@ contains
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
       type(atomic_file_t) :: file
+      character(:), allocatable :: names
+      integer :: i
 
       call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case, part)
-      if (allocated(spectrum%gamma)) then
-         call write_line(file, 'b_m,gamma,T_s_s,u_s_max_m,status')
-      else
-         call write_line(file, 'T_s_s,u_s_max_m,status')
-      end if
+      names = 'T_s_s,'
+      if (allocated(spectrum%gamma)) names = 'b_m,gamma,T_s_s,'
+      do i = 1, size(spectrum%quantities)
+         names = names//trim(spectrum%quantities(i))//','
+      end do
+      call write_line(file, names//'status')
       call write_ordinates(file, spectrum)
       call finish(file, error)
       if (.not. allocated(error)) call publish(file, error)
@@ -159,7 +162,7 @@ contains
             end if
             do i = 1, size(spectrum%T_s)
                call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
-                  spectrum%u_s_max(i, j, k)]))//','//trim(spectrum%status(i, j, k)))
+                  spectrum%values(i, j, k, :)]))//','//trim(spectrum%status(i, j, k)))
             end do
          end do
       end do

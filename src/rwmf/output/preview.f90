@@ -4,10 +4,12 @@ module rwmf_output_preview
    use rwmf_model_effects_list, only: all_effects
    use rwmf_output_summary, only: joined, list_absent_effects, list_effects, summarise, &
       summary_item_t
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_simulate, only: simulate_instant
+   use rwmf_spectrum_quantities, only: check_asked
    implicit none
    private
 
@@ -22,22 +24,19 @@ contains
    !> `columns` (of the history; nothing without one).
    !>
    !> The outputs are those of the same case when it ends as it begins: no list of them is kept
-   !> that could differ from what is written. Errors: as `simulate`.
+   !> that could differ from what is written. Errors: as `simulate` and `check_asked`.
    subroutine preview_text(case, text, error)
       type(case_t), intent(in) :: case
       !! valid
       character(:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: instant
+      type(motion_t) :: motion
       type(result_t) :: result
 
-      instant = case
-      instant%solver%t_end = 0
-      if (allocated(instant%frame)) then
-         ! each period of a spectrum reports the same
-         if (.not. allocated(instant%frame%T_s)) instant%frame%T_s = 1
-      end if
-      call simulate(instant, result, error)
+      motion = motion_from_case(case)
+      if (allocated(case%spectrum)) call check_asked(case, motion, error)
+      if (.not. allocated(error)) call simulate_instant(case, motion, instant, result, error)
       if (allocated(error)) return
       call compose(case, instant, result, text)
    end subroutine preview_text

@@ -218,6 +218,8 @@ module rwmf_problem_case
       !! mass ratios [-]; absent: the case's
       real(wp), allocatable :: b(:)
       !! half widths of the wall [m]; absent: the case's
+      character(:), allocatable :: quantities(:)
+      !! (n) keys of the table of quantities that each ordinate reports; absent: u_s_max_m
    end type spectrum_spec_t
 
    !> An effect that is a few numbers.

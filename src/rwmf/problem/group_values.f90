@@ -12,7 +12,7 @@ module rwmf_problem_group_values
    public :: group_values_t, key_values_t, group_place_t
    public :: has_group, has_key, group_place, key_place, key_line, value_text
    public :: text_of, real_of, integer_of, logical_of
-   public :: get_real, get_text, get_list
+   public :: get_real, get_text, get_list, get_texts
 
    !> Where a group stands in the text of the case.
    type :: group_place_t
@@ -229,5 +229,27 @@ contains
          if (row%n > 0) list = real(values%numbers(row%first:row%first + row%n - 1), wp)
       end associate
    end subroutine get_list
+
+   !> Set a list of texts that stays unallocated when the key has no value.
+   pure subroutine get_texts(values, group, key, list)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(:), allocatable, intent(out) :: list(:)
+      !! (n) padded with blanks
+      integer :: place
+      integer :: i
+
+      place = key_place(values, group, key)
+      if (place == 0) return
+      associate (row => values%keys(place))
+         if (row%n == 0) return
+         allocate (character(maxval([(value_length(values, i), i=row%first, row%first + row%n &
+            - 1)])) :: list(row%n))
+         do i = 1, row%n
+            list(i) = value_text(values, row%first + i - 1)
+         end do
+      end associate
+   end subroutine get_texts
 
 end module rwmf_problem_group_values

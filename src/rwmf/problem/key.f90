@@ -17,7 +17,7 @@ module rwmf_problem_key
       character(20) :: key
       !! as the documentation spells it; letters may be small or capital in a case
       character(9) :: type
-      !! 'real', 'real list', 'integer', 'logical', 'choice' or 'text'
+      !! 'real', 'real list', 'integer', 'logical', 'choice', 'text' or 'text list'
       character(6) :: unit
       !! of a number; '-' for a ratio, '' for texts and counts
       character(16) :: default

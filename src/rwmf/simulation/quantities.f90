@@ -5,7 +5,7 @@ module rwmf_simulation_quantities
    implicit none
    private
 
-   public :: quantity_t, all_quantities, find_quantity, quantities_text
+   public :: quantity_t, all_quantities, look_up, is_of_ordinate, quantities_text
 
    !> One quantity.
    type :: quantity_t
@@ -21,8 +21,9 @@ module rwmf_simulation_quantities
       !! how: 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of a peak),
       !! 'end' (value in the end), 'count', 'whether', 'before' (known before the run), 'axis' (of a
       !! grid), 'work' (what the computation took) or 'error' (estimate or comparison)
-      character(24) :: outputs
-      !! where it stands: 'history', 'run', 'spectrum', 'sweep', 'cost'
+      character(32) :: outputs
+      !! where it stands: 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
+      !! 'sweep', 'cost'
       character(8) :: group
       !! of the case, without which it is absent; '' for none
       character(12) :: asked_by
@@ -86,46 +87,47 @@ module rwmf_simulation_quantities
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
-      quantity_t('u_s_max_m', 'u_s_max', 'm', 'real', 'peak', 'run spectrum sweep cost', 'frame', &
-      '', '', 'largest displacement of the frame'), &
-      quantity_t('t_u_s_max_s', 't_u_s_max', 's', 'real', 'time', 'run cost', 'frame', '', '', &
-      'first time of the largest displacement'), &
-      quantity_t('theta_max_over_alpha', 'theta_max_over_alpha', '1', 'real', 'peak', 'run', &
-      'wall', '', '', 'largest rotation over slenderness'), &
-      quantity_t('theta_dot_max_rad_s', 'theta_dot_max', 'rad/s', 'real', 'peak', 'run cost', &
-      'wall', '', '', 'largest angular velocity'), &
+      quantity_t('u_s_max_m', 'u_s_max', 'm', 'real', 'peak', 'run ordinate spectrum sweep cost', &
+      'frame', '', '', 'largest displacement of the frame'), &
+      quantity_t('t_u_s_max_s', 't_u_s_max', 's', 'real', 'time', 'run ordinate cost', 'frame', &
+      '', '', 'first time of the largest displacement'), &
+      quantity_t('theta_max_over_alpha', 'theta_max_over_alpha', '1', 'real', 'peak', &
+      'run ordinate', 'wall', '', '', 'largest rotation over slenderness'), &
+      quantity_t('theta_dot_max_rad_s', 'theta_dot_max', 'rad/s', 'real', 'peak', &
+      'run ordinate cost', 'wall', '', '', 'largest angular velocity'), &
       quantity_t('cable_force_increment_max_over_m_w_g', 'cable_force_increment_max_over_m_w_g', &
-      '1', 'real', 'peak', 'run', 'cable', '', '', &
+      '1', 'real', 'peak', 'run ordinate', 'cable', '', '', &
       'largest increment of the cable force over weight of wall'), &
       quantity_t('cable_prestress_loss_over_m_w_g', 'cable_prestress_loss_over_m_w_g', '1', &
-      'real', 'end', 'run', 'cable', '', '`eta_y` or `rupture_strain`', &
+      'real', 'end', 'run ordinate', 'cable', '', '`eta_y` or `rupture_strain`', &
       'cable force at theta = 0 that is lost in the end, over weight of wall'), &
-      quantity_t('cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', 'run', 'cable', &
-      '', '`eta_y` or `rupture_strain`', 'whether the cable broke'), &
-      quantity_t('ductility', 'ductility', '1', 'real', 'peak', 'run', 'yielding', '', '', &
-      'largest displacement over that at first yield'), &
-      quantity_t('residual_displacement_m', 'residual_displacement', 'm', 'real', 'end', 'run', &
-      'yielding', '', '', &
+      quantity_t('cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', 'run ordinate', &
+      'cable', '', '`eta_y` or `rupture_strain`', 'whether the cable broke'), &
+      quantity_t('ductility', 'ductility', '1', 'real', 'peak', 'run ordinate', 'yielding', '', &
+      '', 'largest displacement over that at first yield'), &
+      quantity_t('residual_displacement_m', 'residual_displacement', 'm', 'real', 'end', &
+      'run ordinate', 'yielding', '', '', &
       'displacement at which the frame alone would be without force in the end'), &
-      quantity_t('theta_end_over_alpha', 'theta_end_over_alpha', '1', 'real', 'end', 'run', &
-      'fuse', '', '', 'rotation in the end over alpha, at which fuses may hold the wall up'), &
-      quantity_t('storey_{i}_ductility', '', '1', 'real', 'peak', 'run', 'yielding', '', &
+      quantity_t('theta_end_over_alpha', 'theta_end_over_alpha', '1', 'real', 'end', &
+      'run ordinate', 'fuse', '', '', &
+      'rotation in the end over alpha, at which fuses may hold the wall up'), &
+      quantity_t('storey_{i}_ductility', '', '1', 'real', 'peak', 'run ordinate', 'yielding', '', &
       '`storey_u_y`', 'largest displacement of storey {i} over that at first yield'), &
-      quantity_t('storey_{i}_residual_drift', '', '1', 'real', 'end', 'run', 'yielding', '', &
-      '`storey_u_y`', 'drift of storey {i} that unloading would leave in the end'), &
-      quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run cost', 'wall', '', &
+      quantity_t('storey_{i}_residual_drift', '', '1', 'real', 'end', 'run ordinate', 'yielding', &
+      '', '`storey_u_y`', 'drift of storey {i} that unloading would leave in the end'), &
+      quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', 'wall', '', &
       '`base = ''rocking''`', 'number of impacts'), &
-      quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run', 'wall', '', &
+      quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', 'wall', '', &
       '`base = ''rocking''`', 'number of times that the wall lifts off from rest'), &
-      quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run cost', 'wall', '', &
-      '`base = ''rocking''`', 'whether the wall overturned'), &
-      quantity_t('collapsed', 'collapsed', '1', 'logical', 'whether', 'run', '', '', &
+      quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run ordinate cost', &
+      'wall', '', '`base = ''rocking''`', 'whether the wall overturned'), &
+      quantity_t('collapsed', 'collapsed', '1', 'logical', 'whether', 'run ordinate', '', '', &
       'an effect that limits a drift', 'whether a drift passed the limit of the effect'), &
-      quantity_t('t_collapse_s', 't_collapse', 's', 'real', 'time', 'run', '', '', &
+      quantity_t('t_collapse_s', 't_collapse', 's', 'real', 'time', 'run ordinate', '', '', &
       'an effect that limits a drift, collapsed', 'when it did, which ends the run'), &
-      quantity_t('e', 'e', '1', 'real', 'before', 'run', 'wall', '', &
+      quantity_t('e', 'e', '1', 'real', 'before', 'run ordinate', 'wall', '', &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
-      quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run', 'wall', '', &
+      quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run ordinate', 'wall', '', &
       '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
       quantity_t('T_s_s', '', 's', 'real', 'before', 'run spectrum', 'frame', '', &
       'in a run `&storeys`', 'period of the frame'), &
@@ -138,29 +140,31 @@ module rwmf_simulation_quantities
       quantity_t('roof_factor', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
       'displacement of the roof over that of the first mode'), &
       quantity_t('base_shear_max_over_weight', 'base_shear_max_over_weight', '1', 'real', 'peak', &
-      'run', '', 'reactions', '', 'largest base shear over weight of wall and frame'), &
-      quantity_t('t_base_shear_max_s', 't_base_shear_max_s', 's', 'real', 'time', 'run', '', &
-      'reactions', '', 'time of the largest base shear'), &
+      'run ordinate', '', 'reactions', '', 'largest base shear over weight of wall and frame'), &
+      quantity_t('t_base_shear_max_s', 't_base_shear_max_s', 's', 'real', 'time', 'run ordinate', &
+      '', 'reactions', '', 'time of the largest base shear'), &
       quantity_t('pivot_normal_min_over_m_w_g', 'pivot_normal_min_over_m_w_g', '1', 'real', &
-      'peak', 'run', 'wall', 'reactions', '', 'smallest pivot reaction over weight of wall'), &
-      quantity_t('t_pivot_normal_min_s', 't_pivot_normal_min_s', 's', 'real', 'time', 'run', &
-      'wall', 'reactions', '', 'time of the smallest pivot reaction'), &
-      quantity_t('pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', 'run', 'wall', &
+      'peak', 'run ordinate', 'wall', 'reactions', '', &
+      'smallest pivot reaction over weight of wall'), &
+      quantity_t('t_pivot_normal_min_s', 't_pivot_normal_min_s', 's', 'real', 'time', &
+      'run ordinate', 'wall', 'reactions', '', 'time of the smallest pivot reaction'), &
+      quantity_t('pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', 'run ordinate', 'wall', &
       'reactions', '', 'whether the pivot reaction was not positive at some time'), &
-      quantity_t('friction_demand_max', 'friction_demand_max', '1', 'real', 'peak', 'run', 'wall', &
-      'reactions', '', 'required coefficient of friction'), &
-      quantity_t('t_friction_demand_max_s', 't_friction_demand_max_s', 's', 'real', 'time', 'run', &
-      'wall', 'reactions', 'no lift of the pivot', 'time of the largest friction demand'), &
-      quantity_t('friction_exceeded', 'friction_exceeded', '1', 'logical', 'whether', 'run', &
-      'wall', 'reactions', '`friction_limit` of `&output`', &
+      quantity_t('friction_demand_max', 'friction_demand_max', '1', 'real', 'peak', &
+      'run ordinate', 'wall', 'reactions', '', 'required coefficient of friction'), &
+      quantity_t('t_friction_demand_max_s', 't_friction_demand_max_s', 's', 'real', 'time', &
+      'run ordinate', 'wall', 'reactions', 'no lift of the pivot', &
+      'time of the largest friction demand'), &
+      quantity_t('friction_exceeded', 'friction_exceeded', '1', 'logical', 'whether', &
+      'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`', &
       'whether the friction demand exceeded the limit'), &
-      quantity_t('t_friction_exceeded_s', 't_friction_exceeded_s', 's', 'real', 'time', 'run', &
-      'wall', 'reactions', '`friction_limit` of `&output`, exceeded', &
+      quantity_t('t_friction_exceeded_s', 't_friction_exceeded_s', 's', 'real', 'time', &
+      'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`, exceeded', &
       'first time at which the demand exceeds the limit'), &
-      quantity_t('wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', 'run', 'wall', &
+      quantity_t('wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', 'run ordinate', 'wall', &
       'reactions', '', 'largest drift of the wall'), &
-      quantity_t('frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', 'run', 'frame', &
-      'reactions', '`&wall`', 'largest drift of the frame'), &
+      quantity_t('frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', 'run ordinate', &
+      'frame', 'reactions', '`&wall`', 'largest drift of the frame'), &
       quantity_t('steps', '', '1', 'int', 'work', 'run cost', '', '', '', &
       'accepted steps of the integrator'), &
       quantity_t('rhs_evaluations', '', '1', 'int', 'work', 'run spectrum cost', '', '', '', &
@@ -187,27 +191,29 @@ module rwmf_simulation_quantities
    !> Parts of the energy ledger, and its residual.
    type(quantity_t), parameter :: energies(*) = [ &
       quantity_t('energy_input_J_per_kg', 'energy_input_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', '', 'energy', '', 'work of the ground motion'), &
+      'history run ordinate', '', 'energy', '', 'work of the ground motion'), &
       quantity_t('energy_kinetic_J_per_kg', 'energy_kinetic_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', '', 'energy', '', 'kinetic energy'), &
+      'history run ordinate', '', 'energy', '', 'kinetic energy'), &
       quantity_t('energy_strain_J_per_kg', 'energy_strain_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', 'frame', 'energy', '', 'strain energy of the frame'), &
+      'history run ordinate', 'frame', 'energy', '', 'strain energy of the frame'), &
       quantity_t('energy_gravity_J_per_kg', 'energy_gravity_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', 'wall', 'energy', '', 'potential energy of the wall'), &
+      'history run ordinate', 'wall', 'energy', '', 'potential energy of the wall'), &
       quantity_t('energy_cable_J_per_kg', 'energy_cable_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', 'cable', 'energy', '', 'work stored in the cable'), &
+      'history run ordinate', 'cable', 'energy', '', 'work stored in the cable'), &
       quantity_t('energy_effects_J_per_kg', 'energy_effects_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', '', 'energy', 'an effect that stores energy', &
+      'history run ordinate', '', 'energy', 'an effect that stores energy', &
       'energy stored in fuses and other effects'), &
       quantity_t('energy_viscous_J_per_kg', 'energy_viscous_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', '', 'energy', 'a frame or a further effect', 'energy dissipated by dampers'), &
+      'history run ordinate', '', 'energy', 'a frame or a further effect', &
+      'energy dissipated by dampers'), &
       quantity_t('energy_hysteretic_J_per_kg', 'energy_hysteretic_J_per_kg', 'J/kg', 'real', &
-      'end', 'history run', '', 'energy', 'springs that yield or break', &
+      'end', 'history run ordinate', '', 'energy', 'springs that yield or break', &
       'energy dissipated by yielding'), &
       quantity_t('energy_impact_J_per_kg', 'energy_impact_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run', 'wall', 'energy', '`base = ''rocking''`', 'energy dissipated by impacts'), &
+      'history run ordinate', 'wall', 'energy', '`base = ''rocking''`', &
+      'energy dissipated by impacts'), &
       quantity_t('energy_balance_relative', 'energy_balance_relative', '1', 'real', 'error', &
-      'run', '', 'energy', '', 'residual of the energy ledger')]
+      'run ordinate', '', 'energy', '', 'residual of the energy ledger')]
 
    !> What spectra, sweeps and comparisons of methods report beyond these.
    type(quantity_t), parameter :: others(*) = [ &
@@ -247,20 +253,32 @@ module rwmf_simulation_quantities
 
 contains
 
-   !> Place of a key in the table, 0 when it is not there.
-   pure integer function find_quantity(key, near) result(place)
+   !> Place of a key of an output in the table, 0 when it is not there, and the number of a floor or
+   !> storey in it.
+   pure subroutine look_up(key, place, number)
       character(*), intent(in) :: key
-      !! as it stands in the table
-      integer, intent(in) :: near
-      !! place at which to begin the search
-      integer :: i
+      !! as it stands in an output
+      integer, intent(out) :: place
+      integer, intent(out) :: number
+      !! 0 where it has none
+      integer :: first, behind, status
 
-      do i = 0, size(all_quantities) - 1
-         place = modulo(near - 1 + i, size(all_quantities)) + 1
-         if (all_quantities(place)%key == key) return
-      end do
-      place = 0
-   end function find_quantity
+      number = 0
+      place = findloc(all_quantities%key == key, .true., dim=1)
+      first = index(key, '_') + 1
+      behind = first + verify(key(first:)//' ', '0123456789') - 1
+      if (place > 0 .or. behind == first .or. behind > first + 4) return
+      read (key(first:behind - 1), '(i4)', iostat=status) number
+      if (status == 0) place = findloc(all_quantities%key == key(:first - 1)//'{i}'//key(behind:), &
+         .true., dim=1)
+   end subroutine look_up
+
+   !> May a spectrum be asked for it?
+   elemental logical function is_of_ordinate(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      is_of_ordinate = index(quantity%outputs, 'ordinate') > 0
+   end function is_of_ordinate
 
    !> The table as text: its components in their order, separated by tabs, one quantity a line.
    pure subroutine quantities_text(text)

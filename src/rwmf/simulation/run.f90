@@ -28,7 +28,7 @@ module rwmf_simulation_run
    private
 
    public :: run_once, restitution, impact_law, guess_size, tolerances, initial_state
-   public :: begin_run, is_much_smaller, most_passes
+   public :: begin_run, fill_result, is_much_smaller, most_passes
 
    integer, parameter :: most_passes = 5
 

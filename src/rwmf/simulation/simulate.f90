@@ -10,7 +10,7 @@ module rwmf_simulation_simulate
    implicit none
    private
 
-   public :: simulate, simulate_with_motion
+   public :: simulate, simulate_with_motion, simulate_instant
 
 contains
 
@@ -49,5 +49,27 @@ contains
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
    end subroutine simulate_with_motion
+
+   !> What a case reports at the beginning: the result of the same case when it ends as it begins.
+   !> Errors: as `simulate`.
+   subroutine simulate_instant(case, motion, instant, result, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(case_t), intent(out) :: instant
+      !! without any duration
+      type(result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(control_t) :: no_control
+
+      instant%structure_t = case%structure_t
+      instant%solver = case%solver
+      if (allocated(case%output)) instant%output = case%output
+      instant%solver%t_end = 0
+      if (allocated(instant%frame)) then
+         ! each period of a spectrum reports the same
+         if (.not. allocated(instant%frame%T_s)) instant%frame%T_s = 1
+      end if
+      call simulate_with_motion(instant, motion, no_control, result, error)
+   end subroutine simulate_instant
 
 end module rwmf_simulation_simulate

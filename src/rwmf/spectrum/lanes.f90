@@ -27,13 +27,16 @@ module rwmf_spectrum_lanes
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       place_event, quartic_of, quartic_t, quintic_of, state_at
+   use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, has_ended, hybrid_t, &
       mode_collapsed, mode_overturned, mode_rest, mode_rocking, stay_at_rest
-   use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_state, recorder_t
+   use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_peaks, observe_state, &
+      recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
-      event_peak
-   use rwmf_simulation_run, only: begin_run, guess_size, is_much_smaller, most_passes
+      event_peak, result_t
+   use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, most_passes
    use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_quantities, only: asked_t, take_values
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -62,6 +65,8 @@ module rwmf_spectrum_lanes
       integer(i8) :: rhs_evaluations = 0
       character(24) :: failure = ''
       !! name of the error
+      real(wp), allocatable :: values(:)
+      !! (quantities) that were asked for, where it is more than u_s_max
    end type ordinate_t
 
    !> One lane between the steps of the team.
@@ -115,13 +120,20 @@ module rwmf_spectrum_lanes
       !! a lane has no length of a step: its run is over, or it has none
       logical, allocatable :: is_busy(:)
       !! (width) the lane has an ordinate
+      logical :: keeps_more = .false.
+      !! more is asked for than the events tell: the largest |theta'| or reactions
+      logical, allocatable :: may_hold_peak(:)
+      !! (width) a peak of it may lie within the step; then the following is set
+      real(wp), allocatable :: t_before(:), y_before(:, :)
+      !! (width) [s], (width, states) at the beginning of the step
    end type team_t
 
 contains
 
    !> Run all ordinates of a case; the number of threads changes no bit.
-   subroutine run_ordinates(case, motion, threads, control, ordinates)
+   subroutine run_ordinates(case, asked, motion, threads, control, ordinates)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
@@ -131,14 +143,15 @@ contains
       if (size(ordinates) == 0) return
       next = 0
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
-      call run_team(case, motion, control, min(team_width, 1 + (team_width - 1) &
+      call run_team(case, asked, motion, control, min(team_width, 1 + (team_width - 1) &
          *min(1, size(ordinates)/(2*threads))), next, ordinates)
       !$omp end parallel
    end subroutine run_ordinates
 
    !> Steps of one team, until the queue is empty and its lanes are idle.
-   subroutine run_team(case, motion, control, width, next, ordinates)
+   subroutine run_team(case, asked, motion, control, width, next, ordinates)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       integer, intent(in) :: width
@@ -152,11 +165,12 @@ contains
 
       allocate (lanes(width))
       do i = 1, width
-         call take_ordinate(case, motion, control, next, ordinates, lanes(i))
+         call take_ordinate(case, asked, motion, control, next, ordinates, lanes(i))
       end do
       if (all(lanes%ordinate == 0)) return
       call create_team(case, lanes(1)%equation, width, team)
       call tabulate_lines(motion, lanes(1)%equation%has_vertical, case%solver%t_end, team)
+      team%keeps_more = asked%has_fastest .or. allocated(asked%output)
       do i = 1, width
          team%is_busy(i) = lanes(i)%ordinate > 0
          if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
@@ -165,9 +179,9 @@ contains
          if (team%has_ended) then
             do i = 1, width
                do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
-                  call finish_ordinate(control, lanes(i), ordinates(lanes(i)%ordinate))
-                  if (lanes(i)%ordinate == 0) call take_ordinate(case, motion, control, next, &
-                     ordinates, lanes(i))
+                  call finish_ordinate(asked, control, lanes(i), ordinates(lanes(i)%ordinate))
+                  if (lanes(i)%ordinate == 0) call take_ordinate(case, asked, motion, control, &
+                     next, ordinates, lanes(i))
                   team%is_busy(i) = lanes(i)%ordinate > 0
                   if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
                end do
@@ -199,7 +213,8 @@ contains
             team%k(width, n, most_stages), source=0.0_wp)
          allocate (team%error(width), source=0.0_wp)
          allocate (team%mark(width), source=0)
-         allocate (team%is_busy(width), source=.false.)
+         allocate (team%is_busy(width), team%may_hold_peak(width), source=.false.)
+         allocate (team%t_before(width), team%y_before(width, n))
          team%max_steps = real(case%solver%max_steps, wp)
       end associate
    end subroutine create_team
@@ -253,8 +268,9 @@ contains
    end function pair_for
 
    !> Take the next ordinate from the queue and begin its run; none: the lane stays idle.
-   subroutine take_ordinate(case, motion, control, next, ordinates, lane)
+   subroutine take_ordinate(case, asked, motion, control, next, ordinates, lane)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       integer, intent(inout) :: next
@@ -272,6 +288,7 @@ contains
       lane%ordinate = number
       lane%case%structure_t = case%structure_t
       lane%case%solver = case%solver
+      if (allocated(asked%output)) lane%case%output = asked%output
       lane%case%frame%T_s = ordinates(number)%T_s
       if (allocated(lane%case%wall)) then
          lane%case%frame%gamma = ordinates(number)%gamma
@@ -377,7 +394,8 @@ contains
          table(i, of_fastest) = recorder%theta_dot_max
          table(i, of_rejected) = 0
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
-         lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0)
+         lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0 &
+            .or. recorder%keeps_energy)
          table(i, of_least) = -huge(1.0_wp)
          table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
@@ -450,8 +468,10 @@ contains
             call follow_curves(lanes, team)
             call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
                team%tolerance, team%y, .false., team%k, team%y_new, team%error)
+            if (team%keeps_more) call find_steps_with_peaks(lanes, team)
             call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
+            if (team%keeps_more) call observe_steps(lanes, team)
             call pass_one(intervals, team%lines, team%table, team%mark)
          else
             call team%kernels%plan_step(team%pair, team%table, team%ground)
@@ -459,8 +479,10 @@ contains
             call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
                team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
                team%error)
+            if (team%keeps_more) call find_steps_with_peaks(lanes, team)
             call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
+            if (team%keeps_more) call observe_steps(lanes, team)
             call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
          end if
       end associate
@@ -487,6 +509,80 @@ contains
          team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
       end do
    end subroutine step_team
+
+   !> In which steps may something have its peak that no event tells? Reactions in all; |theta'|
+   !> where theta'' may change its sign, by the quartic through both ends, both velocities and the
+   !> acceleration at the beginning, and where a parabola through the velocities with this way,
+   !> risen twice as far, reaches what was largest so far.
+   subroutine find_steps_with_peaks(lanes, team)
+      type(lane_t), intent(in) :: lanes(:)
+      type(team_t), intent(inout) :: team
+      real(wp) :: v(2), speed, first, bend, last, slack
+      integer :: i
+
+      associate (table => team%table, y => team%y, y_new => team%y_new)
+         do i = 1, team%width
+            team%may_hold_peak(i) = .false.
+            if (.not. (team%is_busy(i) .and. lanes(i)%is_smooth)) cycle
+            v = [y(i, 2), y_new(i, 2)]
+            speed = (y_new(i, 1) - y(i, 1))/table(i, of_trial)
+            if (.not. allocated(lanes(i)%recorder%forces) .and. &
+                maxval(abs(v)) + 3*abs(speed - sum(v)/2) < table(i, of_fastest)) cycle
+            first = table(i, of_trial)*team%k(i, 2, 1)
+            bend = v(2) - v(1) - first
+            last = first + 6*bend - 12*(speed - v(1) - first/2)
+            slack = 0.05_wp*(abs(first) + abs(bend))
+            if (.not. allocated(lanes(i)%recorder%forces) .and. (sum(v)*first < &
+                -slack*abs(sum(v)) .or. sum(v)*last > slack*abs(sum(v)))) cycle
+            team%may_hold_peak(i) = .true.
+            team%t_before(i) = table(i, of_time)
+            team%y_before(i, :) = y(i, :)
+         end do
+      end associate
+   end subroutine find_steps_with_peaks
+
+   !> Let peaks within the steps that are accepted be found.
+   subroutine observe_steps(lanes, team)
+      type(lane_t), intent(inout), target :: lanes(:)
+      type(team_t), intent(inout) :: team
+      integer :: i
+
+      do i = 1, team%width
+         if (.not. team%may_hold_peak(i)) cycle
+         if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
+         call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
+            team%table(i, of_time), team%y_new(i, :))
+      end do
+   end subroutine observe_steps
+
+   !> Let peaks within a step of a lane, or a part of it, be found.
+   subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: y_a(:)
+      !! (states)
+      real(wp), intent(in) :: t_b
+      !! [s]
+      real(wp), intent(in), contiguous, target :: y_b(:)
+      !! (states)
+      type(step_view_t) :: step
+
+      call follow_interval(lane, i, team)
+      associate (integrator => lane%integrator)
+         integrator%t0 = t_a
+         integrator%y0(:) = y_a
+         integrator%f0(:) = team%k(i, :, 1)
+         integrator%t1 = t_a + team%table(i, of_trial)
+         integrator%y1(:) = team%y_new(i, :)
+         call view_step(step, lane%equation, integrator)
+      end associate
+      lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      call observe_peaks(lane%recorder, until(step, t_b, y_b), lane%error)
+      team%table(i, of_fastest) = lane%recorder%theta_dot_max
+   end subroutine observe_step
 
    !> Accelerations of the ground where they are not on a straight line.
    subroutine follow_curves(lanes, team)
@@ -530,11 +626,20 @@ contains
       lane%integrator%steps = int(team%table(i, of_steps), i8)
       lane%hybrid%t = team%table(i, of_time)
       lane%recorder%theta_dot_max = team%table(i, of_fastest)
+      call follow_interval(lane, i, team)
+   end subroutine catch_up
+
+   !> The same of the interval of the motion alone.
+   subroutine follow_interval(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+
       associate (interval => int(team%table(i, of_interval)))
          if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
             lane%equation%state, interval)
       end associate
-   end subroutine catch_up
+   end subroutine follow_interval
 
    !> Bound on the work of one run.
    subroutine check_work(lane)
@@ -732,6 +837,8 @@ contains
       call forget_goal(lane, i, team)
       associate (table => team%table)
          table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
+         if (team%may_hold_peak(i)) call observe_step(lane, i, team, table(i, of_time), &
+            team%y(i, :), table(i, of_time) + table(i, of_trial), team%y_new(i, :))
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
          if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
@@ -831,11 +938,12 @@ contains
          hybrid%is_rising = lane%goal == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
+         if (team%may_hold_peak(i)) call observe_step(lane, i, team, table(i, of_time), &
+            team%y(i, :), hybrid%t, hybrid%y)
          lane%recorder%theta_dot_max = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
          if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
-            equation, &
-            lane%recorder, event, lane%error)
+            equation, lane%recorder, event, lane%error)
       end associate
       call enter_team(lane, i, motion, team)
    end subroutine happen
@@ -883,7 +991,8 @@ contains
    end subroutine look_at_step
 
    !> The run of a lane is over: keep its result, or run it again for a smaller response.
-   subroutine finish_ordinate(control, lane, ordinate)
+   subroutine finish_ordinate(asked, control, lane, ordinate)
+      type(asked_t), intent(in) :: asked
       type(control_t), intent(in) :: control
       type(lane_t), intent(inout), target :: lane
       type(ordinate_t), intent(inout) :: ordinate
@@ -908,6 +1017,7 @@ contains
             call begin_lane(lane)
             return
          end if
+         if (.not. asked%is_displacement) call report(asked, lane, ordinate)
       else
          ordinate%failure = lane%error%name
          deallocate (lane%error)
@@ -915,5 +1025,19 @@ contains
       call count_done(control)
       lane%ordinate = 0
    end subroutine finish_ordinate
+
+   !> All that is asked for, as a run reports it.
+   subroutine report(asked, lane, ordinate)
+      type(asked_t), intent(in) :: asked
+      type(lane_t), intent(inout) :: lane
+      type(ordinate_t), intent(inout) :: ordinate
+      type(result_t) :: result
+
+      ! its warnings are no quantities
+      allocate (result%warnings(0))
+      call fill_result(lane%case, lane%equation, lane%hybrid, lane%recorder, result)
+      allocate (ordinate%values(size(asked%place)))
+      call take_values(asked, lane%case, result, ordinate%values)
+   end subroutine report
 
 end module rwmf_spectrum_lanes

@@ -5,6 +5,7 @@ module rwmf_spectrum_spectrum
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_factory, only: spectrum_method
+   use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_simulation_result, only: ending_name, result_t
@@ -14,13 +15,15 @@ module rwmf_spectrum_spectrum
    use rwmf_spectrum_fast_eligibility, only: is_supported
    use rwmf_spectrum_fast_schedule, only: order_by_cost
    use rwmf_spectrum_lanes, only: ordinate_t, run_ordinates
+   use rwmf_spectrum_quantities, only: asked_of, asked_t, check_asked, follow_from_displacement, &
+      take_values, values_from_displacement
    !$ use omp_lib, only: omp_get_max_threads
    implicit none
    private
 
    public :: spectrum_t, compute_spectrum, spectrum_periods
 
-   !> Peak displacements over the grid of a `&spectrum` group.
+   !> What is reported over the grid of a `&spectrum` group.
    type :: spectrum_t
       real(wp), allocatable :: T_s(:)
       !! (n_T) periods [s]
@@ -30,6 +33,11 @@ module rwmf_spectrum_spectrum
       !! (n_b) half widths [m]; absent for the bare frame
       real(wp), allocatable :: u_s_max(:, :, :)
       !! (n_T, n_gamma, n_b) [m]; NaN where the simulation failed
+      character(40), allocatable :: quantities(:)
+      !! (n_quantities) keys of what was asked for
+      real(wp), allocatable :: values(:, :, :, :)
+      !! (n_T, n_gamma, n_b, n_quantities) [unit of each]; a count or yes (1) or no (0) is a number,
+      !! too; NaN where the simulation failed, or where there is nothing to report
       character(24), allocatable :: status(:, :, :)
       !! (n_T, n_gamma, n_b) 'ok', 'overturned', 'collapsed' or the name of an error
       integer(i8) :: rhs_evaluations
@@ -52,8 +60,10 @@ contains
       !! requested; 0: all that OpenMP offers
       type(spectrum_t), intent(out) :: spectrum
       type(error_t), allocatable, intent(out) :: error
-      !! no `&spectrum`, no memory, or interrupted
+      !! no `&spectrum`, quantities that do not apply, no memory, or interrupted
       type(control_t), intent(in), optional :: control
+      type(asked_t) :: asked
+      type(motion_t), target :: motion
       type(control_t) :: signals
       integer(i8) :: started
       integer(i8) :: finished
@@ -65,19 +75,25 @@ contains
       end if
       if (present(control)) signals = control
       call system_clock(started, rate)
-      call prepare_grid(case, spectrum, error)
+      motion = motion_from_case(case)
+      call check_asked(case, motion, error)
+      if (allocated(error)) return
+      asked = asked_of(case)
+      call prepare_grid(case, asked, spectrum, error)
       if (allocated(error)) return
       spectrum%threads = max(1, threads)
       !$ if (threads <= 0) spectrum%threads = omp_get_max_threads()
-      call run_all(case, motion_from_case(case), signals, spectrum)
+      call run_all(case, asked, motion, signals, spectrum)
+      if (asked%is_displacement) spectrum%values(:, :, :, 1) = spectrum%u_s_max
       call system_clock(finished)
       spectrum%seconds = real(finished - started, wp)/real(rate, wp)
       if (is_cancelled(signals)) call fail(error, err_interrupt, 'spectrum interrupted')
    end subroutine compute_spectrum
 
    !> Allocate the results on the grid of a case's `&spectrum` group.
-   pure subroutine prepare_grid(case, spectrum, error)
+   pure subroutine prepare_grid(case, asked, spectrum, error)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(spectrum_t), intent(inout) :: spectrum
       type(error_t), allocatable, intent(out) :: error
       integer :: n_gamma
@@ -102,11 +118,16 @@ contains
       if (status == 0) then
          allocate (spectrum%status(size(spectrum%T_s), n_gamma, n_b), stat=status)
       end if
+      if (status == 0) then
+         allocate (spectrum%values(size(spectrum%T_s), n_gamma, n_b, size(asked%keys)), stat=status)
+      end if
       if (status /= 0) then
          call fail(error, err_numerical, 'out of memory for the spectrum', 'out_of_memory')
          return
       end if
+      spectrum%quantities = asked%keys
       spectrum%u_s_max = ieee_value(1.0_wp, ieee_quiet_nan)
+      spectrum%values = ieee_value(1.0_wp, ieee_quiet_nan)
       spectrum%status = 'interrupted'
       spectrum%rhs_evaluations = 0_i8
    end subroutine prepare_grid
@@ -136,8 +157,9 @@ contains
    end function spectrum_periods
 
    !> Compute all ordinates, with dynamic scheduling because short periods cost more.
-   subroutine run_all(case, motion, control, spectrum)
+   subroutine run_all(case, asked, motion, control, spectrum)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(spectrum_t), intent(inout) :: spectrum
@@ -145,34 +167,43 @@ contains
       integer :: i
 
       if (spectrum_method(case%solver%method) == 'fast') then
-         call run_lanes(case, motion, control, spectrum)
+         call run_lanes(case, asked, motion, control, spectrum)
       end if
       if (spectrum_method(case%solver%method) == 'fast' &
           .and. .not. allocated(case%solver%accuracy)) then
-         call run_general_lanes(case, motion, control, spectrum)
+         call run_general_lanes(case, asked, motion, control, spectrum)
          return
       end if
       evaluations = 0_i8
       !$omp parallel do num_threads(spectrum%threads) schedule(dynamic) default(shared) &
       !$omp reduction(+:evaluations)
       do i = 1, size(spectrum%u_s_max)
-         call run_one(case, motion, control, spectrum, i, evaluations)
+         call run_one(case, asked, motion, control, spectrum, i, evaluations)
       end do
       !$omp end parallel do
       spectrum%rhs_evaluations = evaluations
    end subroutine run_all
 
-   !> Compute the ordinates that method 'fast' covers; the others keep their status and are run one
-   !> by one.
-   subroutine run_lanes(case, motion, control, spectrum)
+   !> Compute the ordinates that method 'fast' covers, when all that is asked for follows from their
+   !> displacements; the others keep their status.
+   subroutine run_lanes(case, asked, motion, control, spectrum)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(spectrum_t), intent(inout) :: spectrum
       logical :: is_done(size(spectrum%T_s), size(spectrum%u_s_max, 2), size(spectrum%u_s_max, 3))
+      type(case_t) :: column
+      type(equation_t) :: equation
+      real(wp), allocatable :: values(:, :)
+      integer, allocatable :: done(:)
+      integer :: i, j, k
 
       is_done = .false.
       if (.not. is_supported(case)) return
+      call begin_column(case, spectrum, 1, 1, column)
+      call build_equation(column, motion, equation)
+      if (.not. follow_from_displacement(asked, equation)) return
       if (allocated(case%wall)) then
          call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
             spectrum%b, spectrum%u_s_max, is_done)
@@ -181,11 +212,39 @@ contains
             spectrum%u_s_max(:, 1, 1), is_done(:, 1, 1))
       end if
       where (is_done) spectrum%status = 'ok'
+      if (asked%is_displacement) return
+      do k = 1, size(is_done, 3)
+         do j = 1, size(is_done, 2)
+            call begin_column(case, spectrum, j, k, column)
+            done = pack([(i, i=1, size(is_done, 1))], is_done(:, j, k))
+            allocate (values(size(done), size(asked%keys)))
+            call values_from_displacement(asked, column, motion, spectrum%u_s_max(done, j, k), &
+               values)
+            spectrum%values(done, j, k, :) = values
+            deallocate (values)
+         end do
+      end do
    end subroutine run_lanes
 
-   !> Compute the ordinates that are still to be done in general lanes, the shortest periods first.
-   subroutine run_general_lanes(case, motion, control, spectrum)
+   !> The case of the first ordinate of one mass ratio and width.
+   subroutine begin_column(case, spectrum, j, k, column)
       type(case_t), intent(in) :: case
+      type(spectrum_t), intent(in) :: spectrum
+      integer, intent(in) :: j, k
+      type(case_t), intent(out) :: column
+
+      column%structure_t = case%structure_t
+      column%solver = case%solver
+      column%frame%T_s = spectrum%T_s(1)
+      if (.not. allocated(column%wall)) return
+      column%frame%gamma = spectrum%gamma(j)
+      column%wall%b = spectrum%b(k)
+   end subroutine begin_column
+
+   !> Compute the ordinates that are still to be done in general lanes, the shortest periods first.
+   subroutine run_general_lanes(case, asked, motion, control, spectrum)
+      type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(spectrum_t), intent(inout) :: spectrum
@@ -209,7 +268,7 @@ contains
             end do
          end do
       end do
-      call run_ordinates(case, motion, spectrum%threads, control, ordinates(:n))
+      call run_ordinates(case, asked, motion, spectrum%threads, control, ordinates(:n))
       if (is_cancelled(control)) return
       spectrum%rhs_evaluations = sum(ordinates(:n)%rhs_evaluations)
       do m = 1, n
@@ -219,6 +278,7 @@ contains
          spectrum%status(i, j, k) = ordinates(m)%failure
          if (ordinates(m)%failure /= '') cycle
          spectrum%u_s_max(i, j, k) = ordinates(m)%u_s_max
+         if (allocated(ordinates(m)%values)) spectrum%values(i, j, k, :) = ordinates(m)%values
          spectrum%status(i, j, k) = merge('overturned', 'ok        ', ordinates(m)%overturned)
          if (ordinates(m)%collapsed) spectrum%status(i, j, k) = 'collapsed'
       end do
@@ -226,8 +286,9 @@ contains
 
    !> Compute one ordinate by the general kernel, with local work space only: threads run it at
    !> once.
-   subroutine run_one(case, motion, control, spectrum, number, evaluations)
+   subroutine run_one(case, asked, motion, control, spectrum, number, evaluations)
       type(case_t), intent(in) :: case
+      type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(spectrum_t), intent(inout) :: spectrum
@@ -244,14 +305,10 @@ contains
       j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
       k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
       if (spectrum%status(i, j, k) == 'ok') return
-      ordinate%structure_t = case%structure_t
-      ordinate%solver = case%solver
+      call begin_column(case, spectrum, j, k, ordinate)
       ordinate%solver%method = trim(spectrum_method(case%solver%method))
       ordinate%frame%T_s = spectrum%T_s(i)
-      if (allocated(ordinate%wall)) then
-         ordinate%frame%gamma = spectrum%gamma(j)
-         ordinate%wall%b = spectrum%b(k)
-      end if
+      if (allocated(asked%output)) ordinate%output = asked%output
       call simulate_with_motion(ordinate, motion, control, result, error)
       call count_done(control)
       if (allocated(error)) then
@@ -259,6 +316,7 @@ contains
          return
       end if
       spectrum%u_s_max(i, j, k) = result%u_s_max
+      call take_values(asked, ordinate, result, spectrum%values(i, j, k, :))
       spectrum%status(i, j, k) = ending_name(result)
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one

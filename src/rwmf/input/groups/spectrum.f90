@@ -4,10 +4,11 @@ module rwmf_input_groups_spectrum
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
-      integer_of, real_of, text_of
+   use rwmf_problem_group_values, only: get_list, get_real, get_texts, group_values_t, has_group, &
+      has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive
    use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -33,7 +34,9 @@ contains
          optional_key('spectrum', 'gamma', 'real list', '-', '', not_negative, &
             'mass ratios; absent: that of &frame'), &
          optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
-            'half widths; absent: that of &wall')]
+            'half widths; absent: that of &wall'), &
+         optional_key('spectrum', 'quantities', 'text list', '', 'u_s_max_m', 'see outputs.md', &
+            'keys of what is reported of each ordinate')]
       group%check => check_spectrum
       group%fill => fill_spectrum
    end function spectrum_group
@@ -46,7 +49,8 @@ contains
       integer :: i
 
       if (.not. has_group(values, 'spectrum')) return
-      call check_grid_keys(values, error)
+      call check_quantities(values, error)
+      if (.not. allocated(error)) call check_grid_keys(values, error)
       if (.not. (allocated(error) .or. has_key(values, 'spectrum', 'T_s'))) then
          call check_grid(values, error)
       end if
@@ -57,6 +61,37 @@ contains
             //'bare frame does not depend on it)', error)
       end do
    end subroutine check_spectrum
+
+   !> Quantities that the table has, each once.
+   subroutine check_quantities(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: asked(:)
+      character(:), allocatable :: known
+      integer :: place, storey
+      integer :: i
+
+      call get_texts(values, 'spectrum', 'quantities', asked)
+      do i = 1, size(asked)
+         call look_up(trim(asked(i)), place, storey)
+         if (place > 0) then
+            if (.not. is_of_ordinate(all_quantities(place))) place = 0
+         end if
+         if (place == 0) then
+            known = ''
+            do place = 1, size(all_quantities)
+               if (is_of_ordinate(all_quantities(place))) known = known//' ' &
+                  //trim(all_quantities(place)%key)
+            end do
+            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is unknown; ' &
+               //'allowed, where they apply:'//known, error)
+         else if (any(asked(:i - 1) == asked(i))) then
+            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is given twice', &
+               error)
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine check_quantities
 
    !> The grid needs all of its keys, and a list of periods none.
    subroutine check_grid_keys(values, error)
@@ -104,6 +139,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       allocate (case%spectrum)
+      call get_texts(case%values, 'spectrum', 'quantities', case%spectrum%quantities)
       call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)
       call get_list(case%values, 'spectrum', 'b', case%spectrum%b)
       call get_list(case%values, 'spectrum', 'T_s', case%spectrum%T_s)

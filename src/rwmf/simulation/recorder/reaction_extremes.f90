@@ -101,19 +101,28 @@ contains
       type(step_view_t), intent(in) :: piece
       real(wp), parameter :: short = 0.4_wp
       !! over 1/omega: the second harmonic departs from a chord by (2*0.4)**2/8 of its amplitude
-      real(wp), parameter :: margin = 0.25_wp
-      !! of the range so far
+      real(wp), parameter :: largest_margin = 0.25_wp
+      !! of the range so far, of so long a step
       real(wp) :: at_ends(n_quantities)
+      real(wp) :: margin(n_quantities)
       real(wp) :: y_ddot(2)
+      real(wp) :: share
+      !! of the largest normal force that is left [-]
 
       associate (equation => piece%equation)
          is_plain = is_short(piece, short, sqrt(equation%p%g/equation%p%R)) &
             .and. all(forces%largest >= forces%smallest)
          if (.not. is_plain) return
+         margin = max(0.01_wp, largest_margin*((piece%t_b - piece%t_a)*max(equation%p%omega_s, &
+            equation%max_frequency, sqrt(equation%p%g/equation%p%R))/short)**2)
          y_ddot = accelerations(piece)
          at_ends = max(quantities(reactions_at(equation, piece%t_a, piece%y_a, y_ddot(1))), &
             quantities(reactions_at(equation, piece%t_b, piece%y_b, y_ddot(2))))
       end associate
+      ! a quotient departs by both of its parts, over a normal force that may be small
+      share = at_ends(low_normal)/min(forces%smallest(low_normal), -tiny(share))
+      margin(demand) = merge(min(largest_margin, 2*margin(demand)/max(share, tiny(share))), &
+         largest_margin, share > 0.01_wp)
       is_plain = all(at_ends + margin*(forces%largest - forces%smallest) < forces%largest)
    end function is_plain
 

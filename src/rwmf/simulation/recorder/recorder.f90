@@ -4,7 +4,7 @@
 module rwmf_simulation_recorder_recorder
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_math_roots, only: stationary_point
+   use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
       second_derivative
    use rwmf_model_cable, only: cable_state_t
@@ -17,7 +17,8 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_hysteresis_spring_set, only: frame_force_column, put_spring_forces
    use rwmf_motion_ground_motion, only: acceleration, vertical_acceleration
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_view, only: accelerations, step_view_t
+   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, from, &
+      is_short, sample_state, step_view_t, until
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, observe_last, &
@@ -28,7 +29,8 @@ module rwmf_simulation_recorder_recorder
    implicit none
    private
 
-   public :: recorder_t, create_recorder, observe_state, observe_piece, observe_rest
+   public :: recorder_t, create_recorder, observe_state, observe_piece, observe_peaks
+   public :: observe_rest
    public :: observe_impact, observe_branch, observe_event, finish_recorder
 
    !> Running maxima, counts and records.
@@ -175,39 +177,95 @@ contains
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
 
-      call observe_fastest(recorder, piece, error)
+      call observe_peaks(recorder, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
-      if (allocated(error) .or. .not. allocated(recorder%forces)) return
-      call observe_moving(recorder%forces, piece, error)
    end subroutine observe_piece
 
-   !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far.
-   !>
-   !> The cubic through both ends gives the instant; theta' is stationary there, so that its error
-   !> is of second order in that of the instant.
+   !> What has its peak at no event: of angular velocity and reactions.
+   subroutine observe_peaks(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+
+      call observe_fastest(recorder, piece, error)
+      if (allocated(error) .or. .not. allocated(recorder%forces)) return
+      call observe_moving(recorder%forces, piece, error)
+   end subroutine observe_peaks
+
+   !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far. A
+   !> long piece is searched in parts.
    subroutine observe_fastest(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: slope(2), h, x
+      real(wp), parameter :: short = 1
+      !! over the fastest rate of the scene
+      real(wp), dimension(size(piece%y_b)), target :: y_a, y_b
+      type(step_view_t) :: part
+      integer :: i, n
+
+      recorder%theta_dot_max = max(recorder%theta_dot_max, abs(piece%y_b(2)))
+      n = 1
+      if (.not. is_short(piece, short, sqrt(piece%equation%p%g/piece%equation%p%R))) then
+         n = count_parts(piece)
+      end if
+      if (n == 1) then
+         call observe_turn(recorder, piece, error)
+         return
+      end if
+      y_b = piece%y_a
+      part = piece
+      do i = 1, n
+         y_a = y_b
+         part = from(part, part%t_b, y_a)
+         if (i == 1) part%t_a = piece%t_a
+         call sample_state(piece, end_of_part(piece, i, n), y_b, error)
+         if (allocated(error)) return
+         part = until(part, end_of_part(piece, i, n), y_b)
+         recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y_b(2)))
+         call observe_turn(recorder, part, error)
+         if (allocated(error)) return
+      end do
+   end subroutine observe_fastest
+
+   !> The same in a piece in which theta'' changes its sign once at most. The way says how far
+   !> theta' can rise above its ends; the cubic through ends and slopes gives the instant, which a
+   !> secant closes in on until nothing is to be gained.
+   subroutine observe_turn(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: margin = 3
+      !! twice what a parabola rises by
+      type(secant_t) :: search
+      real(wp) :: slope(2), h, t, found
       real(wp) :: y(size(piece%y_b))
 
+      h = piece%t_b - piece%t_a
       associate (v_a => piece%y_a(2), v_b => piece%y_b(2))
-         recorder%theta_dot_max = max(recorder%theta_dot_max, abs(v_b))
-         if (max(abs(v_a), abs(v_b)) < 0.8_wp*recorder%theta_dot_max) return
-         h = piece%t_b - piece%t_a
-         slope = accelerations(piece)*h
+         if (max(abs(v_a), abs(v_b)) + margin*abs((piece%y_b(1) - piece%y_a(1))/h - (v_a + v_b)/2) &
+             < recorder%theta_dot_max) return
+         slope = accelerations(piece)
          if (slope(1)*slope(2) >= 0) return
-         x = stationary_point(v_a, slope(1), v_b, slope(2))
+         search = secant_between([piece%t_a, piece%t_b], slope)
+         t = piece%t_a + h*stationary_point(v_a, slope(1)*h, v_b, slope(2)*h)
       end associate
-      call piece%integrator%state_at(piece%t_a + x*h, y, error)
-      if (.not. allocated(error)) recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y(2)))
-   end subroutine observe_fastest
+      if (t > piece%t_a .and. t < piece%t_b) search%next = t
+      do while (search%is_open)
+         t = search%next
+         call piece%integrator%state_at(t, y, error)
+         if (allocated(error)) return
+         recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y(2)))
+         found = second_derivative(piece%equation, t, y)
+         call close_in(search, found)
+         if (abs(found*(search%next - t)) <= epsilon(t)*recorder%theta_dot_max) return
+      end do
+   end subroutine observe_turn
 
    !> Rows of the history up to t_b from the integrator's last step.
    subroutine sample_piece(recorder, piece, error)

@@ -18,7 +18,7 @@ module rwmf_spectrum_fast_eligibility
       //' solver.method solver.rtol solver.t_end solver.max_steps output.dt output.energy' &
       //' output.reactions output.friction_limit' &
       //' spectrum.t_s spectrum.t_s_min spectrum.t_s_max spectrum.n spectrum.spacing' &
-      //' spectrum.gamma spectrum.b '
+      //' spectrum.gamma spectrum.b spectrum.quantities '
    !! keys that the method takes into account, or that do not concern a spectrum
 
 contains

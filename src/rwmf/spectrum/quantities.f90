@@ -1,0 +1,236 @@
+!> What each ordinate of a spectrum reports: `&spectrum quantities`, keys of the table of quantities
+!> with the numbers of a run (`rwmf_simulation_scalars`).
+module rwmf_spectrum_quantities
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_model_assembly, only: build_equation, enter_side, equation_t
+   use rwmf_model_equation, only: frame_motion
+   use rwmf_model_history_row, only: numbered
+   use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_rules, only: fail_key
+   use rwmf_simulation_hybrid_loop, only: hybrid_t
+   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_simulation_recorder_recorder, only: recorder_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_run, only: begin_run, fill_result, guess_size
+   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   use rwmf_simulation_simulate, only: simulate_instant
+   implicit none
+   private
+
+   public :: asked_t, asked_of, check_asked, list_applicable, take_values
+   public :: follow_from_displacement, values_from_displacement
+
+   character(*), parameter :: displacement = 'u_s_max_m'
+   !! what is reported where nothing is asked for
+
+   !> What is asked for.
+   type :: asked_t
+      character(40), allocatable :: keys(:)
+      !! (quantities) as they stand in the outputs
+      integer, allocatable :: place(:)
+      !! (quantities) in the table
+      integer, allocatable :: storey(:)
+      !! (quantities) its number, for a key that has one
+      type(output_t), allocatable :: output
+      !! what a run has to keep for them; not allocated: nothing
+      logical :: is_displacement = .true.
+      !! the largest displacement of the frame and nothing else
+      logical :: has_fastest = .false.
+      !! the largest angular velocity is among them
+   end type asked_t
+
+contains
+
+   !> What a case asks for.
+   pure type(asked_t) function asked_of(case) result(asked)
+      type(case_t), intent(in) :: case
+      !! with `&spectrum`
+      type(output_t) :: output
+      integer :: i
+
+      output%energy = .false.
+      if (allocated(case%spectrum%quantities)) then
+         asked%keys = case%spectrum%quantities
+      else
+         asked%keys = [character(40) :: displacement]
+      end if
+      allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
+      do i = 1, size(asked%keys)
+         call look_up(trim(asked%keys(i)), asked%place(i), asked%storey(i))
+         output%reactions = output%reactions .or. all_quantities(asked%place(i))%asked_by &
+            == 'reactions'
+         output%energy = output%energy .or. all_quantities(asked%place(i))%asked_by == 'energy'
+      end do
+      asked%is_displacement = all(asked%keys == displacement)
+      asked%has_fastest = any(asked%keys == 'theta_dot_max_rad_s')
+      if (.not. (output%reactions .or. output%energy)) return
+      if (allocated(case%output)) then
+         if (allocated(case%output%friction_limit)) output%friction_limit = &
+            case%output%friction_limit
+      end if
+      asked%output = output
+   end function asked_of
+
+   !> Does all that a case asks for apply to its scene? Errors: a key that does not, with those that
+   !> do; as `simulate`.
+   subroutine check_asked(case, motion, error)
+      type(case_t), intent(in) :: case
+      !! with `&spectrum`
+      type(motion_t), intent(in) :: motion
+      type(error_t), allocatable, intent(out) :: error
+      type(asked_t) :: asked
+      character(40), allocatable :: keys(:)
+      character(:), allocatable :: allowed
+      integer :: i, j
+
+      asked = asked_of(case)
+      if (asked%is_displacement) return
+      call list_applicable(case, motion, keys, error)
+      if (allocated(error)) return
+      do i = 1, size(asked%keys)
+         if (any(keys == asked%keys(i))) cycle
+         allowed = ''
+         do j = 1, size(keys)
+            allowed = allowed//' '//trim(keys(j))
+         end do
+         call fail_key(case%values, 'spectrum', 'quantities', trim(asked%keys(i)) &
+            //' does not apply to this scene; allowed:'//allowed, error)
+         return
+      end do
+   end subroutine check_asked
+
+   !> Keys of what a spectrum of a scene may be asked for: what a run of it reports, and what it
+   !> reports where something happens. Errors: as `simulate`.
+   subroutine list_applicable(case, motion, keys, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      character(40), allocatable, intent(out) :: keys(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(case_t) :: asking, instant
+      type(result_t) :: result
+      type(scalar_t) :: scalar
+      integer :: i, storey
+
+      asking%structure_t = case%structure_t
+      asking%solver = case%solver
+      ! the cheapest to begin with
+      asking%solver%method = 'dop853'
+      asking%output = output_t(energy=.true., reactions=.true.)
+      if (allocated(case%output)) then
+         if (allocated(case%output%friction_limit)) asking%output%friction_limit = &
+            case%output%friction_limit
+      end if
+      call simulate_instant(asking, motion, instant, result, error)
+      if (allocated(error)) return
+      if (allocated(result%collapsed)) result%t_collapse = 0
+      if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
+      if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
+      allocate (keys(0))
+      do i = 1, size(all_quantities)
+         if (.not. is_of_ordinate(all_quantities(i))) cycle
+         storey = 1
+         scalar = scalar_of(instant, result, trim(all_quantities(i)%key), storey)
+         do while (scalar%is_present)
+            keys = [keys, numbered(trim(all_quantities(i)%key), storey)]
+            if (index(all_quantities(i)%key, '{i}') == 0) exit
+            storey = storey + 1
+            scalar = scalar_of(instant, result, trim(all_quantities(i)%key), storey)
+         end do
+      end do
+   end subroutine list_applicable
+
+   !> The numbers that were asked for; counts and yes (1) or no (0) as numbers; NaN for what there
+   !> is not, such as the time of what has not happened.
+   pure subroutine take_values(asked, case, result, values)
+      type(asked_t), intent(in) :: asked
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      real(wp), intent(out) :: values(:)
+      !! (quantities) [unit of each]
+      type(scalar_t) :: scalar
+      integer :: i
+
+      do i = 1, size(asked%place)
+         scalar = scalar_of(case, result, trim(all_quantities(asked%place(i))%key), &
+            asked%storey(i))
+         values(i) = scalar%number + real(scalar%count, wp)
+         if (.not. scalar%is_present) values(i) = ieee_value(1.0_wp, ieee_quiet_nan)
+      end do
+   end subroutine take_values
+
+   !> Does all that is asked for follow from the largest displacement of an ordinate that has not
+   !> overturned? So it is where a rotation to either side moves the frame as far and strains the
+   !> cable as much: not where the link is held at the left corner (`exact`), and not for the cable
+   !> force of a signed rotation (`published`).
+   pure logical function follow_from_displacement(asked, equation) result(follow)
+      type(asked_t), intent(in) :: asked
+      type(equation_t), intent(in) :: equation
+
+      follow = asked%is_displacement
+      if (follow .or. .not. equation%has_wall) return
+      associate (sine => equation%geometry%sine_link)
+         follow = abs(sine(1) - sine(-1)) <= 0 .and. all(asked%keys == displacement &
+            .or. asked%keys == 'theta_max_over_alpha' .or. asked%keys == 'e' &
+            .or. asked%keys == 'e_max' .or. asked%keys == 'overturned' &
+            .or. asked%keys == 'cable_force_increment_max_over_m_w_g')
+      end associate
+      if (equation%cable%is_signed) follow = follow .and. .not. any(asked%keys &
+         == 'cable_force_increment_max_over_m_w_g')
+   end function follow_from_displacement
+
+   !> What follows from the largest displacements of runs of one wall.
+   subroutine values_from_displacement(asked, case, motion, u_s_max, values)
+      type(asked_t), intent(in) :: asked
+      type(case_t), intent(in) :: case
+      !! with a wall, and any period of the frame
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: u_s_max(:)
+      !! (runs) [m]
+      real(wp), intent(out) :: values(:, :)
+      !! (runs, quantities) [unit of each]
+      type(equation_t), target :: equation
+      type(explicit_pair_t) :: integrator
+      type(hybrid_t) :: hybrid
+      type(recorder_t) :: recorder
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: i
+
+      call build_equation(case, motion, equation)
+      call begin_run(case, guess_size(case, equation), equation, integrator, hybrid, recorder, &
+         error)
+      allocate (result%warnings(0))
+      do i = 1, size(u_s_max)
+         call enter_side(equation%model_t, equation%state, 1)
+         recorder%u_max = u_s_max(i)
+         recorder%theta_max = rotation_of(equation, u_s_max(i))
+         recorder%theta_min = -recorder%theta_max
+         call fill_result(case, equation, hybrid, recorder, result)
+         call take_values(asked, case, result, values(i, :))
+      end do
+   end subroutine values_from_displacement
+
+   !> Rotation at a displacement of the frame, by Newton's method [rad].
+   real(wp) function rotation_of(equation, u_s) result(theta)
+      type(equation_t), intent(in) :: equation
+      !! on the side +1
+      real(wp), intent(in) :: u_s
+      !! [m]
+      integer, parameter :: most = 20
+      real(wp) :: u, slope, change
+      integer :: i
+
+      theta = 0
+      do i = 1, most
+         call frame_motion(equation, equation%state%side, [theta, 1.0_wp], u, slope)
+         change = (u_s - u)/slope
+         theta = theta + change
+         if (abs(change) <= 4*epsilon(theta)*abs(theta)) return
+      end do
+   end function rotation_of
+
+end module rwmf_spectrum_quantities
