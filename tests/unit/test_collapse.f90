@@ -23,7 +23,8 @@ contains
       equation%effects = [equation%effects, effect]
    end subroutine limit_drifts
 
-   subroutine put_drifts(equation, y, ratio, rate)
+   subroutine put_drifts(effect, equation, y, ratio, rate)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: ratio(:)

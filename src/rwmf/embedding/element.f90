@@ -21,7 +21,7 @@ module rwmf_embedding_element
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
-   use rwmf_model_equation, only: cable_at, equation_t, kinematics_at
+   use rwmf_model_equation, only: cable_at, corner_share, equation_t, kinematics_at
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
@@ -44,6 +44,10 @@ module rwmf_embedding_element
       !! of the vertical to the horizontal ground acceleration [-]
       real(wp) :: e = 1
       !! velocity factor at impact [-]
+      real(wp) :: inertance = 0
+      !! of the corner inerters over m_w [-]
+      real(wp) :: damping = 0
+      !! of the corner dampers over m_w [1/s]
       real(wp) :: largest_angle = 0
       !! rotation at which the wall counts as overturned [rad]
    end type wall_element_t
@@ -96,6 +100,10 @@ contains
       element%m_w = 1
       if (allocated(case%wall%m_w)) element%m_w = case%wall%m_w
       element%e = restitution(case, element%equation%p%alpha)
+      associate (share => corner_share(element%equation))
+         if (allocated(case%inerter)) element%inertance = share*case%inerter%inertance_over_m_w
+         if (allocated(case%damper)) element%damping = share*case%damper%c_over_m_w
+      end associate
       element%largest_angle = case%model%overturning_angle
    end subroutine create_element
 
@@ -234,7 +242,7 @@ contains
       !! its derivative by phi at fixed w', w''
 
       associate (p => element%equation%p, phi_dot => rates(1), phi_ddot => rates(2), &
-                 beta => element%equation%inertance, c => element%equation%damper_c)
+                 beta => element%inertance, c => element%damping)
          if (.not. max(beta, c, abs(vertical)) > 0) return
          unit = element%m_w*p%R/kin%lever
          gain = 4*element%equation%sin_alpha**2*[kin%half_cosine**2, &
@@ -321,7 +329,7 @@ contains
 
       kin = kinematics_at(element%equation, 0.0_wp, 1)
       resting_inertia = element%m_w*(element%equation%inertia &
-         + element%equation%inertance*(2*element%equation%sin_alpha)**2)/(kin%lever*kin%j)
+         + element%inertance*(2*element%equation%sin_alpha)**2)/(kin%lever*kin%j)
    end function resting_inertia
 
 end module rwmf_embedding_element

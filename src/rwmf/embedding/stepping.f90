@@ -15,8 +15,7 @@ module rwmf_embedding_stepping
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
-      identity_of, restore_state, save_state, snapshot_t, start_instance, use_host_motion, &
-      wall_instance_t
+      restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_integrator_factory, only: new_integrator
    use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
       kinematics_at, second_derivative
@@ -321,7 +320,7 @@ contains
       call save_state(stepping%instance, snapshot)
       if (snapshot%is_one_step) return
       stepping%instance%hybrid%must_restart = .true.
-      snapshot%must_restart = .true.
+      snapshot%hybrid%must_restart = .true.
    end subroutine save_stepping
 
    !> Return to a state that `save_stepping` remembered of this wall (or of one made alike).
@@ -335,7 +334,7 @@ contains
       if (allocated(error)) return
       if (.not. snapshot%is_filled) then
          call fail(error, err_input, 'nothing was saved in this snapshot', 'empty_snapshot')
-      else if (any(abs(snapshot%identity - identity_of(stepping%instance%equation)) > 0)) then
+      else if (any(abs(snapshot%identity - stepping%instance%identity) > 0)) then
          call fail(error, err_input, 'the snapshot is that of another wall', 'other_wall')
       end if
       if (allocated(error)) return
@@ -423,7 +422,7 @@ contains
          if (equation%has_frame) then
             restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(equation, y)) &
                + 2*p%xi_s*state%u_s_dot)
-            forces%frame_shear = equation%base_shear_ratio*(restoring &
+            forces%frame_shear = equation%floors%base_shear_ratio*(restoring &
                + frame_mass*p%omega_squared*uneven_residual(equation, y(1)))
          end if
          if (allocated(equation%floors%m)) then
@@ -431,13 +430,14 @@ contains
             forces%frame_shear = sum(floor_forces)
             restoring = floor_forces(size(floor_forces))
          end if
-         if (equation%links_floors .and. equation%has_wall) then
+         if (equation%floors%are_linked .and. equation%has_wall) then
             ! what the floors' momentum takes from links at every floor, and the lowest shear
-            forces%link = instance%mass*(p%gamma*(equation%excited_mass_ratio*state%u_s_ddot &
-               + instance%ground) + equation%floor_mass*instance%ground) + forces%frame_shear
+            forces%link = &
+               instance%mass*(p%gamma*(equation%floors%excited_mass_ratio*state%u_s_ddot &
+               + instance%ground) + equation%floors%mass*instance%ground) + forces%frame_shear
          else if (equation%has_frame .and. equation%has_wall) then
             forces%link = frame_mass*(state%u_s_ddot &
-               + equation%excited_mass_ratio*instance%ground) + restoring
+               + equation%floors%excited_mass_ratio*instance%ground) + restoring
          end if
          on_frame = effects_frame_force(equation, y)
          if (equation%has_wall) forces%link = forces%link + instance%mass*on_frame(1)

@@ -12,14 +12,15 @@ module rwmf_embedding_wall_instance
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_hybrid_loop, only: advance_hybrid, has_ended, hybrid_t, start_hybrid
-   use rwmf_simulation_recorder_recorder, only: create_recorder, recorder_t
+   use rwmf_simulation_hybrid_state, only: hybrid_state_t
+   use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
    use rwmf_simulation_run, only: guess_size, impact_law, initial_state, tolerances
    implicit none
    private
 
    public :: wall_instance_t, snapshot_t
    public :: start_instance, use_host_motion, hold_ground_acceleration, advance_instance, &
-      save_state, restore_state, identity_of
+      save_state, restore_state
 
    !> All that belongs to one wall. Lives on the heap, because the integrators point into it.
    type :: wall_instance_t
@@ -38,31 +39,29 @@ module rwmf_embedding_wall_instance
       !! how far the host has advanced; after overturning or collapse the motion ended earlier [s]
       real(wp) :: ground
       !! ground acceleration there [m/s2]
+      real(wp) :: identity(8) = 0
+      !! see `identity_of`
       real(wp) :: mass
       !! of the wall, without one of the frame; 1 when the case does not say [kg]
       integer(i8) :: steps = 0_i8
       !! of the integrator in all calls
    end type wall_instance_t
 
-   !> State of a wall between two calls: plain numbers, may be copied and forgotten at will.
+   !> State of a wall between two calls: plain values, may be copied and forgotten at will.
    type :: snapshot_t
       logical :: is_filled = .false.
-      real(wp) :: identity(6) = 0
-      !! alpha, R, omega_s, gamma: a snapshot of another wall is refused
+      real(wp) :: identity(8) = 0
+      !! `identity_of` the wall: a snapshot of another one is refused
       logical :: is_one_step = .false.
       logical :: follows_host = .false.
       real(wp) :: t = 0
       real(wp) :: ground = 0
-      integer :: mode = 0
-      real(wp) :: t_hybrid = 0
-      real(wp), allocatable :: y(:)
-      !! (states)
-      logical :: must_restart = .true.
       type(discrete_state_t) :: state
-      real(wp) :: extremes(5) = 0
-      !! u_max, t_u_max, theta_max, theta_min, theta_dot_max of the observer
-      integer(i8) :: counts(4) = 0
-      !! impacts, lift-offs, steps, right-hand sides
+      type(hybrid_state_t) :: hybrid
+      type(peaks_t) :: peaks
+      !! of the observer
+      integer(i8) :: steps = 0
+      integer(i8) :: rhs_evaluations = 0
       real(wp) :: h = 0
       !! step length of a one-step method [s]
       real(wp), allocatable :: f(:)
@@ -79,6 +78,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       associate (equation => instance%equation, case => instance%case)
+         instance%identity = identity_of(equation)
          call instance%integrator%create(equation, tolerances(case, equation, &
             size_to_expect(instance, peak)), error)
          if (allocated(error)) return
@@ -181,21 +181,15 @@ contains
       type(snapshot_t), intent(out) :: snapshot
 
       snapshot%is_filled = .true.
-      snapshot%identity = identity_of(instance%equation)
+      snapshot%identity = instance%identity
       snapshot%follows_host = instance%follows_host
       snapshot%t = instance%t
       snapshot%ground = instance%ground
       snapshot%state = instance%equation%state
-      associate (hybrid => instance%hybrid, recorder => instance%recorder)
-         snapshot%mode = hybrid%mode
-         snapshot%t_hybrid = hybrid%t
-         snapshot%y = hybrid%y
-         snapshot%must_restart = hybrid%must_restart
-         snapshot%extremes = [recorder%u_max, recorder%t_u_max, recorder%theta_max, &
-            recorder%theta_min, recorder%theta_dot_max]
-         snapshot%counts = [recorder%impacts, recorder%lift_offs, instance%steps, &
-            instance%equation%rhs_evaluations]
-      end associate
+      snapshot%hybrid = instance%hybrid%hybrid_state_t
+      snapshot%peaks = instance%recorder%peaks_t
+      snapshot%steps = instance%steps
+      snapshot%rhs_evaluations = instance%equation%rhs_evaluations
       select type (method => instance%integrator)
       class is (one_step_t)
          snapshot%is_one_step = .true.
@@ -211,45 +205,43 @@ contains
       instance%follows_host = snapshot%follows_host
       instance%t = snapshot%t
       instance%ground = snapshot%ground
-      if (.not. snapshot%follows_host) instance%equation%motion => instance%own_motion
       instance%equation%state = snapshot%state
-      instance%equation%rhs_evaluations = snapshot%counts(4)
-      instance%steps = snapshot%counts(3)
-      associate (hybrid => instance%hybrid, recorder => instance%recorder)
-         hybrid%mode = snapshot%mode
-         hybrid%t = snapshot%t_hybrid
-         hybrid%y(:) = snapshot%y
-         hybrid%must_restart = snapshot%must_restart
-         recorder%u_max = snapshot%extremes(1)
-         recorder%t_u_max = snapshot%extremes(2)
-         recorder%theta_max = snapshot%extremes(3)
-         recorder%theta_min = snapshot%extremes(4)
-         recorder%theta_dot_max = snapshot%extremes(5)
-         recorder%impacts = snapshot%counts(1)
-         recorder%lift_offs = snapshot%counts(2)
-      end associate
+      if (.not. snapshot%follows_host) then
+         instance%equation%motion => instance%own_motion
+         call enter_interval(instance%equation%model_t, instance%equation%state, &
+            interval_of(instance%equation))
+      end if
+      instance%hybrid%hybrid_state_t = snapshot%hybrid
+      instance%recorder%peaks_t = snapshot%peaks
+      instance%steps = snapshot%steps
+      instance%equation%rhs_evaluations = snapshot%rhs_evaluations
       select type (method => instance%integrator)
       class is (one_step_t)
          method%h = snapshot%h
          method%f1(:) = snapshot%f
-         method%t1 = snapshot%t_hybrid
-         method%y1(:) = snapshot%y
+         method%t1 = snapshot%hybrid%t
+         method%y1(:) = snapshot%hybrid%y
       class default
          instance%hybrid%must_restart = .true.
       end select
    end subroutine restore_state
 
-   function identity_of(equation) result(identity)
+   !> Numbers that tell a wall that has just been put together from others.
+   pure function identity_of(equation) result(identity)
       type(equation_t), intent(in) :: equation
-      real(wp) :: identity(6)
+      real(wp) :: identity(8)
+      integer :: i
 
       identity(:4) = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
-      ! What yields has to find its memory in the snapshot.
-      identity(5:) = 0
+      ! What yields has to find its memory in the snapshot, and every loop its coefficients.
+      identity(5:6) = 0
       if (equation%cable%is_tendon) identity(5) = 1
       if (equation%has_bilinear_springs) identity(6) = 1 + size(equation%springs)
       if (allocated(equation%floors%springs)) identity(6) = identity(6) + 0.5_wp
       if (allocated(equation%floors%laws)) identity(6) = identity(6) + 0.25_wp
+      associate (coef => equation%state%coef(1, :))
+         identity(7:) = [real(size(coef), wp), sum([(i*coef(i), i=1, size(coef))])]
+      end associate
    end function identity_of
 
 end module rwmf_embedding_wall_instance

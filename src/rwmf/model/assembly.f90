@@ -61,9 +61,11 @@ contains
       allocate (equation%state%coef(1, equation%scene%n_coef))
       equation%state%coef(1, 1) = 1
       call renew_coefficients(equation%model_t, equation%state)
-      equation%effective_mass_ratio = 2*equation%p%gamma*equation%excited_mass_ratio + 1
-      equation%threshold = equation%p%g*tan(equation%p%alpha)*(1 + equation%p%eta_0) &
-         /equation%effective_mass_ratio
+      associate (p => equation%p, &
+         pushed => 2*equation%p%gamma*equation%floors%excited_mass_ratio + 1)
+         equation%threshold = p%g*tan(p%alpha)*(1 + p%eta_0)/pushed
+         equation%weight_share = tan(p%alpha)/pushed
+      end associate
       equation%state%uplift_acceleration = equation%threshold
       equation%state%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
       equation%effects_act_at_rest = equation%has_impacts &

@@ -17,7 +17,7 @@ module rwmf_model_equation
    public :: equation_t, model_t, discrete_state_t
    public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t
    public :: place_frame, place_left, place_right
-   public :: enter_interval, interval_of, enter_side, renew_coefficients, constants_of
+   public :: enter_interval, interval_of, enter_side, renew_coefficients
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
    public :: frame_displacement
@@ -28,11 +28,9 @@ module rwmf_model_equation
    type :: contribution_t
       logical :: is_present = .false.
       !! the case calls for it
-      character(12) :: group = ''
-      !! of an effect with constants
       real(wp), allocatable :: constants(:)
-      !! what its procedures need of the case, which they find by its group (`constants_of`)
-      procedure(coefficients_i), pointer, nopass :: coefficients => null()
+      !! what its procedures need of the case
+      procedure(coefficients_i), pointer, pass(effect) :: coefficients => null()
       !! that its loop reads; not associated: it has no loop
       integer :: n_coef = 0
       !! number of coefficients
@@ -46,21 +44,21 @@ module rwmf_model_equation
       !! its coefficients follow the side of the motion
       logical :: is_kinematic = .false.
       !! it changes the kinematics that the loops of others read
-      procedure(power_i), pointer, nopass :: power => null()
+      procedure(power_i), pointer, pass(effect) :: power => null()
       !! that viscous parts dissipate; not associated: nothing
-      procedure(power_i), pointer, nopass :: plastic_power => null()
+      procedure(power_i), pointer, pass(effect) :: plastic_power => null()
       !! that yielding dissipates; not associated: nothing
-      procedure(energy_i), pointer, nopass :: energy => null()
+      procedure(energy_i), pointer, pass(effect) :: energy => null()
       !! not associated: stores nothing
-      procedure(force_i), pointer, nopass :: force => null()
+      procedure(force_i), pointer, pass(effect) :: force => null()
       !! asked only for reactions; not associated: no force on the wall
-      procedure(frame_force_i), pointer, nopass :: frame_force => null()
+      procedure(frame_force_i), pointer, pass(effect) :: frame_force => null()
       !! asked only for reactions; not associated: no force on the frame
-      procedure(power_i), pointer, nopass :: input => null()
+      procedure(power_i), pointer, pass(effect) :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
       !! number of states of its own, whose rates `add` puts in their places
-      procedure(sizes_i), pointer, nopass :: sizes => null()
+      procedure(sizes_i), pointer, pass(effect) :: sizes => null()
       !! that its states are expected to have
       integer :: first = 0
       !! place of its first state among all, or of the first that it reads
@@ -68,7 +66,7 @@ module rwmf_model_equation
       !! number of states of another effect that its loop reads, and whose rates it adds to
       integer :: drifts = 0
       !! number of drifts that end the run when they pass their limits
-      procedure(drifts_i), pointer, nopass :: put_drifts => null()
+      procedure(drifts_i), pointer, pass(effect) :: put_drifts => null()
       !! those drifts
    end type contribution_t
 
@@ -101,12 +99,21 @@ module rwmf_model_equation
       !! sign of z where z**n takes the place of |z|**n and n is odd [-]
    end type motion_signs_t
 
-   !> The floors of a frame with all its modes, from the ground to the roof.
+   !> The floors of a frame, from the ground to the roof: with all its modes, or what one mode makes
+   !> of them.
    type :: floors_t
+      real(wp) :: excited_mass_ratio = 1
+      !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      real(wp) :: mass = 0
+      !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
+      logical :: are_linked = .false.
+      !! every floor is linked to the wall, not the roof alone
+      real(wp) :: base_shear_ratio = 1
+      !! shear of the lowest storey over the force that resists the roof [-]
+      real(wp) :: max_frequency = 0
+      !! largest frequency of floors that move by themselves [rad/s]
       integer :: n = 0
-      !! number of floors; 0: the frame has no floors of its own
-      integer :: below = 0
-      !! number of those below the roof
+      !! number of floors that move by themselves; 0: the following are not there
       real(wp), allocatable :: m(:)
       !! (n) mass of each over m_w; without wall over that of the roof [-]
       real(wp), allocatable :: k(:)
@@ -140,6 +147,8 @@ module rwmf_model_equation
       !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
       integer :: place
       !! one of the `place_` numbers
+      real(wp) :: share = 0
+      !! of the frame's stiffness [-]
    end type sprung_t
 
    !> The interval, side and branches in force, and what follows from them. Plain values: an
@@ -190,25 +199,15 @@ module rwmf_model_equation
       real(wp) :: cos_alpha
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
+      real(wp) :: weight_share = 0
+      !! of it per vertical ground acceleration [-]
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
       !! of the wall about its pivot over m_w R**2 [-]
-      real(wp) :: excited_mass_ratio = 1
-      !! mass of the frame that the ground motion pushes over the mass that moves [-]
-      real(wp) :: effective_mass_ratio = 1
-      !! 1 + 2 gamma push: what the ground motion pushes where the link is at the top corner [-]
-      real(wp) :: floor_mass = 0
-      !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
-      logical :: links_floors = .false.
-      !! every floor is linked to the wall, not the roof alone
-      real(wp) :: base_shear_ratio = 1
-      !! shear of the lowest storey over the force that resists the roof [-]
-      real(wp) :: max_frequency = 0
-      !! largest frequency of the frame's floors [rad/s]
       type(floors_t) :: floors
-      !! of `&storeys` with all modes
+      !! of `&storeys`
       type(hysteresis_t) :: hysteresis
       !! of the frame
       logical :: has_loading_direction = .false.
@@ -231,18 +230,10 @@ module rwmf_model_equation
       !! under the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
       !! yielding frame and fuses; the tendon's is in `cable`
-      real(wp), allocatable :: parts(:)
-      !! of the frame's stiffness that its springs have, the first of them all [-]
       real(wp) :: angle_limit = 0
       !! largest |theta| at which the springs are asked for their elongation [rad]
       logical :: has_vertical = .false.
       !! the ground moves vertically as well
-      real(wp) :: weight_share = 0
-      !! threshold of lift-off per vertical ground acceleration [-]
-      real(wp) :: inertance = 0
-      !! of the corner inerters over m_w [-]
-      real(wp) :: damper_c = 0
-      !! of the corner dampers over m_w [1/s]
       type(motion_t), pointer :: motion => null()
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       type(scene_t) :: scene
@@ -257,9 +248,10 @@ module rwmf_model_equation
 
    abstract interface
       !> Coefficients of the loop of an effect, on the side and the branches in force.
-      pure subroutine coefficients_i(model, state, coef)
-         import :: discrete_state_t, model_t, wp
+      pure subroutine coefficients_i(effect, model, state, coef)
+         import :: contribution_t, discrete_state_t, model_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          type(model_t), intent(in) :: model
          type(discrete_state_t), intent(in) :: state
          real(wp), intent(out) :: coef(:)
@@ -267,18 +259,20 @@ module rwmf_model_equation
       end subroutine coefficients_i
 
       !> Energy that an effect stores [J/kg].
-      real(wp) function energy_i(equation, y)
-         import :: equation_t, wp
+      real(wp) function energy_i(effect, equation, y)
+         import :: contribution_t, equation_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: y(:)
          !! (states)
       end function energy_i
 
       !> Drifts over their limits, and how fast these ratios change.
-      subroutine drifts_i(equation, y, ratio, rate)
-         import :: equation_t, wp
+      subroutine drifts_i(effect, equation, y, ratio, rate)
+         import :: contribution_t, equation_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: y(:)
          !! (states)
@@ -289,9 +283,10 @@ module rwmf_model_equation
       end subroutine drifts_i
 
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
-      subroutine sizes_i(equation, size_guess, sizes)
-         import :: equation_t, wp
+      subroutine sizes_i(effect, equation, size_guess, sizes)
+         import :: contribution_t, equation_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: size_guess(2)
          !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
@@ -300,9 +295,10 @@ module rwmf_model_equation
       end subroutine sizes_i
 
       !> Power that an effect dissipates [W/kg].
-      real(wp) function power_i(equation, t, y)
-         import :: equation_t, wp
+      real(wp) function power_i(effect, equation, t, y)
+         import :: contribution_t, equation_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
@@ -311,9 +307,10 @@ module rwmf_model_equation
       end function power_i
 
       !> Add the force on the wall.
-      subroutine force_i(equation, t, y, y_ddot, force)
-         import :: equation_t, wp
+      subroutine force_i(effect, equation, t, y, y_ddot, force)
+         import :: contribution_t, equation_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
@@ -327,9 +324,10 @@ module rwmf_model_equation
       end subroutine force_i
 
       !> Forces with which an effect resists the displaced frame, or pushes on it where negative.
-      function frame_force_i(equation, y) result(force)
-         import :: equation_t, wp
+      function frame_force_i(effect, equation, y) result(force)
+         import :: contribution_t, equation_t, wp
          implicit none
+         class(contribution_t), intent(in) :: effect
          class(equation_t), intent(in) :: equation
          real(wp), intent(in) :: y(:)
          !! (states)
@@ -340,18 +338,6 @@ module rwmf_model_equation
    end interface
 
 contains
-
-   !> Constants of an effect that the scene has.
-   pure function constants_of(model, group) result(constants)
-      class(model_t), intent(in) :: model
-      character(*), intent(in) :: group
-      real(wp), allocatable :: constants(:)
-      integer :: i
-
-      do i = 1, size(model%effects)
-         if (model%effects(i)%group == group) constants = model%effects(i)%constants
-      end do
-   end function constants_of
 
    !> An interval of the motion comes into force, or the motion has changed within it.
    !>

@@ -185,7 +185,7 @@ contains
          kin = kinematics_of(model%geometry, side, 0.0_wp)
          call moment_at_rest(model%scene, state%coef, y, moment, state%inertia_at_rest)
          state%uplift_acceleration(side) = &
-            -moment*model%p%R/(model%p%gamma*model%excited_mass_ratio*kin%lever + kin%c)
+            -moment*model%p%R/(model%p%gamma*model%floors%excited_mass_ratio*kin%lever + kin%c)
       end do
       call enter_side(model, state, side_in_force)
    end subroutine find_uplift_acceleration

@@ -109,7 +109,7 @@ contains
       if (.not. equation%has_frame) return
       associate (p => equation%p)
          u_ddot = roof_acceleration(equation, kin, y, y_ddot)
-         force(1) = -p%gamma*(u_ddot + equation%excited_mass_ratio*ground(equation, t))
+         force(1) = -p%gamma*(u_ddot + equation%floors%excited_mass_ratio*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
             force(1) = force(1) - resisting(size(resisting))
@@ -120,7 +120,7 @@ contains
          if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
             force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
          end if
-         if (equation%links_floors) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
+         if (equation%floors%are_linked) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
       end associate
       on_frame = effects_frame_force(equation, y)
       force(1) = force(1) - on_frame(1)
@@ -162,11 +162,11 @@ contains
       !! of spring and damper at the roof [m/s2]
 
       associate (gamma => equation%p%gamma, a => ground(equation, t))
-         resisting = -roof_alone - gamma*(u_ddot + equation%excited_mass_ratio*a)
+         resisting = -roof_alone - gamma*(u_ddot + equation%floors%excited_mass_ratio*a)
          if (equation%has_bilinear_springs) resisting = resisting + gamma*equation%p%omega_squared &
             *uneven_residual(equation, y(1))
          force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
-            - equation%base_shear_ratio*resisting
+            - equation%floors%base_shear_ratio*resisting
       end associate
    end function sum_of_links
 

@@ -90,7 +90,8 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (p => equation%p, c => equation%cos_alpha)
-         gain = c*(2*p%gamma*equation%excited_mass_ratio + 1)/(p%R*equation%state%inertia_at_rest)
+         gain = c*(2*p%gamma*equation%floors%excited_mass_ratio &
+            + 1)/(p%R*equation%state%inertia_at_rest)
       end associate
    end function inverse_inertia
 

@@ -240,7 +240,7 @@ contains
       may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
       if (may_rest .or. e >= 1 .or. v**2 > 2*press*gain*small_angle) return
       chatter = 4*v/(press*gain*(1 - e))
-      if (chatter*equation%max_frequency > 0.1_wp) return
+      if (chatter*equation%floors%max_frequency > 0.1_wp) return
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       call bound_change(equation, t, y, chatter, change)
       press = pressing_acceleration(equation, t, t + chatter) - change
@@ -273,7 +273,7 @@ contains
       call find_uplift_acceleration(equation%model_t, equation%state, y)
       displaced = maxval(abs(present([-1, 1]) - equation%threshold))
       change = 2*maxval(abs(later([-1, 1]) - present([-1, 1]))) &
-         + (duration*equation%max_frequency)**2*displaced
+         + (duration*equation%floors%max_frequency)**2*displaced
    end subroutine bound_change
 
 end module rwmf_simulation_held_wall

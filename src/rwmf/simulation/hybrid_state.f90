@@ -10,7 +10,7 @@ module rwmf_simulation_hybrid_state
    implicit none
    private
 
-   public :: hybrid_t, count_steps, has_ended, pass_knot
+   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, pass_knot
    public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
    public :: change_storey
 
@@ -25,15 +25,19 @@ module rwmf_simulation_hybrid_state
    integer(i8), parameter :: cost_of_restart = 30_i8
    !! steps that a multistep method takes to be up to speed
 
-   !> State of the hybrid system and the numbers that its transitions need.
-   type :: hybrid_t
-      integer :: mode
-      real(wp) :: t
+   !> State of the hybrid system.
+   type :: hybrid_state_t
+      integer :: mode = mode_rest
+      real(wp) :: t = 0
       !! [s]
       real(wp), allocatable :: y(:)
       !! (states)
-      logical :: must_restart
+      logical :: must_restart = .true.
       !! the integrator has to begin anew at (t, y)
+   end type hybrid_state_t
+
+   !> The same with the numbers that its transitions need.
+   type, extends(hybrid_state_t) :: hybrid_t
       type(restitution_t) :: restitution
       !! what an impact leaves of the velocity
       logical :: is_rising = .false.

@@ -449,7 +449,7 @@ contains
       real(wp) :: rate
       !! the fastest in the scene [rad/s]
 
-      rate = max(equation%p%omega_s, equation%max_frequency/2, fastest_rate(motion))
+      rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate(motion))
       if (equation%has_wall) rate = max(rate, sqrt(equation%p%g_over_R))
       longest = longest_angle/rate
    end function longest_step

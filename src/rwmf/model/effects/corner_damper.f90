@@ -50,32 +50,35 @@ contains
 
       damper%is_present = has_damper(case)
       if (.not. damper%is_present) return
-      equation%damper_c = corner_share(equation)*case%damper%c_over_m_w
+      damper%constants = [corner_share(equation)*case%damper%c_over_m_w]
       damper%n_coef = 1
       damper%coefficients => damper_coefficients
       damper%power => damper_power
       damper%force => damper_force
    end subroutine prepare_damper
 
-   pure subroutine damper_coefficients(model, state, coef)
+   pure subroutine damper_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = model%damper_c*(2*model%sin_alpha)**2
+      coef(1) = effect%constants(1)*(2*model%sin_alpha)**2
    end subroutine damper_coefficients
 
    !> Power that it takes [W/kg].
-   real(wp) function damper_power(equation, t, y) result(power)
+   real(wp) function damper_power(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
-      power = equation%p%R**2*(equation%damper_c*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2
+      power = equation%p%R**2*(effect%constants(1)*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2
    end function damper_power
 
    !> Force on the lifting corner, against its velocity along the chord.
-   subroutine damper_force(equation, t, y, y_ddot, force)
+   subroutine damper_force(effect, equation, t, y, y_ddot, force)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -88,7 +91,7 @@ contains
 
       half_angle = equation%state%side*y(1)/2
       stroke_rate = 2*equation%p%R*equation%sin_alpha*cos(half_angle)*equation%state%side*y(2)
-      force = force - equation%damper_c*stroke_rate*[equation%state%side*sin(half_angle), &
+      force = force - effect%constants(1)*stroke_rate*[equation%state%side*sin(half_angle), &
          cos(half_angle)]
    end subroutine damper_force
 

@@ -51,31 +51,34 @@ contains
 
       inerter%is_present = has_inerter(case)
       if (.not. inerter%is_present) return
-      equation%inertance = corner_share(equation)*case%inerter%inertance_over_m_w
+      inerter%constants = [corner_share(equation)*case%inerter%inertance_over_m_w]
       inerter%n_coef = 1
       inerter%coefficients => inerter_coefficients
       inerter%energy => inerter_energy
       inerter%force => inerter_force
    end subroutine prepare_inerter
 
-   pure subroutine inerter_coefficients(model, state, coef)
+   pure subroutine inerter_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = model%inertance*(2*model%sin_alpha)**2
+      coef(1) = effect%constants(1)*(2*model%sin_alpha)**2
    end subroutine inerter_coefficients
 
    !> Kinetic energy of the inerter [J/kg].
-   real(wp) function inerter_energy(equation, y) result(energy)
+   real(wp) function inerter_energy(effect, equation, y) result(energy)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
-      energy = equation%p%R**2*(equation%inertance*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
+      energy = equation%p%R**2*(effect%constants(1)*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
    end function inerter_energy
 
    !> Force on the lifting corner, against the acceleration of the stroke along the chord.
-   subroutine inerter_force(equation, t, y, y_ddot, force)
+   subroutine inerter_force(effect, equation, t, y, y_ddot, force)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -89,7 +92,7 @@ contains
       half_angle = equation%state%side*y(1)/2
       stroke_ddot = 2*equation%p%R*equation%sin_alpha*(cos(half_angle)*equation%state%side*y_ddot &
          - sin(half_angle)*y(2)**2/2)
-      force = force - equation%inertance*stroke_ddot*[equation%state%side*sin(half_angle), &
+      force = force - effect%constants(1)*stroke_ddot*[equation%state%side*sin(half_angle), &
          cos(half_angle)]
    end subroutine inerter_force
 

@@ -5,8 +5,8 @@
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: constants_of, contribution_t, discrete_state_t, equation_t, &
-      frame_mass, frame_motion, model_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
+      frame_motion, model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -101,7 +101,6 @@ contains
       effect%is_present = has_p_delta(case)
       if (.not. effect%is_present) return
       numbers = numbers_of(case, 'p_delta')
-      effect%group = 'p_delta'
       effect%coefficients => p_delta_coefficients
       effect%energy => p_delta_energy
       effect%frame_force => p_delta_force
@@ -146,73 +145,69 @@ contains
          end if
          bend = (frame%shape(:, 1) - [0.0_wp, frame%shape(:n - 1, 1)])/frame%shape(n, 1)
          push = frame_mass(equation)*sum(load*bend**2)*frame%shape(n, 1)**2
-         effect%constants = [push, merge(load(1)*bend(1), push, equation%links_floors), &
+         effect%constants = [push, merge(load(1)*bend(1), push, equation%floors%are_linked), &
             bend/(limit*frame%height)]
       end associate
    end subroutine prepare_storeys
 
    !> As the loops read them.
-   pure subroutine p_delta_coefficients(model, state, coef)
+   pure subroutine p_delta_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      real(wp), allocatable :: constants(:)
 
-      constants = constants_of(model, 'p_delta')
       associate (n => model%floors%n)
          if (n > 0) then
-            coef = [model%p%R, constants(:n), 1/model%floors%m(:n - 1)]
+            coef = [model%p%R, effect%constants(:n), 1/model%floors%m(:n - 1)]
          else
-            coef = constants(:1)
+            coef = effect%constants(:1)
          end if
       end associate
    end subroutine p_delta_coefficients
 
    !> Energy of the weights that sink.
-   real(wp) function p_delta_energy(equation, y) result(energy)
+   real(wp) function p_delta_energy(effect, equation, y) result(energy)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
-      real(wp), allocatable :: constants(:)
 
-      constants = constants_of(equation, 'p_delta')
       call displacements(equation, y, d, rate)
-      energy = -sum(constants(:size(d))*d**2)/2
+      energy = -sum(effect%constants(:size(d))*d**2)/2
    end function p_delta_energy
 
    !> What links to the wall do not have to pull back, and what floors are pushed by.
-   function p_delta_force(equation, y) result(force)
+   function p_delta_force(effect, equation, y) result(force)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: force(2)
       real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
-      real(wp), allocatable :: constants(:)
 
-      constants = constants_of(equation, 'p_delta')
       call displacements(equation, y, d, rate)
       associate (n => size(d))
          if (equation%floors%n > 0) then
-            force = [-constants(n)*d(n), constants(n)*d(n) - constants(1)*d(1)]
+            force = [-effect%constants(n)*d(n), effect%constants(n)*d(n) - effect%constants(1)*d(1)]
          else
-            force = [-constants(2)*d(1), 0.0_wp]
+            force = [-effect%constants(2)*d(1), 0.0_wp]
          end if
       end associate
    end function p_delta_force
 
-   subroutine p_delta_drifts(equation, y, ratio, rate)
+   subroutine p_delta_drifts(effect, equation, y, ratio, rate)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: ratio(:)
       real(wp), intent(out) :: rate(:)
-      real(wp), allocatable :: constants(:)
 
-      constants = constants_of(equation, 'p_delta')
       call displacements(equation, y, ratio, rate)
       if (equation%floors%n == 0) then
          ratio = ratio(1)
          rate = rate(1)
       end if
-      associate (share => constants(size(constants) - size(ratio) + 1:))
+      associate (share => effect%constants(size(effect%constants) - size(ratio) + 1:))
          ratio = ratio*share
          rate = rate*share
       end associate

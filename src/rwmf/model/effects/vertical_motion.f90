@@ -102,13 +102,12 @@ contains
       vertical%is_present = has_vertical(case)
       if (.not. vertical%is_present) return
       equation%has_vertical = .true.
-      equation%weight_share = tan(equation%p%alpha) &
-         /(1 + 2*equation%p%gamma*equation%excited_mass_ratio)
       vertical%n_coef = 1
       vertical%coefficients => vertical_coefficients
    end subroutine prepare_vertical
 
-   pure subroutine vertical_coefficients(model, state, coef)
+   pure subroutine vertical_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)

@@ -3,8 +3,7 @@ module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
-      model_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, model_t
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_power, bouc_wen_sizes, &
       prepare_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, yielding_energy, yielding_power
@@ -247,7 +246,8 @@ contains
       end if
    end subroutine prepare_yielding
 
-   pure subroutine bouc_wen_coefficients(model, state, coef)
+   pure subroutine bouc_wen_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)

@@ -11,8 +11,9 @@
 !> natural number).
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: discrete_state_t, equation_t, frame_displacement, frame_mass, &
-      frame_travel, frame_velocity, hysteresis_t, model_t, motion_signs_t, renew_coefficients
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
+      frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t, model_t, &
+      motion_signs_t, renew_coefficients
    use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
@@ -121,7 +122,8 @@ contains
    end function kept_part
 
    !> z is below 1, and u/u_y while the frame is elastic.
-   subroutine bouc_wen_sizes(equation, size_guess, sizes)
+   subroutine bouc_wen_sizes(effect, equation, size_guess, sizes)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: sizes(:)
@@ -130,7 +132,8 @@ contains
    end subroutine bouc_wen_sizes
 
    !> Power that plastic flow takes [W/kg].
-   real(wp) function bouc_wen_power(equation, t, y) result(power)
+   real(wp) function bouc_wen_power(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -142,7 +145,8 @@ contains
    end function bouc_wen_power
 
    !> Energy stored beyond that of the elastic frame, which the ledger has [J/kg].
-   real(wp) function bouc_wen_energy(equation, y) result(energy)
+   real(wp) function bouc_wen_energy(effect, equation, y) result(energy)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 

@@ -7,8 +7,9 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_cable, only: cable_elongation
-   use rwmf_model_equation, only: discrete_state_t, equation_t, frame_displacement, frame_mass, &
-      frame_velocity, model_t, place_frame, place_left, place_right, renew_coefficients, sprung_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
+      frame_displacement, frame_mass, frame_velocity, model_t, place_frame, place_left, &
+      place_right, renew_coefficients, sprung_t
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, is_yielding, new_branch, &
       new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_plastic, &
@@ -53,17 +54,19 @@ contains
       !! as a bilinear spring
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
+      real(wp), allocatable :: shares(:)
+      !! of the frame's springs in its stiffness [-]
       real(wp) :: stroke_y
       !! [m]
 
       allocate (equation%springs(0))
       if (frame_yields) then
-         equation%parts = [1.0_wp]
+         shares = [1.0_wp]
          if (allocated(case%yielding%storey_u_y)) then
-            equation%parts = case%storeys%frame%k*case%storeys%frame%height**2
-            equation%parts = equation%parts/sum(equation%parts)
+            shares = case%storeys%frame%k*case%storeys%frame%height**2
+            shares = shares/sum(shares)
          end if
-         equation%springs = frame_springs(case, equation%p%omega_s**2, equation%parts)
+         equation%springs = frame_springs(case, equation%p%omega_s**2, shares)
       end if
       if (allocated(case%fuse)) then
          ! Both fuses of a hinged wall at half the arm are one, that of the left corner, with twice
@@ -83,15 +86,15 @@ contains
 
    !> Spring of the frame, or one for each of its storeys where a straight line links them to the
    !> rotation: all of them follow the roof.
-   function frame_springs(case, stiffness, parts) result(springs)
+   function frame_springs(case, stiffness, shares) result(springs)
       type(case_t), intent(in) :: case
       !! with `&yielding`
       real(wp), intent(in) :: stiffness
       !! of the frame over m_s [1/s2]
-      real(wp), intent(in) :: parts(:)
+      real(wp), intent(in) :: shares(:)
       !! (springs)
-      type(sprung_t) :: springs(size(parts))
-      real(wp) :: u_y(size(parts))
+      type(sprung_t) :: springs(size(shares))
+      real(wp) :: u_y(size(shares))
       !! displacement of the roof at first yield [m]
       integer :: i
 
@@ -100,9 +103,9 @@ contains
       else
          u_y = yield_displacement(case)
       end if
-      do i = 1, size(parts)
-         springs(i) = sprung_t(new_spring(stiffness*parts(i), stiffness*parts(i)*u_y(i), &
-            case%yielding%hardening), place_frame)
+      do i = 1, size(shares)
+         springs(i) = sprung_t(new_spring(stiffness*shares(i), stiffness*shares(i)*u_y(i), &
+            case%yielding%hardening), place_frame, shares(i))
       end do
    end function frame_springs
 
@@ -149,7 +152,8 @@ contains
    end function moves
 
    !> Power that the fuses dissipate by yielding [W/kg].
-   real(wp) function fuses_power(equation, t, y) result(power)
+   real(wp) function fuses_power(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -166,7 +170,8 @@ contains
    end function fuses_power
 
    !> Power that the frame dissipates by yielding [W/kg].
-   real(wp) function yielding_power(equation, t, y) result(power)
+   real(wp) function yielding_power(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -178,7 +183,8 @@ contains
    end function yielding_power
 
    !> Energy in the fuses [J/kg].
-   real(wp) function fuses_energy(equation, y) result(energy)
+   real(wp) function fuses_energy(effect, equation, y) result(energy)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: x
@@ -198,7 +204,8 @@ contains
    end function fuses_energy
 
    !> Energy in the yielding frame beyond the elastic one that the ledger has [J/kg].
-   real(wp) function yielding_energy(equation, y) result(energy)
+   real(wp) function yielding_energy(effect, equation, y) result(energy)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: x
@@ -210,14 +217,15 @@ contains
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
                     branch => equation%state%springs(i))
             if (place == place_frame) energy = energy + frame_mass(equation)*(spring_energy( &
-               spring, branch, x) - equation%parts(i)*(equation%p%omega_s*x)**2/2)
+               spring, branch, x) - equation%springs(i)%share*(equation%p%omega_s*x)**2/2)
          end associate
       end do
    end function yielding_energy
 
    !> Forces of the fuses on the wall: along the chord at the lifting corner, vertical at the pivot,
    !> where what an earlier stroke has left behind acts.
-   subroutine fuses_force(equation, t, y, y_ddot, force)
+   subroutine fuses_force(effect, equation, t, y, y_ddot, force)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -582,7 +590,10 @@ contains
       !! [rad] or [m]
 
       residual = 0
-      if (allocated(equation%parts)) residual = sum(equation%parts*frame_residuals(equation, theta))
+      if (.not. allocated(equation%springs)) return
+      associate (residuals => frame_residuals(equation, theta))
+         residual = sum(equation%springs(:size(residuals))%share*residuals)
+      end associate
    end function frame_residual
 
    !> How far it differs from that of the lowest storey, as a displacement of the roof: not zero
@@ -593,9 +604,9 @@ contains
       !! [rad] or [m]
 
       residual = 0
-      if (.not. allocated(equation%parts)) return
+      if (.not. allocated(equation%springs)) return
       associate (residuals => frame_residuals(equation, theta))
-         residual = sum(equation%parts*residuals) - residuals(1)
+         if (size(residuals) > 0) residual = frame_residual(equation, theta) - residuals(1)
       end associate
    end function uneven_residual
 
@@ -608,10 +619,11 @@ contains
       !! (springs of the frame)
       integer :: i
 
-      residuals = pack([(spring_plastic(equation%springs(i)%spring, equation%state%springs(i), &
-         elongation_of(equation, equation%state%side, i, equation%state%side*theta)), i=1, &
-         size(equation%springs))], &
-         equation%springs%place == place_frame)
+      associate (springs => equation%springs, state => equation%state)
+         residuals = pack([(spring_plastic(springs(i)%spring, state%springs(i), elongation_of( &
+            equation, state%side, i, state%side*theta)), i=1, size(springs))], &
+            springs%place == place_frame)
+      end associate
    end function frame_residuals
 
 end module rwmf_model_hysteresis_spring_set

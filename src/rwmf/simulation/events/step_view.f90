@@ -76,7 +76,8 @@ contains
       associate (equation => step%equation, motion => step%equation%motion, &
          interval => interval_of(step%equation))
          quarter = huge(quarter)
-         if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, equation%max_frequency)
+         if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, &
+            equation%floors%max_frequency)
          first = turning_point(motion, interval, step%t_a)
          if (first < min(step%t_b, interval_end(motion, interval))) then
             second = turning_point(motion, interval, first)
@@ -132,7 +133,7 @@ contains
       !! of what else moves [rad/s]
 
       associate (equation => step%equation)
-         is_short = (step%t_b - step%t_a)*max(equation%p%omega_s, equation%max_frequency, &
+         is_short = (step%t_b - step%t_a)*max(equation%p%omega_s, equation%floors%max_frequency, &
             frequency) < angle
          if (is_short) is_short = turning_point(equation%motion, interval_of(equation), step%t_a) &
             >= step%t_b

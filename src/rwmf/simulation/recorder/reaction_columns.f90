@@ -92,7 +92,7 @@ contains
    pure real(wp) function weight(equation)
       type(equation_t), intent(in) :: equation
 
-      weight = equation%p%g*(1 + equation%p%gamma + equation%floor_mass)
+      weight = equation%p%g*(1 + equation%p%gamma + equation%floors%mass)
    end function weight
 
    pure real(wp) function roof_height(equation)

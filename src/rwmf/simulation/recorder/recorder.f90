@@ -29,25 +29,29 @@ module rwmf_simulation_recorder_recorder
    implicit none
    private
 
-   public :: recorder_t, create_recorder, observe_state, observe_piece, observe_peaks
+   public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece, observe_peaks
    public :: observe_rest
    public :: observe_impact, observe_branch, observe_event, finish_recorder
 
-   !> Running maxima, counts and records.
-   type :: recorder_t
-      real(wp) :: u_max
-      !! largest |u_s| so far [m]
-      real(wp) :: t_u_max
+   !> What has been counted, and the largest values so far.
+   type :: peaks_t
+      real(wp) :: u_max = 0
+      !! largest |u_s| [m]
+      real(wp) :: t_u_max = 0
       !! its first time [s]
-      real(wp) :: theta_max
+      real(wp) :: theta_max = 0
       !! largest theta [rad]; bare frame: displacement [m]
-      real(wp) :: theta_min
-      real(wp) :: theta_dot_max
+      real(wp) :: theta_min = 0
+      real(wp) :: theta_dot_max = 0
       !! largest |theta'| [rad/s]
+      integer(i8) :: impacts = 0
+      integer(i8) :: lift_offs = 0
+   end type peaks_t
+
+   !> Running maxima, counts and records.
+   type, extends(peaks_t) :: recorder_t
       real(wp) :: cable_max
       !! largest P/(m_w g) of a tendon that can yield or break [-]
-      integer(i8) :: impacts
-      integer(i8) :: lift_offs
       logical :: keeps_energy
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)

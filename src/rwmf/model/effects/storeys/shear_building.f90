@@ -10,8 +10,8 @@
 !> and omega_s); a storey that yields is on one of the branches of `yielding_storeys`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, frame_mass, &
-      frame_motion, frame_travel, frame_velocity, ground, model_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
+      frame_mass, frame_motion, frame_travel, frame_velocity, ground, model_t
    use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy
@@ -41,27 +41,26 @@ contains
       frame = case%storeys%frame
       n = size(frame%m)
       if (case%storeys%coupling /= 'full') then
-         equation%excited_mass_ratio = roof_factor(frame, 1)
-         equation%base_shear_ratio = equation%excited_mass_ratio
-         equation%links_floors = case%storeys%coupling == 'every_floor'
-         if (equation%links_floors) equation%base_shear_ratio = base_shear_share(frame)
-         equation%floor_mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
+         equation%floors%excited_mass_ratio = roof_factor(frame, 1)
+         equation%floors%base_shear_ratio = equation%floors%excited_mass_ratio
+         equation%floors%are_linked = case%storeys%coupling == 'every_floor'
+         if (equation%floors%are_linked) equation%floors%base_shear_ratio = base_shear_share(frame)
+         equation%floors%mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          return
       end if
       unit = 1
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%n = n
-      equation%floors%below = n - 1
       equation%floors%unit = unit
       equation%floors%m = frame%m/unit
       equation%floors%height = frame%height
       equation%floors%k = frame%k*pace**2/unit
-      equation%floor_mass = sum(equation%floors%m(:n - 1))
+      equation%floors%mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
       allocate (equation%state%storeys(n))
       equation%state%storeys%slope = equation%floors%k
-      equation%max_frequency = frame%omega(n)*pace
+      equation%floors%max_frequency = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
       equation%state%frame_slope = 0
@@ -71,7 +70,8 @@ contains
    end subroutine set_storeys
 
    !> Coefficients of the loop of all modes, as `add_floors` reads them.
-   pure subroutine storey_coefficients(model, state, coef)
+   pure subroutine storey_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
@@ -90,21 +90,23 @@ contains
    end subroutine storey_coefficients
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
-   pure subroutine excited_mass_coefficients(model, state, coef)
+   pure subroutine excited_mass_coefficients(effect, model, state, coef)
+      class(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = frame_mass(model)*(model%excited_mass_ratio - 1)
+      coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
 
    !> Power of that push [W/kg].
-   real(wp) function excited_mass_input(equation, t, y) result(power)
+   real(wp) function excited_mass_input(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
-      power = -frame_mass(equation)*(equation%excited_mass_ratio - 1)*ground(equation, t) &
+      power = -frame_mass(equation)*(equation%floors%excited_mass_ratio - 1)*ground(equation, t) &
          *frame_velocity(equation, equation%state%side, y)
    end function excited_mass_input
 
@@ -170,8 +172,8 @@ contains
          force = resistance(equation, y)
          inertia = -sum(force(:size(force) - 1))
       else
-         inertia = frame_mass(equation)*(equation%excited_mass_ratio - 1)*u_ddot &
-            + equation%floor_mass*ground(equation, t)
+         inertia = frame_mass(equation)*(equation%floors%excited_mass_ratio - 1)*u_ddot &
+            + equation%floors%mass*ground(equation, t)
       end if
    end function floor_inertia
 
@@ -194,12 +196,13 @@ contains
    end subroutine put_floors
 
    !> The floors move about as much as the roof; z is at most d/u_y and 1.
-   subroutine storey_sizes(equation, size_guess, sizes)
+   subroutine storey_sizes(effect, equation, size_guess, sizes)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: sizes(:)
 
-      associate (n => equation%floors%below)
+      associate (n => equation%floors%n - 1)
          sizes(:n) = frame_travel(equation)*size_guess(1)
          sizes(n + 1:2*n) = frame_travel(equation)*size_guess(2)
          if (allocated(equation%floors%laws)) sizes(2*n + 1:) = min(1.0_wp, &
@@ -208,7 +211,8 @@ contains
    end subroutine storey_sizes
 
    !> Power that the frame's dampers take [W/kg].
-   real(wp) function storey_power(equation, t, y) result(power)
+   real(wp) function storey_power(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -220,7 +224,8 @@ contains
    end function storey_power
 
    !> Energy of the floors and storeys; the roof by itself is counted elsewhere [J/kg].
-   real(wp) function storey_energy(equation, y) result(energy)
+   real(wp) function storey_energy(effect, equation, y) result(energy)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: u(0:size(equation%floors%m))
@@ -244,7 +249,8 @@ contains
    end function storey_energy
 
    !> Power of the ground motion on the floors below the roof [W/kg].
-   real(wp) function storey_input(equation, t, y) result(power)
+   real(wp) function storey_input(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)

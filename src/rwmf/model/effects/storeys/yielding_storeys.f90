@@ -6,7 +6,7 @@
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, model_t, &
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, model_t, &
       renew_coefficients
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_history_row, only: history_row_t, put
@@ -57,7 +57,7 @@ contains
       allocate (floors%laws(floors%n))
       do i = 1, floors%n
          floors%laws(i) = new_hysteresis(case%yielding, u_y(i), floors%k(i))
-         floors%laws(i)%place = floors%first + 2*floors%below - 1 + i
+         floors%laws(i)%place = floors%first + 2*floors%n - 3 + i
       end do
    end subroutine choose_laws
 
@@ -220,7 +220,8 @@ contains
    end subroutine turn_storey
 
    !> Power that the storeys dissipate by yielding [W/kg].
-   real(wp) function storeys_plastic_power(equation, t, y) result(power)
+   real(wp) function storeys_plastic_power(effect, equation, t, y) result(power)
+      class(contribution_t), intent(in) :: effect
       class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
