@@ -5,7 +5,7 @@ module rwmf_model_equation
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_bilinear, only: branch_t, spring_t
    use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, wall_row
-   use rwmf_model_lanes, only: wall_coefficients
+   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term
@@ -383,26 +383,27 @@ contains
       integer :: i
 
       if (.not. allocated(state%coef)) return
-      if (model%has_wall) state%coef(:, first_wall:first_wall + wall_coefficients - 1) = &
-         wall_row(model%geometry, state%side, model%p%R, model%inertia, model%p%g)
+      is_all = .true.
+      if (present(is_side_alone)) is_all = .not. is_side_alone
+      if (model%has_wall) call put_row(wall_coefficients, wall_row(model%geometry, state%side, &
+         model%p%R, model%inertia, model%p%g), state%coef(1, first_wall))
       do i = 1, size(model%scene%terms)
          associate (term => model%scene%terms(i))
-            associate (row => state%coef(1, term%coef:term%coef + term%n_coef - 1))
-               select case (term%effect)
-               case (frame_term)
-                  row = [frame_mass(model), model%p%two_xi_omega, state%frame_slope, &
-                     state%frame_offset/model%p%R]
-               case (linear_cable_term, straight_cable_term)
-                  row = cable_row(model%cable, state%tendon, state%side, model%p%g_over_R)
-               case default
-                  ! an effect, below
-               end select
-            end associate
+            select case (term%effect)
+            case (frame_term)
+               if (is_all) call put_row(frame_coefficients, [frame_mass(model), &
+                  model%p%two_xi_omega, state%frame_slope, state%frame_offset/model%p%R], &
+                  state%coef(1, term%coef))
+            case (linear_cable_term, straight_cable_term)
+               if (is_all .or. model%cable%is_signed) call put_row(cable_coefficients, &
+                  cable_row(model%cable, state%tendon, state%side, model%p%g_over_R), &
+                  state%coef(1, term%coef))
+            case default
+               ! an effect, below
+            end select
          end associate
       end do
       if (.not. allocated(model%effects)) return
-      is_all = .true.
-      if (present(is_side_alone)) is_all = .not. is_side_alone
       do i = 1, size(model%effects)
          associate (extra => model%effects(i))
             if ((is_all .or. extra%has_sides) .and. associated(extra%coefficients)) call &
@@ -411,6 +412,15 @@ contains
          end associate
       end do
    end subroutine renew_coefficients
+
+   !> Coefficients of one loop into their columns.
+   pure subroutine put_row(n, row, coef)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: row(n)
+      real(wp), intent(inout) :: coef(n)
+
+      coef = row
+   end subroutine put_row
 
    !> Does anything act beyond wall, frame, cable and their kinematics?
    pure logical function has_further_effects(equation)

@@ -73,7 +73,9 @@ contains
       if (press <= 0) return
       ! A flight of a few spacings of the time cannot be followed.
       gain = inverse_inertia(equation)
-      may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
+      may_rest = v <= small_velocity
+      ! a spacing is at most epsilon*t, and costs a call
+      if (v <= press*gain*64*epsilon(t)*t) may_rest = may_rest .or. v <= press*gain*64*spacing(t)
       if (may_rest .or. v**2 > 2*press*gain*small_angle) return
       ! With e = 1 the chatter has no end, but nothing can come of it after the last knot.
       may_rest = interval_of(equation) >= interval_last(equation%motion)

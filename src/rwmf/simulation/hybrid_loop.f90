@@ -425,6 +425,8 @@ contains
          call apply_one_impact(hybrid, equation, recorder)
          if (hybrid%mode == mode_rest .or. abs(hybrid%y(2)) <= 0) return
          hybrid%flight = flight_time(hybrid, equation)
+         ! a spacing is at most epsilon*t, and costs a call
+         if (hybrid%flight > followable*epsilon(hybrid%t)*hybrid%t) return
          if (hybrid%flight > followable*spacing(hybrid%t)) return
          hybrid%y(2) = -hybrid%y(2)
       end do

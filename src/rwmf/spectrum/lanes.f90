@@ -487,8 +487,7 @@ contains
          end if
       end associate
       do i = 1, team%width
-         if (.not. team%is_busy(i)) cycle
-         if (team%mark(i) == is_done .and. team%table(i, of_steps) <= team%max_steps) cycle
+         if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
          select case (team%mark(i))
          case (needs_look)
             if (lanes(i)%goal /= no_event) then
@@ -503,11 +502,15 @@ contains
          case (is_rejected)
             call forget_goal(lanes(i), i, team)
             call check_length(lanes(i), i, team)
-         case default
-            call bound_work(lanes(i), i, team)
          end select
          team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
       end do
+      if (any(team%table(:, of_steps) > team%max_steps)) then
+         do i = 1, team%width
+            if (team%is_busy(i)) call bound_work(lanes(i), i, team)
+         end do
+         team%has_ended = .true.
+      end if
    end subroutine step_team
 
    !> In which steps may something have its peak that no event tells? Reactions in all; |theta'|

@@ -114,7 +114,7 @@ contains
             .and. all(forces%largest >= forces%smallest)
          if (.not. is_plain) return
          margin = max(0.01_wp, largest_margin*((piece%t_b - piece%t_a)*max(equation%p%omega_s, &
-            equation%max_frequency, sqrt(equation%p%g/equation%p%R))/short)**2)
+            equation%floors%max_frequency, sqrt(equation%p%g/equation%p%R))/short)**2)
          y_ddot = accelerations(piece)
          at_ends = max(quantities(reactions_at(equation, piece%t_a, piece%y_a, y_ddot(1))), &
             quantities(reactions_at(equation, piece%t_b, piece%y_b, y_ddot(2))))
