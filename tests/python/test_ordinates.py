@@ -137,3 +137,22 @@ def test_sweeps_take_them_from_one_call(folder: Path, monkeypatch: pytest.Monkey
     found = rwmf.sweep(case.replace(spectrum=None), grid, quantities=names)
     assert found["ductility"].isnull().all()
     assert found["friction_demand_max"].notnull().all()
+
+
+def test_estimates_of_ordinates_are_those_of_runs(folder: Path) -> None:
+    """`accuracy` and `verify` in lanes: the bound is kept, the sensitivity is that of the run."""
+    case = _case("`exact`", folder)
+    names = ["u_s_max", "estimated_relative_error", "sensitivity"]
+    asked = case.replace(solver={"rtol": None, "accuracy": 1e-6, "verify": True})
+    found = rwmf.spectrum(asked, quantities=names).squeeze(drop=True)
+    tight = case.replace(solver={"method": "dop853", "rtol": 1e-12}, spectrum=None)
+    for T_s in _PERIODS:
+        one = found.sel(T_s=T_s)
+        assert str(one.status.values) == "ok"
+        expected = float(rwmf.simulate(tight.replace(frame={"T_s": T_s})).u_s_max)
+        assert float(one.u_s_max) == pytest.approx(expected, rel=1e-6)
+        assert float(one.estimated_relative_error) <= 1e-6
+        run = rwmf.simulate(asked.replace(frame={"T_s": T_s}, spectrum=None))
+        assert float(one.sensitivity) == pytest.approx(run.attrs["sensitivity"], rel=1e-4)
+    with pytest.raises(InputError, match="does not apply"):
+        rwmf.spectrum(case, quantities=["sensitivity"])

@@ -8,7 +8,7 @@ module rwmf_simulation_error_control
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, structure_t
    use rwmf_simulation_result, only: add_warning, ending_name, history_t, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_text_strings, only: real_to_text
@@ -16,6 +16,8 @@ module rwmf_simulation_error_control
    private
 
    public :: run_to_accuracy, verify_run, peak_of
+   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, shake
+   public :: relative_change, most_refinements, tightest, shake_step
 
    real(wp), parameter :: tighter = 0.03_wp
    !! ratio of the tolerances of two runs that are compared
@@ -23,6 +25,8 @@ module rwmf_simulation_error_control
    real(wp), parameter :: tightest = 3.0e-14_wp
    !! below, round-off governs (double precision)
    integer, parameter :: most_refinements = 12
+   real(wp), parameter :: shake_step = 1.0e-6_wp
+   !! relative change of the motion by which its influence on the peak is found
 
 contains
 
@@ -39,21 +43,23 @@ contains
       type(result_t) :: tight
       type(history_t), allocatable :: history
       type(case_t) :: trial
-      real(wp) :: spent
+      real(wp) :: spent, found
       integer :: i
 
       trial = case
-      trial%solver%rtol = min(loosest, max(tightest, 0.5_wp*case%solver%accuracy))
+      trial%solver%rtol = first_tolerance(case%solver%accuracy)
       call run_once(trial, motion, control, result, error)
       if (allocated(error)) return
       spent = result%seconds
       do i = 1, most_refinements
-         trial%solver%rtol = next_tolerance(case%solver%accuracy, result)
+         found = -1
+         if (allocated(result%estimated_relative_error)) found = result%estimated_relative_error
+         trial%solver%rtol = next_tolerance(case%solver%accuracy, result%rtol, found)
          call run_once(trial, motion, control, tight, error)
          if (allocated(error)) return
          spent = spent + tight%seconds
          result%estimated_relative_error = relative_difference(result, tight)
-         if (result%estimated_relative_error <= 0.7_wp*case%solver%accuracy) exit
+         if (is_close_enough(result%estimated_relative_error, case%solver%accuracy)) exit
          if (trial%solver%rtol <= tightest) exit
          ! the history is moved: it can be the largest array
          call move_alloc(tight%history, history)
@@ -70,16 +76,48 @@ contains
 
    !> Tolerance of the run that a result is compared with: much tighter, and at once as tight as the
    !> error found before suggests.
-   pure real(wp) function next_tolerance(accuracy, result) result(rtol)
+   elemental real(wp) function next_tolerance(accuracy, present, estimate) result(rtol)
       real(wp), intent(in) :: accuracy
-      type(result_t), intent(in) :: result
+      real(wp), intent(in) :: present
+      !! tolerance of the result
+      real(wp), intent(in) :: estimate
+      !! of its error, negative where there is none [-]
 
-      rtol = result%rtol*tighter
-      if (allocated(result%estimated_relative_error)) then
-         rtol = rtol*min(1.0_wp, accuracy/result%estimated_relative_error)
-      end if
+      rtol = present*tighter
+      if (estimate >= 0) rtol = rtol*min(1.0_wp, accuracy/estimate)
       rtol = max(tightest, rtol)
    end function next_tolerance
+
+   !> Tolerance of the first run for a requested accuracy.
+   pure real(wp) function first_tolerance(accuracy) result(rtol)
+      real(wp), intent(in) :: accuracy
+
+      rtol = min(loosest, max(tightest, 0.5_wp*accuracy))
+   end function first_tolerance
+
+   !> Is an estimated error below the requested accuracy, with what the estimate itself may err?
+   elemental logical function is_close_enough(estimate, accuracy)
+      real(wp), intent(in) :: estimate
+      real(wp), intent(in) :: accuracy
+
+      is_close_enough = estimate <= 0.7_wp*accuracy
+   end function is_close_enough
+
+   !> Tolerance of the run that verifies one.
+   elemental real(wp) function verifying_tolerance(rtol) result(tight)
+      real(wp), intent(in) :: rtol
+
+      tight = max(tightest, 1.0e-3_wp*min(rtol, 1.0e-6_wp))
+   end function verifying_tolerance
+
+   !> An initial state grows as the motion does whose influence is looked for.
+   pure subroutine shake(case)
+      class(structure_t), intent(inout) :: case
+
+      if (.not. allocated(case%initial)) return
+      case%initial%theta_over_alpha = case%initial%theta_over_alpha*(1 + shake_step)
+      case%initial%theta_dot = case%initial%theta_dot*(1 + shake_step)
+   end subroutine shake
 
    !> Estimate the error of a finished run by an independent, much tighter one, and the sensitivity
    !> of its peak to the motion by two more.
@@ -94,11 +132,10 @@ contains
       type(result_t) :: larger
       type(case_t) :: trial
       type(motion_t), target :: shaken
-      real(wp) :: step
 
       trial = case
       trial%solver%method = 'dop853'
-      trial%solver%rtol = max(tightest, 1.0e-3_wp*min(result%rtol, 1.0e-6_wp))
+      trial%solver%rtol = verifying_tolerance(result%rtol)
       if (allocated(trial%solver%atol)) deallocate (trial%solver%atol)
       if (allocated(trial%output)) deallocate (trial%output)
       call run_once(trial, motion, control, tight, error)
@@ -106,15 +143,11 @@ contains
       if (.not. allocated(result%estimated_relative_error)) then
          result%estimated_relative_error = relative_difference(result, tight)
       end if
-      step = 1.0e-6_wp
-      shaken = scaled_motion(motion, 1 + step)
-      if (allocated(trial%initial)) then
-         trial%initial%theta_over_alpha = trial%initial%theta_over_alpha*(1 + step)
-         trial%initial%theta_dot = trial%initial%theta_dot*(1 + step)
-      end if
+      shaken = scaled_motion(motion, 1 + shake_step)
+      call shake(trial)
       call run_once(trial, shaken, control, larger, error)
       if (allocated(error)) return
-      result%sensitivity = relative_difference(larger, tight)/step
+      result%sensitivity = relative_difference(larger, tight)/shake_step
       if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
       result%estimate_seconds = result%estimate_seconds + tight%seconds + larger%seconds
    end subroutine verify_run
@@ -123,14 +156,20 @@ contains
    pure real(wp) function relative_difference(one, other) result(difference)
       type(result_t), intent(in) :: one
       type(result_t), intent(in) :: other
-      real(wp) :: change
 
       difference = 1
-      if (ending_name(one) /= ending_name(other)) return
-      change = abs(peak_of(one) - peak_of(other))
-      difference = 0
-      if (change > 0) difference = change/max(abs(peak_of(other)), tiny(change))
+      if (ending_name(one) == ending_name(other)) difference = relative_change(peak_of(one), &
+         peak_of(other))
    end function relative_difference
+
+   !> Difference of two peaks over the second [-].
+   pure real(wp) function relative_change(one, other) result(change)
+      real(wp), intent(in) :: one
+      real(wp), intent(in) :: other
+
+      change = abs(one - other)
+      if (change > 0) change = change/max(abs(other), tiny(change))
+   end function relative_change
 
    !> The peak that accuracy is about: u_s_max [m], or |theta|_max [rad] without a frame.
    pure real(wp) function peak_of(result) result(peak)

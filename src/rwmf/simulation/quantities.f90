@@ -175,13 +175,13 @@ module rwmf_simulation_quantities
       'integrator, or procedure that is compared'), &
       quantity_t('rtol', '', '1', 'real', 'before', 'run cost', '', '', '', &
       'its relative tolerance'), &
-      quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run', '', '', &
+      quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run ordinate', '', '', &
       '`accuracy` or `verify` of `&solver`', &
       'estimate for `u_s_max_m`, without a frame for the largest rotation'), &
       quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', '', &
       '`accuracy` or `verify` of `&solver`', &
       'wall-clock time that the estimate took beyond `seconds`'), &
-      quantity_t('sensitivity', '', '1', 'real', 'error', 'run', '', '', '`verify` of `&solver`', &
+      quantity_t('sensitivity', '', '1', 'real', 'error', 'run ordinate', '', '', '`verify` of `&solver`', &
       'relative change of the same peak per relative change of the motion'), &
       quantity_t('effects', '', '', 'list', 'before', 'run', '', '', '', &
       'names of the effects that are simulated'), &

@@ -63,6 +63,14 @@ module rwmf_spectrum_lanes
       logical :: overturned = .false.
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
+      real(wp) :: rtol = 0
+      !! tolerance, where it is not that of the case
+      real(wp) :: estimate = -1
+      !! of the relative error of u_s_max; negative: there is none [-]
+      real(wp) :: sensitivity = -1
+      !! relative change of u_s_max per relative change of the motion, likewise [-]
+      logical :: is_inaccurate = .false.
+      !! no tolerance has brought the error down to what is asked for
       character(24) :: failure = ''
       !! name of the error
       real(wp), allocatable :: values(:)
@@ -253,14 +261,15 @@ contains
       row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
    end function line_row
 
-   !> The pair for a tolerance. The local errors of smooth hysteresis add up, so that it gets the
-   !> higher order.
+   !> The pair for a tolerance, unless the case names it; of runs at several tolerances the higher
+   !> order. The local errors of smooth hysteresis add up, so that it gets that as well.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
 
       if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-          .or. equation%floors%n > 1) then
+          .or. equation%floors%n > 1 .or. case%solver%method == 'dop853' &
+          .or. allocated(case%solver%accuracy)) then
          pair = dormand_prince_853()
       else
          pair = verner_65()
@@ -288,6 +297,7 @@ contains
       lane%ordinate = number
       lane%case%structure_t = case%structure_t
       lane%case%solver = case%solver
+      if (ordinates(number)%rtol > 0) lane%case%solver%rtol = ordinates(number)%rtol
       if (allocated(asked%output)) lane%case%output = asked%output
       lane%case%frame%T_s = ordinates(number)%T_s
       if (allocated(lane%case%wall)) then
@@ -1039,7 +1049,7 @@ contains
       ! its warnings are no quantities
       allocate (result%warnings(0))
       call fill_result(lane%case, lane%equation, lane%hybrid, lane%recorder, result)
-      allocate (ordinate%values(size(asked%place)))
+      if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))
       call take_values(asked, lane%case, result, ordinate%values)
    end subroutine report
 

@@ -41,6 +41,8 @@ module rwmf_spectrum_quantities
       !! the largest displacement of the frame and nothing else
       logical :: has_fastest = .false.
       !! the largest angular velocity is among them
+      logical :: has_sensitivity = .false.
+      !! more runs have to be made for them, by `verify`
    end type asked_t
 
 contains
@@ -67,6 +69,8 @@ contains
       end do
       asked%is_displacement = all(asked%keys == displacement)
       asked%has_fastest = any(asked%keys == 'theta_dot_max_rad_s')
+      asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
+         .or. asked%keys == 'estimated_relative_error')
       if (.not. (output%reactions .or. output%energy)) return
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &

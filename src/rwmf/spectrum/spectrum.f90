@@ -10,11 +10,12 @@ module rwmf_spectrum_spectrum
    use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
+   use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_fast_bare_frame, only: run_frames
    use rwmf_spectrum_fast_driver, only: run_fast
    use rwmf_spectrum_fast_eligibility, only: is_supported
    use rwmf_spectrum_fast_schedule, only: order_by_cost
-   use rwmf_spectrum_lanes, only: ordinate_t, run_ordinates
+   use rwmf_spectrum_lanes, only: ordinate_t
    use rwmf_spectrum_quantities, only: asked_of, asked_t, check_asked, follow_from_displacement, &
       take_values, values_from_displacement
    !$ use omp_lib, only: omp_get_max_threads
@@ -39,7 +40,8 @@ module rwmf_spectrum_spectrum
       !! (n_T, n_gamma, n_b, n_quantities) [unit of each]; a count or yes (1) or no (0) is a number,
       !! too; NaN where the simulation failed, or where there is nothing to report
       character(24), allocatable :: status(:, :, :)
-      !! (n_T, n_gamma, n_b) 'ok', 'overturned', 'collapsed' or the name of an error
+      !! (n_T, n_gamma, n_b) 'ok', 'overturned', 'collapsed', 'inaccurate' (the values are the best
+      !! that there are, but err by more than `accuracy`) or the name of an error
       integer(i8) :: rhs_evaluations
       real(wp) :: seconds
       !! wall-clock time [s]
@@ -169,8 +171,7 @@ contains
       if (spectrum_method(case%solver%method) == 'fast') then
          call run_lanes(case, asked, motion, control, spectrum)
       end if
-      if (spectrum_method(case%solver%method) == 'fast' &
-          .and. .not. allocated(case%solver%accuracy)) then
+      if (spectrum_method(case%solver%method) == 'fast' .or. case%solver%method == 'dop853') then
          call run_general_lanes(case, asked, motion, control, spectrum)
          return
       end if
@@ -268,7 +269,7 @@ contains
             end do
          end do
       end do
-      call run_ordinates(case, asked, motion, spectrum%threads, control, ordinates(:n))
+      call run_with_estimates(case, asked, motion, spectrum%threads, control, ordinates(:n))
       if (is_cancelled(control)) return
       spectrum%rhs_evaluations = sum(ordinates(:n)%rhs_evaluations)
       do m = 1, n
@@ -281,6 +282,7 @@ contains
          if (allocated(ordinates(m)%values)) spectrum%values(i, j, k, :) = ordinates(m)%values
          spectrum%status(i, j, k) = merge('overturned', 'ok        ', ordinates(m)%overturned)
          if (ordinates(m)%collapsed) spectrum%status(i, j, k) = 'collapsed'
+         if (ordinates(m)%is_inaccurate) spectrum%status(i, j, k) = 'inaccurate'
       end do
    end subroutine run_general_lanes
 
