@@ -7,12 +7,10 @@ program test_fast
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_spectrum_fast_driver, only: run_fast
-   use rwmf_spectrum_fast_lane_scheduler, only: ordinate_result_t, run_scheduler
    use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
-   use rwmf_spectrum_fast_shared_data, only: describe_kinds, kind_of, list_uplift_steps, &
-      max_stages, shared_data_t, task_t
+   use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
    use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
-   use rwmf_spectrum_fast_task_queue, only: new_task_queue, task_queue_t
+   use rwmf_spectrum_fast_team, only: ordinate_result_t, run_team
    use rwmf_spectrum_fast_time_grid, only: build_grids
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text_strings, only: real_to_text
@@ -41,7 +39,6 @@ program test_fast
    call check_fallback()
    call check_other_lanes()
    call check_levels()
-   call check_repetition()
    call check_wide_motion()
    call check_kinks()
    call checks%finish()
@@ -288,46 +285,20 @@ contains
       type(shared_data_t), target :: shared
       type(task_t), allocatable :: task(:)
       type(ordinate_result_t) :: found(size(periods), size(levels))
-      integer :: i, stages
+      integer :: i, next, stages
 
       do stages = 1, max_stages
          call prepare(stages, shared, task)
          do i = 1, size(levels)
             shared%kernels = kernels_of(min(levels(i), best_level()))
-            call run_tasks(shared, task, found(:, i))
+            next = 0
+            call run_team(shared, task, next, found(:, i))
          end do
          call checks%that(.not. any(found%failed), 'levels: nothing failed')
          call checks%that(all(abs(found(:, 2)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX2')
          call checks%that(all(abs(found(:, 3)%v_max - found(:, 1)%v_max) <= 0), 'levels: AVX-512')
       end do
    end subroutine check_levels
-
-   !> An ordinate whose error is too large is repeated with all evaluations of N: with the bits that
-   !> it would have had in the first place.
-   subroutine check_repetition()
-      real(wp), parameter :: rtol(2) = [0.0_wp, 1.0e-3_wp]
-      !! below and above every error
-      type(shared_data_t), target :: shared
-      type(task_t), allocatable :: task(:)
-      type(ordinate_result_t) :: all_at_once(size(periods))
-      type(ordinate_result_t) :: found(size(periods))
-      integer :: stages, i
-      logical :: is_same
-
-      do stages = 1, max_stages - 1
-         do i = 1, size(rtol)
-            call prepare(max_stages, shared, task)
-            shared%rtol = rtol(i)
-            call run_tasks(shared, task, all_at_once)
-            call prepare(stages, shared, task)
-            shared%rtol = rtol(i)
-            call run_tasks(shared, task, found)
-            is_same = all(abs(found%v_max - all_at_once%v_max) <= 0)
-            call checks%that(is_same .eqv. rtol(i) <= 0, &
-               'repetition: '//trim(real_to_text(rtol(i))))
-         end do
-      end do
-   end subroutine check_repetition
 
    !> Equal steps of a record differ by round-off; that is no jump of the acceleration.
    subroutine check_kinks()
@@ -336,7 +307,7 @@ contains
 
       call prepare(1, shared, task)
       call checks%that(any(abs(shared%ground%kink) > 0), 'kinks: there are some')
-      call checks%that(.not. any(shared%scheme%has_jumps), 'kinks: no jumps')
+      call checks%that(.not. any(shared%grid%has_jumps), 'kinks: no jumps')
    end subroutine check_kinks
 
    !> Shared data and tasks of the shaken wall.
@@ -346,6 +317,7 @@ contains
       type(shared_data_t), target, intent(out) :: shared
       type(task_t), allocatable, intent(out) :: task(:)
       type(case_t) :: case
+      type(motion_t) :: motion
       integer :: i
 
       case = shaken_scene('exact')
@@ -353,22 +325,10 @@ contains
       shared%xi_s = case%frame%xi_s
       shared%rtol = case%solver%rtol
       allocate (shared%grid(1), shared%equation(1))
-      call build_grids(case, motion_from_case(case), 1, [0.005_wp], shared%ground, shared%grid)
-      call build_reduced_equation(case, 0.2_wp, 0.0_wp, shared%equation(1))
-      call describe_kinds(shared)
-      task = [(task_t(periods(i), 1, 1, kind_of(stages, .false.)), i=1, size(periods))]
-      call list_uplift_steps(task, 1, shared)
+      motion = motion_from_case(case)
+      call build_grids(case, motion, 1, [0.005_wp], shared%ground, shared%grid)
+      call build_reduced_equation(case, motion, 0.2_wp, 0.0_wp, shared%equation(1))
+      task = [(task_t(periods(i), 1, 1, stages), i=1, size(periods))]
    end subroutine prepare
-
-   !> Run tasks on one thread.
-   subroutine run_tasks(shared, task, found)
-      type(shared_data_t), intent(inout) :: shared
-      type(task_t), intent(inout) :: task(:)
-      type(ordinate_result_t), intent(inout) :: found(:)
-      type(task_queue_t) :: queue
-
-      call new_task_queue(task, 1, queue)
-      call run_scheduler(shared, task, 1, queue, found)
-   end subroutine run_tasks
 
 end program test_fast

@@ -1,4 +1,4 @@
-!> Spectra of the bare frame: the exact linear recursion in lanes, with exact peaks between samples.
+!> Spectra of the bare frame: the exact linear recursion, with exact peaks between samples.
 !>
 !> The same Taylor series as for the walls: the step is halved until omega_s h is at most 0.6, so
 !> that its sixteen terms are exact to round-off. A record is linear in a step; a pulse is the cubic
@@ -6,14 +6,13 @@
 module rwmf_spectrum_fast_bare_frame
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_schedule, only: group_t, list_groups
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of, kernels_t
-   use rwmf_spectrum_fast_taylor_oscillator, only: find_root, newton_to_powers, series, state_at, &
+   use rwmf_spectrum_fast_taylor_oscillator, only: newton_to_powers, series, state_at, &
       step_weights, terms => series_terms
    use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step, time_grid_t
-   use rwmf_spectrum_fast_types, only: block_width, frame_block_width, ground_step_t
+   use rwmf_spectrum_fast_types, only: ground_step_t
    implicit none
    private
 
@@ -22,25 +21,6 @@ module rwmf_spectrum_fast_bare_frame
    real(wp), parameter :: base_step = 0.1_wp
    !! longest step [s]
    integer, parameter :: halvings = 12
-   integer, parameter :: check_every = 1024
-   !! steps between two checks of the caller's stop flag
-
-   !> Frames that advance together.
-   type :: frames_t
-      real(wp) :: u(frame_block_width, 2)
-      !! at the end and at the beginning of the step [m]
-      real(wp) :: w(frame_block_width, 2)
-      !! rates of u [m/s]
-      real(wp) :: u_max(frame_block_width)
-      !! largest |u| so far [m]
-      real(wp) :: event(frame_block_width)
-      !! 1: a peak is possible within the step
-      real(wp) :: damping(frame_block_width)
-      !! 2 xi_s omega_s [1/s]
-      real(wp) :: stiffness(frame_block_width)
-      !! omega_s**2 [1/s2]
-      real(wp) :: weight(frame_block_width, 12)
-   end type frames_t
 
 contains
 
@@ -57,123 +37,109 @@ contains
       !! (n_T) [m]
       logical, intent(inout) :: is_done(:)
       !! (n_T)
-      type(group_t), allocatable :: group(:)
       type(ground_step_t), allocatable, target :: ground(:)
       type(time_grid_t) :: grid(0:halvings)
       real(wp) :: h_max(0:halvings)
-      type(kernels_t) :: kernels
-      integer :: i, k
+      integer :: level(size(T_s))
+      integer :: i
 
+      level = max(0, ceiling(log(2*pi*base_step/(0.6_wp*T_s))/log(2.0_wp)))
       h_max = [(merge(min(base_step/2.0_wp**i, pulse_step(case, motion)), 0.0_wp, &
-         any(levels(T_s) == i)), i=0, halvings)]
+         any(level == i)), i=0, halvings)]
       call build_grids(case, motion, threads, h_max, ground, grid)
-      group = list_groups(T_s, levels(T_s), halvings)
-      kernels = kernels_of(best_level())
-      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared)
-      do i = 1, size(group)
-         if (.not. associated(grid(group(i)%level)%step)) cycle
-         associate (member => group(i)%member(:group(i)%n))
-            call run_block(control, grid(group(i)%level), T_s(member), case%frame%xi_s, &
-               kernels, u_max, member)
-            if (is_cancelled(control)) cycle
-            is_done(member) = .true.
-            do k = 1, group(i)%n
-               call count_done(control)
-            end do
-         end associate
+      !$omp parallel do num_threads(threads) schedule(dynamic, 4) default(shared)
+      do i = 1, size(T_s)
+         if (is_cancelled(control)) cycle
+         if (level(i) > halvings) cycle
+         if (.not. associated(grid(level(i))%step)) cycle
+         call run_frame(grid(level(i)), 4*pi*case%frame%xi_s/T_s(i), (2*pi/T_s(i))**2, u_max(i))
+         is_done(i) = .true.
+         call count_done(control)
       end do
       !$omp end parallel do
    end subroutine run_frames
 
-   !> Halvings of the longest step for a period; `halvings` + 1 where no step is short enough.
-   pure elemental integer function levels(T_s)
-      real(wp), intent(in) :: T_s
-      !! [s]
-
-      levels = max(0, ceiling(log(2*pi*base_step/(0.6_wp*T_s))/log(2.0_wp)))
-      levels = min(levels, halvings + 1)
-   end function levels
-
-   !> Compute up to `frame_block_width` frames together.
-   subroutine run_block(control, grid, T_s, xi_s, kernels, u_max, member)
-      type(control_t), intent(in) :: control
+   !> Advance a frame from rest to the end.
+   pure subroutine run_frame(grid, damping, stiffness, u_max)
       type(time_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: T_s(:)
-      !! (n) [s]
-      real(wp), intent(in) :: xi_s
-      type(kernels_t), intent(in) :: kernels
-      real(wp), intent(inout) :: u_max(:)
-      !! [m]
-      integer, intent(in) :: member(:)
-      !! (n) indices of the periods, for the results
-      type(frames_t) :: frames
-      real(wp) :: weight(12, 3)
-      real(wp) :: h
-      integer :: i, n, number
+      real(wp), intent(in) :: damping
+      !! 2 xi_s omega_s [1/s]
+      real(wp), intent(in) :: stiffness
+      !! omega_s**2 [1/s2]
+      real(wp), intent(out) :: u_max
+      !! largest |u| [m]
+      real(wp) :: a(12), weight(12, 3)
+      real(wp) :: h, u, w, u_0, w_0, rise
+      integer :: number
       logical :: is_at_rest
       !! the ground has not moved yet
 
-      n = block_width*((size(T_s) + block_width - 1)/block_width)
-      do i = 1, n
-         associate (omega_s => 2*pi/T_s(min(i, size(T_s))))
-            frames%damping(i) = 2*xi_s*omega_s
-            frames%stiffness(i) = omega_s**2
-         end associate
-      end do
-      frames%u(:n, :) = 0
-      frames%w(:n, :) = 0
-      frames%u_max(:n) = 0
       h = 0
+      u = 0
+      w = 0
+      u_max = 0
       is_at_rest = .true.
       do number = 1, size(grid%step)
-         if (mod(number, check_every) == 0) then
-            if (is_cancelled(control)) return
-         end if
-         associate (step => grid%step(number))
+         associate (step => grid%step(number), f => grid%step(number)%f)
             if (abs(step%h - h) > 0) then
                h = step%h
-               do i = 1, n
-                  weight = step_weights(frames%damping(i), frames%stiffness(i), h, 0.5_wp)
-                  frames%weight(i, :) = weight(:, 3)
-               end do
+               weight = step_weights(damping, stiffness, h, 0.5_wp)
+               a = weight(:, 3)
             end if
-            call kernels%step_frames(n, h, step%f, frames%weight, frames%u, frames%w, &
-               frames%u_max, frames%event)
+            u_0 = u
+            w_0 = w
+            u = a(1)*u_0 + a(2)*w_0 - (a(5)*f(0) + a(6)*f(1) + a(7)*f(2) + a(8)*f(3))
+            w = a(3)*u_0 + a(4)*w_0 - (a(9)*f(0) + a(10)*f(1) + a(11)*f(2) + a(12)*f(3))
+            u_max = max(u_max, abs(u))
+            ! A parabola rises above its ends by at most h/8 of this sum; the bound is twice that.
             ! In the step that begins without a velocity its sign does not indicate a peak.
-            if (is_at_rest .and. any(abs(step%f) > 0)) then
-               frames%event(:n) = 1
+            rise = 0.25_wp*h*(abs(w) + abs(w_0)) + max(abs(u), abs(u_0)) - u_max
+            if ((rise > 0 .and. w*w_0 < 0) .or. (is_at_rest .and. any(abs(f) > 0))) then
+               call update_peak(damping, stiffness, h, u_0, w_0, f, u_max)
                is_at_rest = .false.
             end if
-            if (any(frames%event(:n) > 0)) call update_peaks(size(T_s), h, step%f, frames)
          end associate
       end do
-      u_max(member) = frames%u_max(:size(T_s))
-   end subroutine run_block
+   end subroutine run_frame
 
-   !> Update the largest |u| by peaks within a step. For a motion that begins with u' = 0 the root
+   !> Update the largest |u| by a peak within a step. For a motion that begins with u' = 0 the root
    !> is that of u'/x or u'/x**2, which does not vanish there.
-   pure subroutine update_peaks(n, h, f, frames)
-      integer, intent(in) :: n
+   pure subroutine update_peak(damping, stiffness, h, u_0, w_0, f, u_max)
+      real(wp), intent(in) :: damping
+      real(wp), intent(in) :: stiffness
       real(wp), intent(in) :: h
+      !! [s]
+      real(wp), intent(in) :: u_0
+      !! [m]
+      real(wp), intent(in) :: w_0
+      !! [m/s]
       real(wp), intent(in) :: f(0:3)
-      type(frames_t), intent(inout) :: frames
+      real(wp), intent(inout) :: u_max
+      type(bracket_t) :: bracket
       real(wp) :: p(0:terms)
       real(wp) :: rate(0:terms - 1)
-      real(wp) :: x, u, w
-      integer :: i, j, first
+      real(wp) :: x, x_last, value, slope
+      integer :: i, first
 
-      do i = 1, n
-         if (.not. frames%event(i) > 0) cycle
-         call series(frames%damping(i), frames%stiffness(i), h, frames%u(i, 2), frames%w(i, 2), &
-            -newton_to_powers(f), p)
-         rate = [((j + 1)*p(j + 1), j=0, terms - 1)]
-         first = findloc(abs(rate(:2)) > 0, .true., dim=1) - 1
-         if (first < 0) cycle
-         if (rate(first)*sum(rate(first:)) >= 0) cycle
-         call find_root(rate(first:), 0.0_wp, 1.0_wp, x)
-         call state_at(p, x, u, w)
-         frames%u_max(i) = max(frames%u_max(i), abs(u))
+      call series(damping, stiffness, h, u_0, w_0, -newton_to_powers(f), p)
+      rate = [((i + 1)*p(i + 1), i=0, terms - 1)]
+      first = findloc(abs(rate(:2)) > 0, .true., dim=1) - 1
+      if (first < 0) return
+      if (rate(first)*sum(rate(first:)) >= 0) return
+      bracket = bracket_between(0.0_wp, 1.0_wp)
+      x = 0.5_wp
+      do i = 1, 80
+         call state_at(rate(first:), x, value, slope)
+         call narrow(bracket, rate(first)*value <= 0, x)
+         x_last = x
+         x = bracket%middle
+         if (abs(value) < abs(slope)) x = keep_inside(bracket, x_last - value/slope, &
+            may_be_end=.true.)
+         ! Newton's method is quadratic: the error after a small correction is round-off.
+         if (abs(x - x_last) <= 1.0e-9_wp*x) exit
       end do
-   end subroutine update_peaks
+      call state_at(p, x, value, slope)
+      u_max = max(u_max, abs(value))
+   end subroutine update_peak
 
 end module rwmf_spectrum_fast_bare_frame

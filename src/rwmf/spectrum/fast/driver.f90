@@ -2,19 +2,17 @@
 !>
 !> The step of an ordinate depends on its own period and mass ratio only, so that the bits of its
 !> result do not depend on the other ordinates. Ordinates outside the validated range of the method
-!> are left to the general kernel.
+!> are left to the general lanes.
 module rwmf_spectrum_fast_driver
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_lane_scheduler, only: ordinate_result_t, run_scheduler
-   use rwmf_spectrum_fast_polynomial_fit, only: fit_equations, ranges
+   use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
    use rwmf_spectrum_fast_schedule, only: order_by_cost
-   use rwmf_spectrum_fast_shared_data, only: describe_kinds, kind_of, list_uplift_steps, &
-      max_stages, shared_data_t, task_t
+   use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
    use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
-   use rwmf_spectrum_fast_task_queue, only: new_task_queue, task_queue_t
+   use rwmf_spectrum_fast_team, only: ordinate_result_t, run_team
    use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step
    implicit none
    private
@@ -25,50 +23,34 @@ module rwmf_spectrum_fast_driver
    !! mass ratio below which N is not small against the linear part [-]
    integer, parameter :: halvings = 5
    !! largest number of halvings of the longest step
-   integer, parameter :: max_pairs = 32
-   !! pairs in work at a time: each needs a number for every step of a grid
    real(wp), parameter :: gamma_one_stage = 220
    !! mass ratio from which on one evaluation of N in a step suffices at rtol = 1e-7, where the step
    !! is longest; the share of N is 1/gamma [-]
    real(wp), parameter :: gamma_two_stages(2) = [5.0_wp, 25.0_wp]
    !! mass ratio from which on two evaluations suffice; the second value is for the published
    !! levers, with which N is larger [-]
+   real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
+   !! ends of the ranges of v on which equations are fitted: a narrow one, and wider ones for
+   !! ordinates that leave it [-]
+   real(wp), parameter :: fit_share = 0.1_wp
+   !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
+   !! (g/R)/(omega_s**2 v), about 10 for flexible frames
 
    !> An ordinate to be computed, and the step for it.
    type :: attempt_t
       integer :: i
       !! index of the period
-      integer :: j
-      !! index of the mass ratio
-      integer :: k
-      !! index of the width
-      integer :: equation
-      !! number of its reduced equation: that of the pair among those in work, on the narrowest
-      !! range; that of a wider range after it has left it
+      integer :: pair
+      !! of mass ratio and width, the mass ratio running fastest
+      integer :: range = 1
+      !! of v
       integer :: level
       !! halvings of the step
       integer :: stages
       !! evaluations of N in a step
-      logical :: is_finer
+      logical :: is_finer = .false.
       !! the step is halved once more because the estimated error was too large
    end type attempt_t
-
-   !> Request for a spectrum.
-   type :: spectrum_request_t
-      type(case_t) :: case
-      integer :: first = 1
-      !! first of the pairs in work, the mass ratio running fastest
-      integer :: last = 1
-      !! last of the pairs in work
-      type(control_t) :: control
-      integer :: threads
-      real(wp), allocatable :: T_s(:)
-      !! (n_T) [s]
-      real(wp), allocatable :: gamma(:)
-      !! (n_gamma) [-]
-      real(wp), allocatable :: b(:)
-      !! (n_b) [m]
-   end type spectrum_request_t
 
 contains
 
@@ -85,68 +67,69 @@ contains
       !! (n_gamma) [-]
       real(wp), intent(in) :: b(:)
       !! (n_b) [m]
-      real(wp), intent(inout) :: u_s_max(:, :, :)
-      !! (n_T, n_gamma, n_b) [m]
-      logical, intent(out) :: is_done(:, :, :)
-      !! (n_T, n_gamma, n_b)
-      type(spectrum_request_t) :: request
+      real(wp), intent(inout) :: u_s_max(size(T_s), size(gamma)*size(b))
+      !! (n_T, n_gamma n_b) [m]
+      logical, intent(out) :: is_done(size(T_s), size(gamma)*size(b))
+      type(shared_data_t), target :: shared
+      type(case_t), allocatable :: pair_case(:)
+      logical, allocatable :: is_fitted(:, :)
       type(attempt_t), allocatable :: attempt(:)
       integer :: pair
 
       is_done = .false.
-      request%case = case_of_pair(case, case%frame%gamma, case%wall%b)
-      request%case%solver = case%solver
-      request%control = control
-      request%threads = threads
-      request%T_s = T_s
-      request%gamma = gamma
-      request%b = b
-      do pair = 1, size(gamma)*size(b), max_pairs
-         request%first = pair
-         request%last = min(pair + max_pairs - 1, size(gamma)*size(b))
-         attempt = first_attempts(request, motion)
-         do while (size(attempt) > 0)
-            if (is_cancelled(control)) exit
-            call run_attempts(request, motion, attempt, u_s_max, is_done)
-         end do
+      allocate (pair_case(size(gamma)*size(b)))
+      do pair = 1, size(pair_case)
+         pair_case(pair)%structure_t = case%structure_t
+         ! any: the equations do not depend on it
+         pair_case(pair)%frame%T_s = 1
+         pair_case(pair)%wall%b = b((pair - 1)/size(gamma) + 1)
+         pair_case(pair)%frame%gamma = gamma(mod(pair - 1, size(gamma)) + 1)
+      end do
+      shared%control = control
+      shared%kernels = kernels_of(best_level())
+      shared%xi_s = case%frame%xi_s
+      shared%rtol = case%solver%rtol
+      allocate (is_fitted(size(pair_case), size(fit_range)))
+      allocate (shared%equation(size(is_fitted)), shared%grid(halvings + 2))
+      is_fitted = .false.
+      attempt = first_attempts(case, motion, T_s, gamma, size(b))
+      do while (size(attempt) > 0)
+         call fit_equations(pair_case, motion, threads, attempt, is_fitted, shared)
+         call cut_motion(case, motion, threads, attempt, shared)
+         call run_attempts(threads, T_s, shared, attempt, u_s_max, is_done)
+         if (is_cancelled(control)) exit
       end do
    end subroutine run_fast
 
-   !> First attempts: all periods of the pairs in work.
-   pure function first_attempts(request, motion) result(attempt)
-      type(spectrum_request_t), intent(in) :: request
+   !> First attempts: all periods of all pairs.
+   pure function first_attempts(case, motion, T_s, gamma, n_b) result(attempt)
+      type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: T_s(:)
+      real(wp), intent(in) :: gamma(:)
+      integer, intent(in) :: n_b
+      !! number of widths
       type(attempt_t), allocatable :: attempt(:)
-      integer, allocatable :: level(:)
+      integer :: level(size(T_s))
       integer, allocatable :: order(:)
-      integer :: i, n, pair, j, k
+      integer :: i, n, pair
 
-      level = levels(request%case, motion, request%T_s)
-      order = order_by_cost(request%T_s, level, halvings)
-      allocate (attempt(size(order)*(request%last - request%first + 1)))
+      level = levels(case, motion, T_s)
+      order = order_by_cost(T_s, level, halvings)
+      allocate (attempt(size(order)*size(gamma)*n_b))
       n = 0
-      do pair = request%first, request%last
-         call split_pair(request, pair, j, k)
-         if (request%gamma(j) < min_gamma) cycle
-         do i = 1, size(order)
-            n = n + 1
-            attempt(n) = attempt_t(order(i), j, k, pair - request%first + 1, level(order(i)), &
-               stages_for(request%case, request%gamma(j)), .false.)
-         end do
+      do pair = 1, size(gamma)*n_b
+         associate (gamma_of_pair => gamma(mod(pair - 1, size(gamma)) + 1))
+            if (gamma_of_pair < min_gamma) cycle
+            do i = 1, size(order)
+               n = n + 1
+               attempt(n) = attempt_t(i=order(i), pair=pair, level=level(order(i)), &
+                  stages=stages_for(case, gamma_of_pair))
+            end do
+         end associate
       end do
       attempt = attempt(:n)
    end function first_attempts
-
-   !> Indices of the mass ratio and the width of a pair.
-   pure subroutine split_pair(request, pair, j, k)
-      type(spectrum_request_t), intent(in) :: request
-      integer, intent(in) :: pair
-      integer, intent(out) :: j
-      integer, intent(out) :: k
-
-      j = mod(pair - 1, size(request%gamma)) + 1
-      k = (pair - 1)/size(request%gamma) + 1
-   end subroutine split_pair
 
    !> Evaluations of N in a step for a mass ratio.
    pure integer function stages_for(case, gamma)
@@ -191,137 +174,118 @@ contains
       levels = min(levels, halvings + 1)
    end function levels
 
-   !> Compute the ordinates; those whose estimated error is too large with all evaluations of N are
-   !> attempted again on the halved step.
-   subroutine run_attempts(request, motion, attempt, u_s_max, is_done)
-      type(spectrum_request_t), intent(in) :: request
+   !> Fit the equations of the attempts that are not yet known; attempts that have none which is
+   !> accurate enough are dropped.
+   subroutine fit_equations(pair_case, motion, threads, attempt, is_fitted, shared)
+      type(case_t), intent(in) :: pair_case(:)
+      !! (pairs)
       type(motion_t), intent(in) :: motion
+      integer, intent(in) :: threads
       type(attempt_t), allocatable, intent(inout) :: attempt(:)
-      !! out: those to be attempted again
-      real(wp), intent(inout) :: u_s_max(:, :, :)
-      logical, intent(inout) :: is_done(:, :, :)
-      type(shared_data_t), target :: shared
-      type(task_t), allocatable :: task(:)
-      type(ordinate_result_t), allocatable :: result(:)
-      type(task_queue_t) :: queue
-      integer :: thread
-
-      call prepare_attempts(request, motion, attempt, shared, task)
-      allocate (result(size(task)))
-      call new_task_queue(task, request%threads, queue)
-      !$omp parallel do num_threads(request%threads) schedule(static, 1) default(shared)
-      do thread = 1, request%threads
-         call run_scheduler(shared, task, thread, queue, result)
-      end do
-      !$omp end parallel do
-      call store_results(request, shared, task, result, attempt, u_s_max, is_done)
-   end subroutine run_attempts
-
-   !> Prepare equations and grids of the attempts; attempts without them are dropped.
-   subroutine prepare_attempts(request, motion, attempt, shared, task)
-      type(spectrum_request_t), intent(in) :: request
-      type(motion_t), intent(in) :: motion
-      type(attempt_t), allocatable, intent(inout) :: attempt(:)
-      type(shared_data_t), target, intent(out) :: shared
-      type(task_t), allocatable, intent(out) :: task(:)
-      real(wp) :: h_max(halvings + 2)
+      logical, intent(inout) :: is_fitted(:, :)
+      !! (pairs, ranges)
+      type(shared_data_t), intent(inout) :: shared
+      logical, allocatable :: is_wanted(:)
+      integer, allocatable :: number(:)
       integer :: i
 
-      shared%control = request%control
-      shared%kernels = kernels_of(best_level())
-      shared%xi_s = request%case%frame%xi_s
-      shared%rtol = request%case%solver%rtol
-      call prepare_equations(request, attempt, shared)
-      allocate (shared%grid(halvings + 2))
-      h_max = [(merge(longest_step(request%case, motion)/2.0_wp**i, 0.0_wp, &
-         any(attempt%level == i)), i=0, halvings + 1)]
-      call build_grids(request%case, motion, request%threads, h_max, shared%ground, shared%grid)
-      attempt = pack(attempt, [(shared%is_usable(attempt(i)%equation) &
-         .and. associated(shared%grid(attempt(i)%level + 1)%step), i=1, size(attempt))])
-      call describe_kinds(shared)
-      task = [(task_of(request%T_s(attempt(i)%i), attempt(i), shared), i=1, size(attempt))]
-      call list_uplift_steps(task, request%threads, shared)
-   end subroutine prepare_attempts
-
-   !> Prepare the models of the pairs and the equations that the attempts begin with.
-   subroutine prepare_equations(request, attempt, shared)
-      type(spectrum_request_t), intent(in) :: request
-      type(attempt_t), intent(in) :: attempt(:)
-      type(shared_data_t), intent(inout) :: shared
-      logical, allocatable :: wanted(:)
-      integer :: i, j, k
-
-      shared%pairs = request%last - request%first + 1
-      allocate (shared%case(shared%pairs))
-      do i = 1, shared%pairs
-         call split_pair(request, request%first + i - 1, j, k)
-         shared%case(i) = case_of_pair(request%case, request%gamma(j), request%b(k))
+      number = equation_of(attempt, size(pair_case))
+      allocate (is_wanted(size(is_fitted)), source=.false.)
+      is_wanted(number) = .true.
+      is_wanted = is_wanted .and. .not. reshape(is_fitted, [size(is_fitted)])
+      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
+      !$omp if (count(is_wanted) > 2)
+      do i = 1, size(is_wanted)
+         if (is_wanted(i)) call build_reduced_equation(pair_case(mod(i - 1, size(pair_case)) + 1), &
+            motion, fit_range((i - 1)/size(pair_case) + 1), fit_share*shared%rtol, &
+            shared%equation(i))
       end do
-      allocate (wanted(shared%pairs*ranges))
-      wanted = .false.
-      wanted(attempt%equation) = .true.
-      call fit_equations(request%threads, wanted, shared)
-   end subroutine prepare_equations
+      !$omp end parallel do
+      is_fitted = is_fitted .or. reshape(is_wanted, shape(is_fitted))
+      attempt = pack(attempt, shared%equation(number)%fit_error < fit_share*shared%rtol)
+   end subroutine fit_equations
 
-   !> Task of an attempt.
-   pure type(task_t) function task_of(T_s, attempt, shared) result(task)
-      real(wp), intent(in) :: T_s
-      !! [s]
+   !> Number of the equation of an attempt.
+   pure elemental integer function equation_of(attempt, pairs)
       type(attempt_t), intent(in) :: attempt
-      type(shared_data_t), intent(in) :: shared
-      integer :: stages
+      integer, intent(in) :: pairs
 
-      ! With one evaluation the slope of N would oscillate after a jump of the acceleration.
-      stages = max(attempt%stages, merge(2, 1, shared%scheme(1)%has_jumps))
-      task = task_t(T_s, attempt%equation, attempt%level + 1, &
-         kind_of(stages, shared%equation(attempt%equation)%is_short))
-   end function task_of
+      equation_of = attempt%pair + (attempt%range - 1)*pairs
+   end function equation_of
 
-   !> Store the results; keep the attempts that are to be repeated on the halved step.
-   subroutine store_results(request, shared, task, result, attempt, u_s_max, is_done)
-      type(spectrum_request_t), intent(in) :: request
-      type(shared_data_t), intent(in) :: shared
-      type(task_t), intent(in) :: task(:)
-      type(ordinate_result_t), intent(in) :: result(:)
+   !> Cut the motion into the steps that the attempts ask for; attempts that would need too many are
+   !> dropped.
+   subroutine cut_motion(case, motion, threads, attempt, shared)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: threads
       type(attempt_t), allocatable, intent(inout) :: attempt(:)
-      real(wp), intent(inout) :: u_s_max(:, :, :)
-      logical, intent(inout) :: is_done(:, :, :)
-      logical, allocatable :: is_repeated(:)
-      integer :: n
+      type(shared_data_t), target, intent(inout) :: shared
+      real(wp) :: h_max(size(shared%grid))
+      integer :: i
 
-      allocate (is_repeated(size(attempt)))
-      is_repeated = .false.
-      do n = 1, size(attempt)
-         associate (current => attempt(n), equation => shared%equation(task(n)%equation), &
-            outcome => result(n))
-            if (outcome%failed .or. .not. outcome%v_max <= equation%v_high) cycle
-            if (outcome%error > request%case%solver%rtol) then
-               is_repeated(n) = .not. current%is_finer
-               current%is_finer = .true.
-               current%equation = task(n)%equation
-               current%level = current%level + 1
+      h_max = [(merge(longest_step(case, motion)/2.0_wp**(i - 1), 0.0_wp, &
+         any(attempt%level + 1 == i)), i=1, size(h_max))]
+      call build_grids(case, motion, threads, h_max, shared%ground, shared%grid)
+      attempt = pack(attempt, [(associated(shared%grid(attempt(i)%level + 1)%step), &
+         i=1, size(attempt))])
+   end subroutine cut_motion
+
+   !> Compute the ordinates; those that are to be computed again remain: on a wider range once v has
+   !> left that of the equation, with all evaluations of N, then on the halved step where the
+   !> estimated error is too large.
+   subroutine run_attempts(threads, T_s, shared, attempt, u_s_max, is_done)
+      integer, intent(in) :: threads
+      real(wp), intent(in) :: T_s(:)
+      type(shared_data_t), intent(in) :: shared
+      type(attempt_t), allocatable, intent(inout) :: attempt(:)
+      real(wp), intent(inout) :: u_s_max(:, :)
+      logical, intent(inout) :: is_done(:, :)
+      type(task_t), allocatable :: task(:)
+      type(ordinate_result_t), allocatable :: found(:)
+      logical, allocatable :: is_repeated(:)
+      integer, allocatable :: kind(:), order(:)
+      integer :: thread, next, i, k, pairs
+
+      pairs = size(is_done, 2)
+      ! With one evaluation the slope of N would oscillate after a jump of the acceleration.
+      if (any(shared%grid%has_jumps)) attempt%stages = max(2, attempt%stages)
+      kind = 2*attempt%stages + merge(0, 1, shared%equation(equation_of(attempt, pairs))%is_short)
+      allocate (order(0))
+      do i = 2*max_stages + 1, 2, -1
+         order = [order, pack([(k, k=1, size(attempt))], kind == i)]
+      end do
+      attempt = attempt(order)
+      task = [(task_t(T_s(attempt(i)%i), equation_of(attempt(i), pairs), attempt(i)%level + 1, &
+         attempt(i)%stages), i=1, size(attempt))]
+      allocate (found(size(task)))
+      next = 0
+      !$omp parallel do num_threads(threads) schedule(static, 1) default(shared)
+      do thread = 1, threads
+         call run_team(shared, task, next, found)
+      end do
+      !$omp end parallel do
+      allocate (is_repeated(size(attempt)), source=.false.)
+      do i = 1, size(attempt)
+         associate (current => attempt(i))
+            if (found(i)%failed) then
+               current%range = current%range + 1
+               is_repeated(i) = current%range <= size(fit_range)
+            else if (found(i)%error > shared%rtol .and. current%stages < max_stages) then
                current%stages = max_stages
+               is_repeated(i) = .true.
+            else if (found(i)%error > shared%rtol) then
+               is_repeated(i) = .not. current%is_finer
+               current%is_finer = .true.
+               current%level = current%level + 1
             else
-               u_s_max(current%i, current%j, current%k) = equation%length*outcome%v_max
-               is_done(current%i, current%j, current%k) = .true.
+               u_s_max(current%i, current%pair) = &
+                  shared%equation(task(i)%equation)%length*found(i)%v_max
+               is_done(current%i, current%pair) = .true.
             end if
          end associate
       end do
       attempt = pack(attempt, is_repeated)
-   end subroutine store_results
-
-   !> Model of one mass ratio and one width.
-   pure function case_of_pair(case, gamma, b) result(pair_case)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: gamma
-      !! [-]
-      real(wp), intent(in) :: b
-      !! [m]
-      type(case_t) :: pair_case
-
-      pair_case%structure_t = case%structure_t
-      pair_case%wall%b = b
-      pair_case%frame%gamma = gamma
-   end function case_of_pair
+   end subroutine run_attempts
 
 end module rwmf_spectrum_fast_driver

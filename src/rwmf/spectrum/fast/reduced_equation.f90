@@ -1,285 +1,249 @@
 !> The equation of motion with the frame's displacement as its unknown, for the fast spectra.
 !>
-!> On one side, with v = |u_s|/(2R), f = sigma u_g'' and the kinematics of `rwmf_model_kinematics`
-!> as functions of v (docs/fast.md derives it from the general form of `rwmf_model_assembly`):
+!> On one side, with v = |u_s|/(2R) and f = sigma u_g'' (docs/fast.md derives it from the general
+!> form of `rwmf_model_lanes`):
 !>
-!>    v'' = - M1 (2 xi_s omega_s v' + omega_s**2 v) - M2 f - M3 + Q v'**2
+!>    v'' = - M1 (2 xi_s omega_s v' + omega_s**2 v) - M2 f - M3 - M4 v' + Q v'**2
 !>
-!> M1, M2, M3 and Q depend on v alone, neither on the period nor on time. Their values at v = 0 (and
-!> a slope of M3) make a linear equation with constant coefficients; what remains,
+!> M1 to M4 and Q depend on v alone, neither on the period nor on time; M4 is of dampers. Their
+!> values at v = 0 (and a slope of M3) make a linear equation with constant coefficients; what
+!> remains,
 !>
-!>    N = Q v'**2 - v (D1 (2 xi_s omega_s v' + omega_s**2 v) + D2 f + H),
+!>    N = Q v'**2 - v (D1 (2 xi_s omega_s v' + omega_s**2 v) + D2 f + H + D4 v'),
 !>
-!> is small (of order 1/gamma) and smooth. Q, D1, D2 and H are replaced by polynomials. They are
-!> fitted in quadruple precision because D1, D2 and H are differences over a small v.
+!> is small (of order 1/gamma) and smooth. Q, D1, D2, H and D4 are replaced by polynomials through
+!> what the loops of the effects say at single rotations: no effect has a formula of its own here.
 module rwmf_spectrum_fast_reduced_equation
-   use, intrinsic :: iso_fortran_env, only: real128
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_assembly, only: build_equation
+   use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_equation, only: enter_side, equation_t
+   use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_model_scene, only: frame_term, scene_t
+   use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_run, only: restitution
-   use rwmf_spectrum_fast_types, only: curves, degree, reduced_equation_t, short_degree
+   use rwmf_spectrum_fast_types, only: curves, degree, reduced_equation_t
    implicit none
    private
 
    public :: build_reduced_equation
 
-   integer, parameter :: qp = real128
+   integer, parameter :: short_degree = 4
+   !! of polynomials that are accurate enough with it
 
-   !> Parameters of wall, frame and cable in quadruple precision.
-   type :: parameters_t
-      real(qp) :: gamma
+   !> The scene on one side, without spring and damping of the frame.
+   type :: probe_t
+      type(scene_t) :: scene
+      real(wp), allocatable :: coef(:, :)
+      !! (1, coefficients)
+      integer :: side
+      !! +1 or -1
+      real(wp) :: gamma
       !! [-]
-      real(qp) :: R
-      !! [m]
-      real(qp) :: sin_alpha
-      real(qp) :: cos_alpha
-      real(qp) :: alpha
-      !! [rad]
-      real(qp) :: g
-      !! [m/s2]
-      real(qp) :: eta_0
-      !! [-]
-      real(qp) :: cable_rate
-      !! increase of the cable force over m_w g, per rad (linear) or per 2R of elongation (truss)
-      !! [-]
-      logical :: is_truss
-      logical :: is_published
-      logical :: is_exact
-   end type parameters_t
+      real(wp) :: g_over_R
+      !! [1/s2]
+      real(wp) :: ratio
+      !! vertical over horizontal ground acceleration [-]
+   end type probe_t
 
 contains
 
    !> Build the equation of a case, with curves fitted on -0.3 v_high <= v <= v_high.
-   subroutine build_reduced_equation(case, v_high, accuracy, equation)
+   subroutine build_reduced_equation(case, motion, v_high, accuracy, reduced)
       type(case_t), intent(in) :: case
-      !! with wall and frame
+      !! supported by `rwmf_spectrum_fast_eligibility`
+      type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: v_high
       !! end of the fit [-]
       real(wp), intent(in) :: accuracy
       !! `fit_error` below which the lower degree is used [-]
-      type(reduced_equation_t), intent(out) :: equation
-      type(parameters_t) :: param
-      real(qp) :: at_0(curves)
-      real(qp) :: slope(2)
-      integer :: side
-      integer :: sides
-      integer :: n
+      type(reduced_equation_t), intent(out) :: reduced
+      type(equation_t) :: equation
+      type(probe_t) :: probe(2)
+      real(wp) :: at_0(curves, 2)
+      real(wp), parameter :: step = 1.0e-5_wp
+      !! for the slope of M3, of which H is what remains whatever its error [-]
+      integer :: side, n
 
-      param = parameters_of(case)
-      at_0 = curves_at(param, 1, 0.0_qp)
-      equation%m1 = real(at_0(2), wp)
-      equation%m2 = real(at_0(3), wp)
-      equation%m3 = real(at_0(4), wp)
-      slope = [slope_at_rest(param, 1), slope_at_rest(param, 2)]
-      equation%m3_1 = real(sum(slope)/2, wp)
-      equation%threshold = equation%m3/equation%m2
-      equation%e = restitution(case, real(param%alpha, wp))
-      equation%length = real(2*param%R, wp)
-      equation%v_high = v_high
-      equation%is_even = .not. (param%is_published .or. param%is_exact)
-      sides = merge(1, 2, equation%is_even)
-      do n = short_degree, degree, degree - short_degree
-         equation%is_short = n == short_degree
-         equation%fit_error = 0
-         do side = 1, sides
-            call fit_side(param, side, n, at_0, real(equation%m3_1, qp), equation)
-         end do
-         if (equation%fit_error < accuracy) exit
+      call build_equation(case, motion, equation)
+      do side = 1, 2
+         call set_probe(case, equation, 3 - 2*side, probe(side))
+         at_0(:, side) = curves_at(probe(side), 0.0_wp)
       end do
-      if (equation%is_even) equation%coef(:, :, 2) = equation%coef(:, :, 1)
-      equation%bound = max(abs(equation%coef(0, :, 1)), abs(equation%coef(0, :, 2)))
+      reduced%m1 = at_0(2, 1)
+      reduced%m2 = at_0(3, :)
+      reduced%m3 = at_0(4, 1)
+      reduced%m4 = at_0(5, 1)
+      reduced%m3_1 = 0
+      do side = 1, 2
+         associate (rise => curves_at(probe(side), step) - curves_at(probe(side), -step))
+            reduced%m3_1 = reduced%m3_1 + rise(4)/(4*step)
+         end associate
+      end do
+      reduced%threshold = reduced%m3/max(reduced%m2, tiny(1.0_wp))
+      reduced%e = restitution(case, equation%p%alpha)
+      reduced%length = 2*equation%p%R
+      reduced%v_high = v_high
+      do n = short_degree, degree, degree - short_degree
+         reduced%is_short = n == short_degree
+         reduced%fit_error = 0
+         do side = 1, 2
+            call fit_side(probe(side), side, n, at_0(:, side), reduced)
+         end do
+         if (reduced%fit_error < accuracy) exit
+      end do
+      reduced%is_even = all(abs(reduced%coef(:, :, 1) - reduced%coef(:, :, 2)) <= 0) &
+         .and. abs(reduced%m2(1) - reduced%m2(2)) <= 0
+      reduced%bound = max(abs(reduced%coef(0, :, 1)), abs(reduced%coef(0, :, 2)))
+      ! a wall that stands, does not overturn within the fit, and is returned by its weight
+      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0 .or. v_high &
+          >= sin(min(case%model%overturning_angle, 1.0_wp)/2)*equation%cos_alpha) then
+         reduced%fit_error = huge(1.0_wp)
+      end if
    end subroutine build_reduced_equation
 
-   pure type(parameters_t) function parameters_of(case) result(param)
+   !> The scene on a side; what depends on the period is left out of it.
+   subroutine set_probe(case, equation, side, probe)
       type(case_t), intent(in) :: case
-      real(qp) :: h
-      real(qp) :: b
-
-      h = real(case%wall%h, qp)
-      b = real(case%wall%b, qp)
-      param%gamma = real(case%frame%gamma, qp)
-      param%R = hypot(h, b)
-      param%alpha = atan2(b, h)
-      param%sin_alpha = sin(param%alpha)
-      param%cos_alpha = cos(param%alpha)
-      param%g = real(case%model%g, qp)
-      param%is_published = case%model%formulation == 'published'
-      param%is_exact = case%model%formulation == 'exact'
-      param%is_truss = .false.
-      param%eta_0 = 0
-      param%cable_rate = 0
-      if (.not. allocated(case%cable)) return
-      param%eta_0 = real(case%cable%eta_0, qp)
-      param%is_truss = case%cable%law == 'truss'
-      param%cable_rate = real(case%cable%eta_alpha, qp) - param%eta_0
-      if (param%is_truss) then
-         param%cable_rate = param%cable_rate/elongation(param, param%alpha)
-      else
-         param%cable_rate = param%cable_rate/param%alpha
-      end if
-   end function parameters_of
-
-   !> Length of the straight cable over 2R at the rotation phi: with h = R cos(alpha) and
-   !> b = R sin(alpha) the square root of the truss law (section 2 of docs/theory.md).
-   pure real(qp) function cable_length(param, phi)
-      type(parameters_t), intent(in) :: param
-      real(qp), intent(in) :: phi
-      !! [rad]
-
-      associate (s => param%sin_alpha, c => param%cos_alpha)
-         cable_length = sqrt(c**2 + s**2*(1 - cos(phi))/2 + s*c*sin(phi))
-      end associate
-   end function cable_length
-
-   !> Elongation of the straight cable over 2R at the rotation phi.
-   pure real(qp) function elongation(param, phi)
-      type(parameters_t), intent(in) :: param
-      real(qp), intent(in) :: phi
-      !! [rad]
-
-      elongation = cable_length(param, phi) - param%cos_alpha
-   end function elongation
-
-   !> Moment of the cable over m_w g R [-].
-   pure real(qp) function cable_moment(param, side, phi) result(moment)
-      type(parameters_t), intent(in) :: param
+      type(equation_t), intent(inout) :: equation
       integer, intent(in) :: side
-      !! 1: theta > 0, 2: theta < 0
-      real(qp), intent(in) :: phi
-      !! |theta| [rad]
+      !! +1 or -1
+      type(probe_t), intent(out) :: probe
+      integer :: i
 
-      associate (s => param%sin_alpha, c => param%cos_alpha)
-         if (param%is_truss) then
-            moment = (param%eta_0 + param%cable_rate*elongation(param, phi)) &
-               *(s**2*sin(phi) + 2*s*c*cos(phi))/(2*cable_length(param, phi))
-         else if (param%is_published .and. side == 2) then
-            moment = (param%eta_0 - param%cable_rate*phi)*s
-         else
-            moment = (param%eta_0 + param%cable_rate*phi)*s
-         end if
-      end associate
-   end function cable_moment
+      call enter_side(equation, side)
+      probe%scene = equation%scene
+      probe%coef = equation%coef
+      probe%side = side
+      probe%gamma = case%frame%gamma
+      probe%g_over_R = equation%p%g_over_R
+      probe%ratio = 0
+      if (allocated(case%vertical)) probe%ratio = case%vertical%ratio
+      do i = 1, size(probe%scene%terms)
+         associate (term => probe%scene%terms(i))
+            if (term%effect == frame_term) probe%coef(1, term%coef + 1:term%coef + 2) = 0
+         end associate
+      end do
+   end subroutine set_probe
 
-   !> Q [-], M1 [-], M2 [1/m] and M3 [1/s2] at v.
-   pure function curves_at(param, side, v) result(values)
-      type(parameters_t), intent(in) :: param
-      integer, intent(in) :: side
-      real(qp), intent(in) :: v
+   !> What moves the wall at a rotation, per m_w R**2.
+   subroutine ask(probe, phi, rate, ground, motion)
+      type(probe_t), intent(in) :: probe
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(in) :: rate
+      !! phi' [rad/s]
+      real(wp), intent(in) :: ground
+      !! towards the side [m/s2]
+      type(lane_motion_t), intent(out) :: motion
+      real(wp) :: y_dot(1, 2)
+
+      motion%ground = probe%side*ground
+      motion%vertical = probe%ratio*motion%ground
+      call lane_rates(probe%scene, probe%coef, probe%side*reshape([phi, rate], [1, 2]), motion, &
+         y_dot)
+   end subroutine ask
+
+   !> Q [-], M1 [-], M2 [1/m], M3 [1/s2] and M4 [1/s] at v.
+   function curves_at(probe, v) result(values)
+      type(probe_t), intent(in) :: probe
+      real(wp), intent(in) :: v
       !! |u_s|/(2R) [-]
-      real(qp) :: values(curves)
-      real(qp) :: phi
-      real(qp) :: s
-      real(qp) :: c
-      real(qp) :: w
+      real(wp) :: values(curves)
+      type(lane_motion_t) :: rest, pushed, opening, closing
+      real(wp) :: phi
+      real(wp) :: w
       !! dv/dphi
-      real(qp) :: half_k
-      !! derivative of w by phi
-      real(qp) :: lever
-      real(qp) :: per_inertia
+      integer :: i
 
-      if (param%is_exact .and. side == 2) then
-         phi = asin(v/param%cos_alpha)
-         w = param%cos_alpha*cos(phi)
-         half_k = -v
-      else
-         phi = param%alpha - asin(param%sin_alpha - v)
-         w = cos(param%alpha - phi)
-         half_k = sin(param%alpha - phi)
-      end if
-      s = sin(param%alpha - phi)
-      c = cos(param%alpha - phi)
-      lever = 2*w
-      if (param%is_published .and. side == 2) lever = 2*param%cos_alpha*cos(phi)
-      per_inertia = w/(4/3.0_qp + 2*param%gamma*lever*w)
-      values(2) = 2*param%gamma*lever*per_inertia
-      values(1) = half_k/w**2*(1 - values(2))
-      values(3) = per_inertia*(param%gamma*lever + c)/param%R
-      values(4) = per_inertia*param%g/param%R*(s + cable_moment(param, side, phi))
+      phi = v
+      do i = 1, 20
+         call ask(probe, phi, 0.0_wp, 0.0_wp, rest)
+         if (abs(v - rest%u(1)/2) <= 2*epsilon(v)*abs(v)) exit
+         phi = phi + (2*v - rest%u(1))/rest%j(1)
+      end do
+      call ask(probe, phi, 0.0_wp, 1.0_wp, pushed)
+      call ask(probe, phi, 1.0_wp, 0.0_wp, opening)
+      call ask(probe, phi, -1.0_wp, 0.0_wp, closing)
+      w = rest%j(1)/2
+      associate (m => rest%moment(1), inertia => rest%inertia(1))
+         values(1) = (w*((opening%moment(1) + closing%moment(1))/2 - m)/inertia + rest%k(1)/2) &
+            /w**2
+         values(2) = probe%gamma*rest%lever(1)*rest%j(1)/inertia
+         values(3) = w*(m - pushed%moment(1))/inertia
+         values(4) = -w*m/inertia
+         values(5) = (closing%moment(1) - opening%moment(1))/(2*inertia)
+      end associate
    end function curves_at
 
-   !> dM3/dv at v = 0 [1/s2]; the central difference is exact to 20 digits here.
-   pure real(qp) function slope_at_rest(param, side) result(slope)
-      type(parameters_t), intent(in) :: param
+   !> Interpolate the curves of a side at Chebyshev's nodes; update the largest error between them.
+   subroutine fit_side(probe, side, n, at_0, reduced)
+      type(probe_t), intent(in) :: probe
       integer, intent(in) :: side
-      real(qp), parameter :: step = 1.0e-10_qp
-      real(qp) :: after(curves)
-      real(qp) :: before(curves)
-
-      after = curves_at(param, side, step)
-      before = curves_at(param, side, -step)
-      slope = (after(4) - before(4))/(2*step)
-   end function slope_at_rest
-
-   !> Q, D1, D2 and H at v /= 0.
-   pure function remainder_curves(param, side, at_0, m3_1, v) result(values)
-      type(parameters_t), intent(in) :: param
-      integer, intent(in) :: side
-      real(qp), intent(in) :: at_0(curves)
+      !! 1: theta > 0, 2: theta < 0
+      integer, intent(in) :: n
+      !! degree of the polynomials
+      real(wp), intent(in) :: at_0(curves)
       !! values at v = 0
-      real(qp), intent(in) :: m3_1
-      real(qp), intent(in) :: v
-      real(qp) :: values(curves)
+      type(reduced_equation_t), intent(inout) :: reduced
+      real(wp) :: node(0:n)
+      real(wp) :: values(0:n, curves)
+      real(wp) :: fitted(curves), deviation(curves)
+      real(wp) :: v
+      integer :: i, j
 
-      values = curves_at(param, side, v)
+      do i = 0, n
+         node(i) = chebyshev_node(reduced%v_high, n, i + 0.5_wp)
+         values(i, :) = remainder_curves(probe, at_0, reduced%m3_1, node(i))
+      end do
+      do i = 1, curves
+         reduced%coef(:, i, side) = 0
+         reduced%coef(:n, i, side) = monomials(node, values(:, i))
+      end do
+      do i = 0, n + 1
+         v = chebyshev_node(reduced%v_high, n, real(i, wp)) + 1.0e-9_wp
+         fitted = 0
+         do j = degree, 0, -1
+            fitted = fitted*v + reduced%coef(j, :, side)
+         end do
+         deviation = abs(remainder_curves(probe, at_0, reduced%m3_1, v) - fitted)*abs(v)
+         ! The errors of Q v'**2 and D4 v v' are relative to omega_s**2 v.
+         deviation(3:4) = deviation(3:4)/[at_0(3), probe%g_over_R]
+         reduced%fit_error = max(reduced%fit_error, maxval(deviation))
+      end do
+   end subroutine fit_side
+
+   !> Q, D1, D2, H and D4 at v /= 0.
+   function remainder_curves(probe, at_0, m3_1, v) result(values)
+      type(probe_t), intent(in) :: probe
+      real(wp), intent(in) :: at_0(curves)
+      real(wp), intent(in) :: m3_1
+      real(wp), intent(in) :: v
+      real(wp) :: values(curves)
+
+      values = curves_at(probe, v)
       values(2:) = (values(2:) - at_0(2:))/v
       values(4) = values(4) - m3_1
    end function remainder_curves
 
-   !> Interpolate the curves of a side at Chebyshev's nodes; update the largest error between them.
-   pure subroutine fit_side(param, side, n, at_0, m3_1, equation)
-      type(parameters_t), intent(in) :: param
-      integer, intent(in) :: side
-      integer, intent(in) :: n
-      !! degree of the polynomials
-      real(qp), intent(in) :: at_0(curves)
-      real(qp), intent(in) :: m3_1
-      type(reduced_equation_t), intent(inout) :: equation
-      real(qp) :: node(0:n)
-      real(qp) :: values(0:n, curves)
-      real(qp) :: v
-      real(qp) :: fitted(curves)
-      real(qp) :: deviation(curves)
-      integer :: i, j
-
-      do i = 0, n
-         node(i) = chebyshev_node(real(equation%v_high, qp), n, i + 0.5_qp)
-         values(i, :) = remainder_curves(param, side, at_0, m3_1, node(i))
-      end do
-      do i = 1, curves
-         equation%coef(:, i, side) = 0
-         equation%coef(:n, i, side) = real(monomials(node, values(:, i)), wp)
-      end do
-      do i = 0, n + 1
-         v = chebyshev_node(real(equation%v_high, qp), n, real(i, qp)) + 1.0e-9_qp
-         fitted = 0
-         do j = degree, 0, -1
-            fitted = fitted*v + equation%coef(j, :, side)
-         end do
-         deviation = abs(remainder_curves(param, side, at_0, m3_1, v) - fitted)
-         deviation(2:) = deviation(2:)*abs(v)/[1.0_qp, at_0(3), param%g/param%R]
-         ! The error of Q v'**2 is relative to omega_s**2 v.
-         deviation(1) = deviation(1)*abs(v)
-         equation%fit_error = max(equation%fit_error, real(maxval(deviation), wp))
-      end do
-   end subroutine fit_side
-
    !> Point number i (halves: roots, integers: extrema of the error) of the fit's interval [-].
-   pure real(qp) function chebyshev_node(v_high, n, i) result(v)
-      real(qp), intent(in) :: v_high
+   pure real(wp) function chebyshev_node(v_high, n, i) result(v)
+      real(wp), intent(in) :: v_high
       integer, intent(in) :: n
       !! degree of the polynomial
-      real(qp), intent(in) :: i
+      real(wp), intent(in) :: i
 
-      v = v_high*(0.35_qp + 0.65_qp*cos(i*acos(-1.0_qp)/(n + 1)))
+      v = v_high*(0.35_wp + 0.65_wp*cos(i*pi/(n + 1)))
    end function chebyshev_node
 
    !> Coefficients in powers of v of the polynomial through (node, values): Newton's divided
    !> differences, multiplied out.
    pure function monomials(node, values) result(coef)
-      real(qp), intent(in) :: node(0:)
-      real(qp), intent(in) :: values(0:)
-      real(qp) :: coef(0:size(node) - 1)
-      real(qp) :: difference(0:size(node) - 1)
+      real(wp), intent(in) :: node(0:)
+      real(wp), intent(in) :: values(0:)
+      real(wp) :: coef(0:size(node) - 1)
+      real(wp) :: difference(0:size(node) - 1)
       integer :: i
       integer :: n
 

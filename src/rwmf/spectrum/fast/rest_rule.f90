@@ -1,15 +1,14 @@
-!> Rest and lift-off in the steps of a time grid, by the rules of `rwmf_model_rest`; energy bound of
-!> later peaks, once the ground has come to rest.
+!> Rest and lift-off in the steps of a time grid, by the rules of `rwmf_model_rest`.
 module rwmf_spectrum_fast_rest_rule
    use rwmf_core_kinds, only: wp
    use rwmf_spectrum_fast_shared_data, only: ordinate_t
-   use rwmf_spectrum_fast_taylor_oscillator, only: find_root, newton_to_powers
+   use rwmf_spectrum_fast_taylor_oscillator, only: newton_to_powers, state_at
    use rwmf_spectrum_fast_time_grid, only: ground_at, time_grid_t
-   use rwmf_spectrum_fast_types, only: degree, reduced_equation_t
+   use rwmf_spectrum_fast_types, only: reduced_equation_t
    implicit none
    private
 
-   public :: find_next_uplift, comes_to_rest, is_peak_final, velocity_share
+   public :: find_next_uplift, find_rest, velocity_share
 
    real(wp), parameter :: uplift_margin = 1 + 4*epsilon(1.0_wp)
    !! factor of the threshold that is more than round-off above 1 [-]
@@ -20,41 +19,67 @@ module rwmf_spectrum_fast_rest_rule
 
 contains
 
+   !> Does a ground acceleration lift the resting wall?
+   pure logical function lifts(equation, f)
+      type(reduced_equation_t), intent(in) :: equation
+      real(wp), intent(in) :: f
+      !! [m/s2]
+
+      lifts = abs(f) > uplift_margin*equation%threshold(side_of(f))
+   end function lifts
+
+   !> Side on which a ground acceleration lifts the wall: 1 (theta > 0) or 2.
+   pure integer function side_of(f)
+      real(wp), intent(in) :: f
+      !! [m/s2]
+
+      side_of = merge(2, 1, f > 0)
+   end function side_of
+
+   !> Deceleration of v with which a ground acceleration returns the wall, on the side that it pulls
+   !> it to [1/s2].
+   pure real(wp) function pressure_at(equation, f)
+      type(reduced_equation_t), intent(in) :: equation
+      real(wp), intent(in) :: f
+      !! [m/s2]
+
+      pressure_at = equation%m2(side_of(f))*(equation%threshold(side_of(f)) - abs(f))
+   end function pressure_at
+
    !> Find where a wall that rests at the position x of a step lifts off.
-   pure subroutine find_next_uplift(equation, grid, uplift, number, x, side)
+   pure subroutine find_next_uplift(equation, grid, number, x, side)
       type(reduced_equation_t), intent(in) :: equation
       type(time_grid_t), intent(in) :: grid
-      integer, intent(in) :: uplift(:)
-      !! from `uplift_steps`
       integer, intent(inout) :: number
       !! number of the step; out: beyond the last one if the wall never lifts off
       real(wp), intent(inout) :: x
       !! position in the step [-]
       integer, intent(out) :: side
       !! to which it lifts off, +1 or -1
-      real(wp) :: begin
-      real(wp) :: limit
-      real(wp) :: f
-      real(wp) :: p(0:3)
+      real(wp) :: f, begin, change, rate
+      integer :: i
 
-      limit = equation%threshold*uplift_margin
       side = 1
-      do
-         if (number > size(grid%step)) return
-         f = ground_at(grid%step(number), x)
-         if (abs(f) > limit) exit
-         f = ground_at(grid%step(number), 1.0_wp)
-         if (abs(f) > limit) then
-            p = newton_to_powers(grid%step(number)%f)*sign(1.0_wp, f)
-            p(0) = p(0) - equation%threshold
-            begin = x
-            call find_root(p, begin, 1.0_wp, x)
-            exit
+      do number = number, size(grid%step)
+         if (grid%largest(number) > minval(equation%threshold)) then
+            f = ground_at(grid%step(number), x)
+            if (lifts(equation, f)) exit
+            f = ground_at(grid%step(number), 1.0_wp)
+            if (lifts(equation, f)) then
+               ! the acceleration is monotone within a step, and a straight line in a record
+               begin = x
+               do i = 1, 12
+                  call state_at(newton_to_powers(grid%step(number)%f), x, change, rate)
+                  change = (sign(equation%threshold(side_of(f)), f) - change)/rate
+                  x = max(begin, min(x + change, 1.0_wp))
+                  if (.not. abs(change) > 2*epsilon(x)) exit
+               end do
+               exit
+            end if
          end if
-         number = uplift(number + 1)
          x = 0
       end do
-      side = merge(-1, 1, f > 0)
+      if (number <= size(grid%step)) side = 3 - 2*side_of(f)
    end subroutine find_next_uplift
 
    !> May the wall be put to rest after an impact?
@@ -67,12 +92,13 @@ contains
    !> most 2 F w/(p_min (1 - e)) together, and none rises above (F w)**2/(2 p_min). If that is
    !> within the span looked at and below the maximum so far, the true motion has come to rest by
    !> then and has changed nothing.
-   pure logical function comes_to_rest(equation, grid, uplift, number, x, f, w, ordinate) &
-      result(rests)
+   !>
+   !> With the ground at rest for good it is enough that no later flight is higher than the largest
+   !> so far: v'**2/2 + p v + M1 omega_s**2 v**2/2 does not grow in flight, p the pressure less what
+   !> N may take off it, and an impact lowers it.
+   pure subroutine find_rest(equation, grid, number, x, f, w, ordinate, rests)
       type(reduced_equation_t), intent(in) :: equation
       type(time_grid_t), intent(in) :: grid
-      integer, intent(in) :: uplift(:)
-      !! from `uplift_steps`
       integer, intent(in) :: number
       !! number of the step
       real(wp), intent(in) :: x
@@ -81,7 +107,8 @@ contains
       !! ground acceleration at that position [m/s2]
       real(wp), intent(in) :: w
       !! rate of v after the impact [1/s]
-      type(ordinate_t), intent(in) :: ordinate
+      type(ordinate_t), intent(inout) :: ordinate
+      logical, intent(out) :: rests
       real(wp), parameter :: round_off = 64*epsilon(1.0_wp)
       real(wp) :: pressure
       !! deceleration of v [1/s2]
@@ -93,23 +120,25 @@ contains
       !! bound of v [-]
 
       rests = .false.
-      pressure = equation%m2*(equation%threshold - abs(f))
+      pressure = pressure_at(equation, f)
       if (pressure <= 0) return
-      rests = w <= max(velocity_share*ordinate%rtol*ordinate%w_max, &
-         pressure*round_off*grid%t(number))
+      rests = w <= max(ordinate%negligible_velocity, pressure*round_off*grid%t(number))
+      if (number >= grid%motion_end_step .and. ordinate%v_max <= equation%v_high) then
+         associate (v => ordinate%v_max)
+            rests = rests .or. w**2 <= v*(2*(pressure - return_delay(equation, ordinate, w, v)) &
+               + equation%m1*ordinate%stiffness*v)
+         end associate
+      end if
       if (rests .or. equation%e >= 1 .or. w**2 > pressure*ordinate%v_max) return
       chatter_span = span_factor*2*w/(pressure*(1 - equation%e))
-      if (uplift(number) < uplift(number + 1)) return
-      if (uplift(number) <= size(grid%t)) then
-         if (grid%t(number) + x*grid%step(number)%h + chatter_span > grid%t(uplift(number))) return
-      end if
-      call pressure_over(equation, grid, number, x, chatter_span, pressure, growth)
+      call pressure_over(equation, grid, number, x, chatter_span, ordinate%uplift, pressure, &
+         growth)
       if (pressure <= 0) return
       v_bound = (growth*w)**2/(2*pressure)
       pressure = pressure - return_delay(equation, ordinate, growth*w, v_bound)
       rests = 2*growth*w <= pressure*(1 - equation%e)*chatter_span &
          .and. v_bound <= 0.5_wp*ordinate%v_max
-   end function comes_to_rest
+   end subroutine find_rest
 
    !> Bound of the accelerations, beside a weaker pressure, that delay the return of flights no
    !> faster than w and no higher than v [1/s2]; the stiffness only hastens it.
@@ -122,115 +151,65 @@ contains
       !! [-]
 
       associate (c => equation%bound)
-         return_delay = equation%m1*ordinate%damping*w + 2*(c(1)*w**2 &
-            + v*(c(2)*(ordinate%damping*w + ordinate%stiffness*v) + c(3)*equation%threshold + c(4) &
-            + abs(equation%m3_1)))
+         return_delay = (equation%m1*ordinate%damping + equation%m4)*w + 2*(c(1)*w**2 &
+            + v*(c(2)*(ordinate%damping*w + ordinate%stiffness*v) &
+            + c(3)*maxval(equation%threshold) + c(4) + c(5)*w + abs(equation%m3_1)))
       end associate
    end function return_delay
 
    !> Least deceleration of v within a span from a position on, and the growth of velocities that
    !> its variation allows. The ground acceleration is monotone within a step.
-   pure subroutine pressure_over(equation, grid, number, x, span, pressure, growth)
+   pure subroutine pressure_over(equation, grid, number, x, span, uplift, pressure, growth)
       type(reduced_equation_t), intent(in) :: equation
       type(time_grid_t), intent(in) :: grid
       integer, intent(in) :: number
       real(wp), intent(in) :: x
       real(wp), intent(in) :: span
       !! [s]
+      integer, intent(inout) :: uplift
+      !! no step before this one, after that of the position, lifts the wall
       real(wp), intent(inout) :: pressure
       !! in: at the position; out: the least one, not positive if the bound does not hold [1/s2]
       real(wp), intent(out) :: growth
-      !! F of `comes_to_rest` [-]
-      real(wp) :: t_end
-      real(wp) :: lowest, f, f_last, variation
-      real(wp) :: least_useful
-      !! acceleration of the ground below the threshold with which even a steady chatter outlasts
-      !! the span [m/s2]
+      !! F of `find_rest` [-]
+      real(wp) :: t_end, f, f_begin, largest, variation
+      real(wp) :: largest_useful
+      !! acceleration of the ground with which even a steady chatter outlasts the span [m/s2]
       integer :: i
 
-      least_useful = pressure/(span_factor*equation%m2)
       t_end = grid%t(number) + x*grid%step(number)%h + span
-      f_last = ground_at(grid%step(number), x)
-      lowest = equation%threshold - abs(f_last)
-      variation = 0
-      do i = number, size(grid%step) - 1
-         if (grid%t(i + 1) >= t_end) exit
-         associate (next => grid%step(i + 1))
-            variation = variation + (abs(next%f(0) - next%jump - f_last) + abs(next%jump))
-            lowest = min(lowest, equation%threshold - max(abs(next%f(0)), &
-               abs(next%f(0) - next%jump)))
-            f_last = next%f(0)
-         end associate
-         if (lowest <= least_useful .or. variation > 4*lowest) exit
-      end do
-      if (lowest > least_useful .and. variation <= 4*lowest) then
-         f = ground_at(grid%step(i), min(1.0_wp, (t_end - grid%t(i))/grid%step(i)%h))
-         variation = variation + abs(f - f_last)
-         lowest = min(lowest, equation%threshold - abs(f))
-      end if
-      pressure = 0
       growth = 1
-      if (lowest <= least_useful .or. variation > 4*lowest) return
-      pressure = equation%m2*lowest
-      growth = exp(variation/(2*lowest))
-   end subroutine pressure_over
-
-   !> Is the largest peak so far final, with the ground at rest and the wall on its base?
-   !>
-   !> With f = 0 it follows from the equation of `rwmf_spectrum_fast_reduced_equation`, multiplied
-   !> by exp(-2 int(Q)) v', that
-   !>
-   !>    v'**2/2 exp(-2 int_0^v Q) + W(v),   W = int_0^v (M1 omega_s**2 v + M3) exp(-2 int(Q))
-   !>
-   !> does not grow in flight (M1 > 0), in all formulations. It is v'**2/2 at v = 0 on both sides,
-   !> and an impact lowers it. So v stays below v_max for good once w**2/2 < W(v_max) on both sides.
-   pure logical function is_peak_final(equation, ordinate, w)
-      type(reduced_equation_t), intent(in) :: equation
-      type(ordinate_t), intent(in) :: ordinate
-      real(wp), intent(in) :: w
-      !! rate of v after an impact [1/s]
-      real(wp), parameter :: safety = 1 - 1.0e-6_wp
-      !! margin for the error of the integrals [-]
-
-      is_peak_final = ordinate%v_max <= equation%v_high
-      if (.not. is_peak_final) return
-      is_peak_final = w**2/2 < safety*min(work(equation, 1, ordinate%stiffness, ordinate%v_max), &
-         work(equation, 2, ordinate%stiffness, ordinate%v_max))
-   end function is_peak_final
-
-   !> W of a side at v [1/s2], by Gauss's rule of five points: its error is below 1e-10 of W.
-   pure real(wp) function work(equation, side, stiffness, v_end)
-      type(reduced_equation_t), intent(in) :: equation
-      integer, intent(in) :: side
-      !! 1: theta > 0, 2: theta < 0
-      real(wp), intent(in) :: stiffness
-      !! omega_s**2 [1/s2]
-      real(wp), intent(in) :: v_end
-      real(wp), parameter :: node(5) = [-0.906179845938663992797627_wp, &
-         -0.538469310105683091036314_wp, 0.0_wp, 0.538469310105683091036314_wp, &
-         0.906179845938663992797627_wp]
-      real(wp), parameter :: weight(5) = [0.236926885056189087514264_wp, &
-         0.478628670499366468041292_wp, 0.568888888888888888888889_wp, &
-         0.478628670499366468041292_wp, 0.236926885056189087514264_wp]
-      real(wp) :: v, m_1, m_3, integral_q
-      integer :: i, j
-
-      work = 0
-      do i = 1, size(node)
-         v = v_end*(1 + node(i))/2
-         m_1 = 0
-         m_3 = 0
-         integral_q = 0
-         do j = degree, 0, -1
-            m_1 = m_1*v + equation%coef(j, 2, side)
-            m_3 = m_3*v + equation%coef(j, 4, side)
-            integral_q = integral_q*v + equation%coef(j, 1, side)/(j + 1)
+      associate (m2 => maxval(equation%m2), threshold => minval(equation%threshold))
+         largest_useful = threshold - pressure/(span_factor*m2)
+         ! most often a later step lifts the wall
+         do uplift = max(uplift, number + 1), size(grid%step)
+            if (grid%t(uplift) >= t_end .or. grid%largest(uplift) > threshold) exit
          end do
-         m_1 = equation%m1 + v*m_1
-         m_3 = equation%m3 + v*(equation%m3_1 + m_3)
-         work = work + weight(i)*(m_1*stiffness*v + m_3)*exp(-2*v*integral_q)
-      end do
-      work = work*v_end/2
-   end function work
+         if (uplift <= size(grid%step)) then
+            if (grid%t(uplift) < t_end) pressure = 0
+         end if
+         if (pressure <= 0) return
+         f_begin = ground_at(grid%step(number), x)
+         largest = abs(f_begin)
+         variation = 0
+         do i = number, size(grid%step)
+            associate (step => grid%step(i))
+               if (i > number) then
+                  f_begin = step%f(0)
+                  largest = max(largest, abs(f_begin), abs(f_begin - step%jump))
+                  variation = variation + abs(step%jump)
+               end if
+               f = ground_at(step, min(1.0_wp, (t_end - grid%t(i))/step%h))
+               largest = max(largest, abs(f))
+               variation = variation + abs(f - f_begin)
+               if (grid%t(i) + step%h >= t_end .or. largest > largest_useful) exit
+            end associate
+         end do
+         pressure = min(pressure, m2*(threshold - largest))
+         variation = m2*variation
+         if (largest > largest_useful .or. variation > 4*pressure) pressure = 0
+         if (pressure > 0) growth = exp(variation/(2*pressure))
+      end associate
+   end subroutine pressure_over
 
 end module rwmf_spectrum_fast_rest_rule

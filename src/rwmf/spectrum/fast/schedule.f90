@@ -1,21 +1,10 @@
-!> Order in which the ordinates of a fast spectrum are started; groups of bare frames.
+!> Order in which the ordinates of a fast spectrum are started.
 module rwmf_spectrum_fast_schedule
    use rwmf_core_kinds, only: wp
-   use rwmf_spectrum_fast_types, only: frame_block_width
    implicit none
    private
 
-   public :: order_by_cost, group_t, list_groups
-
-   !> At most `frame_block_width` periods with the same step.
-   type :: group_t
-      integer :: level
-      !! halvings of the step
-      integer :: n
-      !! number of periods
-      integer :: member(frame_block_width)
-      !! indices of the periods
-   end type group_t
+   public :: order_by_cost
 
 contains
 
@@ -38,29 +27,6 @@ contains
          order = [order, pack(rising, level(rising) == l)]
       end do
    end function order_by_cost
-
-   !> Group the periods, the shortest steps first, so that no expensive group is left to the end,
-   !> when other threads are idle. Periods beyond the last level are in no group.
-   pure function list_groups(T_s, level, last_level) result(group)
-      real(wp), intent(in) :: T_s(:)
-      !! (n_T) [s]
-      integer, intent(in) :: level(:)
-      !! (n_T) halvings of the step
-      integer, intent(in) :: last_level
-      type(group_t), allocatable :: group(:)
-      integer, allocatable :: order(:)
-      integer :: i, n
-
-      order = order_by_cost(T_s, level, last_level)
-      allocate (group(0))
-      i = 1
-      do while (i <= size(order))
-         n = min(frame_block_width, count(level(order(i:)) == level(order(i))))
-         group = [group, group_t(level(order(i)), n, 0)]
-         group(size(group))%member(:n) = order(i:i + n - 1)
-         i = i + n
-      end do
-   end function list_groups
 
    !> Indices of a list in rising order, by merging sorted runs.
    pure function sorted(x) result(order)

@@ -7,18 +7,13 @@ module rwmf_spectrum_fast_simd_dispatch
 #ifdef FAST_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_spectrum_fast_event_kernel, only: locate_events
-   use rwmf_spectrum_fast_substep_kernel, only: expand_steps, integrate_substeps, rebound_substeps
-   use rwmf_spectrum_fast_step_kernel, only: step_block, step_frames
+   use rwmf_spectrum_fast_event_kernel, only: follow_steps
+   use rwmf_spectrum_fast_step_kernel, only: step_team
 #ifdef FAST_LEVELS
-   use FAST_LOCATE_V3, only: locate_events_v3 => locate_events
-   use FAST_PIECE_V3, only: expand_steps_v3 => expand_steps, &
-      integrate_substeps_v3 => integrate_substeps, rebound_substeps_v3 => rebound_substeps
-   use FAST_LOCATE_V4, only: locate_events_v4 => locate_events
-   use FAST_PIECE_V4, only: expand_steps_v4 => expand_steps, &
-      integrate_substeps_v4 => integrate_substeps, rebound_substeps_v4 => rebound_substeps
-   use FAST_STEP_V3, only: step_block_v3 => step_block, step_frames_v3 => step_frames
-   use FAST_STEP_V4, only: step_block_v4 => step_block, step_frames_v4 => step_frames
+   use rwmf_spectrum_fast_event_kernel_v3, only: follow_steps_v3 => follow_steps
+   use rwmf_spectrum_fast_event_kernel_v4, only: follow_steps_v4 => follow_steps
+   use rwmf_spectrum_fast_step_kernel_v3, only: step_team_v3 => step_team
+   use rwmf_spectrum_fast_step_kernel_v4, only: step_team_v4 => step_team
 #endif
    implicit none
    private
@@ -27,12 +22,8 @@ module rwmf_spectrum_fast_simd_dispatch
 
    !> The loops, compiled for one instruction set.
    type :: kernels_t
-      procedure(step_block), pointer, nopass :: step_block => null()
-      procedure(step_frames), pointer, nopass :: step_frames => null()
-      procedure(expand_steps), pointer, nopass :: expand_steps => null()
-      procedure(integrate_substeps), pointer, nopass :: integrate_substeps => null()
-      procedure(rebound_substeps), pointer, nopass :: rebound_substeps => null()
-      procedure(locate_events), pointer, nopass :: locate_events => null()
+      procedure(step_team), pointer, nopass :: step_team => null()
+      procedure(follow_steps), pointer, nopass :: follow_steps => null()
    end type kernels_t
 
 #ifdef FAST_LEVELS
@@ -82,15 +73,12 @@ contains
       select case (level)
 #ifdef FAST_LEVELS
       case (4)
-         kernels = kernels_t(step_block_v4, step_frames_v4, expand_steps_v4, &
-            integrate_substeps_v4, rebound_substeps_v4, locate_events_v4)
+         kernels = kernels_t(step_team_v4, follow_steps_v4)
       case (3)
-         kernels = kernels_t(step_block_v3, step_frames_v3, expand_steps_v3, &
-            integrate_substeps_v3, rebound_substeps_v3, locate_events_v3)
+         kernels = kernels_t(step_team_v3, follow_steps_v3)
 #endif
       case default
-         kernels = kernels_t(step_block, step_frames, expand_steps, integrate_substeps, &
-            rebound_substeps, locate_events)
+         kernels = kernels_t(step_team, follow_steps)
       end select
    end function kernels_of
 

@@ -5,12 +5,11 @@
 !> round-off before the last one that is kept.
 module rwmf_spectrum_fast_taylor_oscillator
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_spectrum_fast_types, only: c_2, c_3
    implicit none
    private
 
-   public :: series_terms, series, state_at, newton_to_powers, step_weights, find_root
+   public :: series_terms, series, state_at, newton_to_powers, step_weights
 
    integer, parameter :: series_terms = 15
    !! highest power of the series
@@ -130,56 +129,5 @@ contains
          weight(9:, i) = weight(9:, i)/h
       end do
    end function step_weights
-
-   !> Root of a polynomial in a bracket: Newton's method from the parabola through both ends,
-   !> with bisection where it would leave the bracket.
-   pure subroutine find_root(p, low_start, high_start, x)
-      real(wp), contiguous, intent(in) :: p(0:)
-      real(wp), intent(in) :: low_start
-      real(wp), intent(in) :: high_start
-      !! the polynomial has different signs at both ends
-      real(wp), intent(out) :: x
-      integer, parameter :: max_iterations = 80
-      type(bracket_t) :: bracket
-      real(wp) :: p_high, value, slope, next
-      integer :: i
-
-      bracket = bracket_between(low_start, high_start)
-      call first_guess(p, low_start, high_start, p_high, x)
-      do i = 1, max_iterations
-         call state_at(p, x, value, slope)
-         if (abs(value) <= 0) return
-         call narrow(bracket, (value > 0) .eqv. (p_high > 0), x)
-         next = bracket%middle
-         if (abs(value) < abs(slope)*(high_start - low_start)) then
-            next = keep_inside(bracket, x - value/slope, may_be_end=.true.)
-         end if
-         ! Newton's method is quadratic: the error after a small correction is round-off.
-         if (abs(next - x) <= 1.0e-9_wp*abs(next)) exit
-         x = next
-      end do
-      x = next
-   end subroutine find_root
-
-   !> Start of the iteration: root of the parabola through both ends and the slope at the lower one.
-   pure subroutine first_guess(p, low, high, p_high, x)
-      real(wp), contiguous, intent(in) :: p(0:)
-      real(wp), intent(in) :: low
-      real(wp), intent(in) :: high
-      real(wp), intent(out) :: p_high
-      real(wp), intent(out) :: x
-      !! strictly inside the bracket
-      real(wp) :: p_low, slope, bend, ignored
-
-      call state_at(p, high, p_high, ignored)
-      call state_at(p, low, p_low, slope)
-      slope = slope*(high - low)
-      bend = p_high - p_low - slope
-      ! The root of the parabola next to that of the secant, without cancellation.
-      bend = sqrt(max(0.0_wp, slope**2 - 4*bend*p_low))
-      x = 2*p_low/(sign(bend, p_low) - slope)
-      if (.not. (x > 0 .and. x < 1)) x = 0.5_wp
-      x = low + x*(high - low)
-   end subroutine first_guess
 
 end module rwmf_spectrum_fast_taylor_oscillator

@@ -12,7 +12,7 @@ module rwmf_spectrum_fast_time_grid
    implicit none
    private
 
-   public :: time_grid_t, build_grids, ground_at, uplift_steps, pulse_step
+   public :: time_grid_t, build_grids, ground_at, pulse_step
 
    integer, parameter :: max_grid_steps = 1000000
    !! steps of a grid: 64 MB
@@ -32,6 +32,8 @@ module rwmf_spectrum_fast_time_grid
       !! number of the first step in the array of all grids
       real(wp) :: longest_step = 0
       !! [s]
+      real(wp), allocatable :: largest(:)
+      !! (steps) largest |acceleration| [m/s2]
       integer :: motion_end_step = 1
       !! first step from which on the ground stands still
       logical :: is_straight = .true.
@@ -72,7 +74,7 @@ contains
          if (number(i) == 0) cycle
          grid(i)%first = sum(number(:i - 1)) + 1
          grid(i)%step => ground(grid(i)%first:grid(i)%first + number(i) - 1)
-         allocate (grid(i)%t(number(i)))
+         allocate (grid(i)%t(number(i)), grid(i)%largest(number(i)))
          call cut_steps(motion, case%solver%t_end, h_max(i), grid(i), number(i))
          call set_kinks(round_off*peak_acceleration(motion), grid(i))
          call count_equal_steps(grid(i))
@@ -186,13 +188,15 @@ contains
             if (i > 1 .and. abs(step%jump) > 0) grid%has_jumps = .true.
             step%kink = (step%f(1) - c_2*step%f(2) + c_2*c_3*step%f(3))/step%h - rate
             f = ground_at(step, 1.0_wp)
+            grid%largest(i) = max(abs(step%f(0)), abs(f))
             rate = (step%f(1) + (2 - c_2)*step%f(2) &
                + ((1 - c_2)*(1 - c_3) + (1 - c_3) + (1 - c_2))*step%f(3))/step%h
          end associate
       end do
+      grid%motion_end_step = findloc(grid%largest > 0, .true., dim=1, back=.true.) + 1
    end subroutine set_kinks
 
-   !> Count the steps of the same length that follow each other, and find the end of the motion.
+   !> Count the steps of the same length that follow each other.
    pure subroutine count_equal_steps(grid)
       type(time_grid_t), intent(inout) :: grid
       integer :: i
@@ -203,10 +207,6 @@ contains
          if (abs(grid%step(i + 1)%h - grid%step(i)%h) > 0) cycle
          grid%step(i)%equal_steps = grid%step(i + 1)%equal_steps + 1
       end do
-      do i = size(grid%step), 1, -1
-         if (any(abs(grid%step(i)%f) > 0)) exit
-      end do
-      grid%motion_end_step = i + 1
    end subroutine count_equal_steps
 
    !> Ground acceleration at the position x of a step [m/s2].
@@ -217,25 +217,5 @@ contains
 
       ground_at = step%f(0) + x*(step%f(1) + (x - c_2)*(step%f(2) + (x - c_3)*step%f(3)))
    end function ground_at
-
-   !> For each step the first one, from it on, that can lift a resting wall; the number of steps
-   !> plus one if there is none.
-   pure function uplift_steps(grid, threshold) result(next)
-      type(time_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: threshold
-      !! ground acceleration that lifts the wall [m/s2]
-      integer, allocatable :: next(:)
-      !! (steps + 1)
-      integer :: i
-
-      allocate (next(size(grid%step) + 1))
-      next(size(next)) = size(next)
-      do i = size(grid%step), 1, -1
-         next(i) = next(i + 1)
-         associate (step => grid%step(i))
-            if (max(abs(step%f(0)), abs(ground_at(step, 1.0_wp))) > threshold) next(i) = i
-         end associate
-      end do
-   end function uplift_steps
 
 end module rwmf_spectrum_fast_time_grid
