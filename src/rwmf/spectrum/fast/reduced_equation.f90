@@ -112,9 +112,9 @@ contains
       type(probe_t), intent(out) :: probe
       integer :: i
 
-      call enter_side(equation, side)
+      call enter_side(equation%model_t, equation%state, side)
       probe%scene = equation%scene
-      probe%coef = equation%coef
+      probe%coef = equation%state%coef
       probe%side = side
       probe%gamma = case%frame%gamma
       probe%g_over_R = equation%p%g_over_R
