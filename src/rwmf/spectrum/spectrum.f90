@@ -172,7 +172,7 @@ contains
       logical :: is_done(size(spectrum%T_s), size(spectrum%u_s_max, 2), size(spectrum%u_s_max, 3))
 
       is_done = .false.
-      if (.not. is_supported(case)) return
+      if (.not. is_supported(case, motion)) return
       if (allocated(case%wall)) then
          call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
             spectrum%b, spectrum%u_s_max, is_done)
