@@ -107,6 +107,29 @@ def test_random_scenes_keep_the_tolerance(rtol: float, folder: Path) -> None:
     assert lanes >= 12, "most scenes must be covered by the lanes"
 
 
+@pytest.mark.parametrize("formulation", ["symmetric", "exact"])
+def test_effects_that_depend_on_the_rotation_alone(formulation: str, folder: Path) -> None:
+    """Dampers, inerters, vertical motion and a link of finite length are in the polynomials."""
+    groups: dict[str, dict[str, object]] = {
+        "damper": {"c_over_m_w": 0.5},
+        "inerter": {"inertance_over_m_w": 0.2},
+        "vertical": {"ratio": 0.5},
+        "link": {"L": 5.0},
+    }
+    case = _record("fig13_elcentro_slender_wall", folder).replace(
+        model={"formulation": formulation},
+        solver={"rtol": 1e-8},
+        spectrum={"T_s": [0.2, 0.5, 1.1, 2.3], "gamma": [5.0, 100.0, 2000.0]}
+        | dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing")),
+    )
+    for changes in [{name: keys} for name, keys in groups.items()] + [groups]:
+        scene = case.replace(**changes)
+        found = rwmf.spectrum(scene)
+        assert found.attrs["rhs_evaluations"] == 0
+        truth = rwmf.spectrum(scene.replace(solver=TRUSTED))
+        assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 2e-8, changes
+
+
 def test_bare_frame_is_exact(folder: Path) -> None:
     """The linear recursion against the general kernel at its tightest, damped and overdamped."""
     for xi_s in (0.02, 0.2, 1.3):
@@ -138,8 +161,8 @@ def test_peak_in_the_first_step_of_a_frame(tmp_path: Path) -> None:
     assert np.all(found > 1.5e-5)
 
 
-def test_other_groups_and_keys_fall_back() -> None:
-    """Every group and key that `fast` does not cover leaves the spectrum to the general kernel."""
+def test_other_effects_fall_back() -> None:
+    """Effects with memory or limits, and other tolerances, leave the spectrum to general lanes."""
     scene = {
         "wall": {"h": 2.0, "b": 0.5},
         "model": {"formulation": "exact"},
@@ -154,8 +177,8 @@ def test_other_groups_and_keys_fall_back() -> None:
     pinned = rwmf.Case(**(without_impact | {"wall": {"h": 2.0, "b": 0.5, "base": "pinned"}}))
     assert rwmf.spectrum(pinned).attrs["rhs_evaluations"] > 0
     for group, keys in (
-        ("link", {"L": 10.0}),
-        ("damper", {"c_over_m_w": 0.5}),
+        ("p_delta", {"m_g_over_m_s": 0.5}),
+        ("yielding", {"u_y": 0.02, "hardening": 0.05}),
         ("initial", {"theta_over_alpha": 0.1}),
         ("solver", {"t_end": 3.0, "atol": 1e-9}),
         ("solver", {"t_end": 3.0, "verify": True}),

@@ -201,7 +201,7 @@ contains
       integer :: i, j, k
 
       is_done = .false.
-      if (.not. is_supported(case)) return
+      if (.not. is_supported(case, motion)) return
       call begin_column(case, spectrum, 1, 1, column)
       call build_equation(column, motion, equation)
       if (.not. follow_from_displacement(asked, equation)) return

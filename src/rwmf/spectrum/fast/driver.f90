@@ -19,7 +19,7 @@ module rwmf_spectrum_fast_driver
 
    public :: run_fast
 
-   real(wp), parameter :: min_gamma = 5
+   real(wp), parameter :: min_gamma = 0.5_wp
    !! mass ratio below which N is not small against the linear part [-]
    integer, parameter :: halvings = 5
    !! largest number of halvings of the longest step

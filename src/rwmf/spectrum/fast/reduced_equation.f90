@@ -61,6 +61,7 @@ contains
       type(reduced_equation_t), intent(out) :: reduced
       type(equation_t) :: equation
       type(probe_t) :: probe(2)
+      type(lane_motion_t) :: overturned
       real(wp) :: at_0(curves, 2)
       real(wp), parameter :: step = 1.0e-5_wp
       !! for the slope of M3, of which H is what remains whatever its error [-]
@@ -97,8 +98,11 @@ contains
          .and. abs(reduced%m2(1) - reduced%m2(2)) <= 0
       reduced%bound = max(abs(reduced%coef(0, :, 1)), abs(reduced%coef(0, :, 2)))
       ! a wall that stands, does not overturn within the fit, and is returned by its weight
-      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0 .or. v_high &
-          >= sin(min(case%model%overturning_angle, 1.0_wp)/2)*equation%cos_alpha) then
+      do side = 1, 2
+         call ask(probe(side), min(case%model%overturning_angle, 1.0_wp), 0.0_wp, 0.0_wp, overturned)
+         if (v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
+      end do
+      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0) then
          reduced%fit_error = huge(1.0_wp)
       end if
    end subroutine build_reduced_equation
@@ -210,6 +214,7 @@ contains
          deviation = abs(remainder_curves(probe, at_0, reduced%m3_1, v) - fitted)*abs(v)
          ! The errors of Q v'**2 and D4 v v' are relative to omega_s**2 v.
          deviation(3:4) = deviation(3:4)/[at_0(3), probe%g_over_R]
+         if (.not. all(deviation < huge(1.0_wp))) deviation = huge(1.0_wp)
          reduced%fit_error = max(reduced%fit_error, maxval(deviation))
       end do
    end subroutine fit_side

@@ -140,7 +140,8 @@ contains
          associate (ordinate => work%ordinate(i))
             do while (work%team%ready(i) + work%team%waits(i) <= 0)
                if (ordinate%task > 0) then
-                  result(ordinate%task) = result_of(shared, work%scheme%stages, ordinate, i, work%team)
+                  result(ordinate%task) = result_of(shared, work%scheme%stages, ordinate, i, &
+                     work%team)
                   if (.not. result(ordinate%task)%failed &
                       .and. result(ordinate%task)%error <= shared%rtol) then
                      call count_done(shared%control)
