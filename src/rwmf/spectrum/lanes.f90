@@ -22,8 +22,8 @@ module rwmf_spectrum_lanes
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, line_of, line_t, &
-      motion_t, vertical_line_of
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, line_of, &
+      line_t, motion_t, vertical_line_of
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       place_event, quartic_of, quartic_t, quintic_of, state_at
@@ -512,6 +512,8 @@ contains
          case (is_rejected)
             call forget_goal(lanes(i), i, team)
             call check_length(lanes(i), i, team)
+         case default
+            ! `is_done`, see above
          end select
          team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
       end do
@@ -737,7 +739,7 @@ contains
    end subroutine look_for_event
 
    !> Let the event that the quartic shows happen on the quintic, if this is as accurate as a step:
-   !> by the term of degree six, which is guessed from those before at the fastest rate of the scene.
+   !> by the term of degree six, guessed from those before it at the fastest rate of the scene.
    subroutine place_in_step(lane, i, quartic, x, motion, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
