@@ -181,7 +181,8 @@ module rwmf_simulation_quantities
       quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', '', &
       '`accuracy` or `verify` of `&solver`', &
       'wall-clock time that the estimate took beyond `seconds`'), &
-      quantity_t('sensitivity', '', '1', 'real', 'error', 'run ordinate', '', '', '`verify` of `&solver`', &
+      quantity_t('sensitivity', '', '1', 'real', 'error', 'run ordinate', '', '', &
+      '`verify` of `&solver`', &
       'relative change of the same peak per relative change of the motion'), &
       quantity_t('effects', '', '', 'list', 'before', 'run', '', '', '', &
       'names of the effects that are simulated'), &
