@@ -198,8 +198,11 @@ def _close(found: object, expected: object) -> None:
 
 
 def _alike(key: str, found: object, expected: float) -> None:
-    """Compare a scalar of two methods. The time of a flat peak errs by the root of its error, and how
-    many impacts of a chatter are followed depends on the last digit."""
+    """Compare a scalar of two methods.
+
+    The time of a flat peak errs by the root of its error, and how many impacts of a chatter are
+    followed depends on the last digit.
+    """
     slack = {"time": 1e-4, "count": 0.1 * expected, "error": pairs.BALANCE}
     atol = slack.get(find(key).found, 1e-9 if expected else 1e-12)
     np.testing.assert_allclose(np.ravel(found), expected, rtol=AGREEMENT, atol=atol, err_msg=key)
