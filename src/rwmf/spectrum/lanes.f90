@@ -9,21 +9,19 @@ module rwmf_spectrum_lanes
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+   use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
+      of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
       of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
       plan_one => plan_step
-   use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t, team_width
+   use rwmf_integrator_lane_kernels, only: team_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
-   use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, line_of, &
-      line_t, motion_t, vertical_line_of
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       place_event, quartic_of, quartic_t, quintic_of, state_at
@@ -35,7 +33,8 @@ module rwmf_spectrum_lanes
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak, result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, most_passes
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_spectrum_lane_team, only: caution, create_team, find_steps_with_peaks, follow_curves, &
+      lane_t, line_row, longest_angle, longest_step, pair_for, tabulate_lines, team_t
    use rwmf_spectrum_quantities, only: asked_t, take_values
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -45,10 +44,6 @@ module rwmf_spectrum_lanes
 
    integer, parameter :: at_state = 3
    !! beside the events of the rotation: a further state leaves its window
-   real(wp), parameter :: no_limit = -1
-   !! of an interval that no lane steps into without a look [s]
-   real(wp), parameter :: longest_angle = 0.7_wp
-   !! of the frame's vibration in a step, so that its events can be seen [rad]
 
    !> What is asked for, and what comes of it.
    type :: ordinate_t
@@ -76,65 +71,6 @@ module rwmf_spectrum_lanes
       real(wp), allocatable :: values(:)
       !! (quantities) that were asked for, where it is more than u_s_max
    end type ordinate_t
-
-   !> One lane between the steps of the team.
-   type :: lane_t
-      integer :: ordinate = 0
-      !! its number; 0: the lane is idle
-      integer :: pass = 0
-      type(case_t) :: case
-      type(equation_t) :: equation
-      type(hybrid_t) :: hybrid
-      type(recorder_t) :: recorder
-      type(explicit_pair_t) :: integrator
-      !! the last step of the lane, for whoever looks into it
-      real(wp) :: size_guess(2)
-      type(error_t), allocatable :: error
-      logical :: is_smooth = .false.
-      !! between its events all is seen in the rotation
-      integer :: goal = no_event
-      !! event that the lane steps to
-      integer :: trials = 0
-      !! steps that it has taken for that
-   end type lane_t
-
-   !> Lanes that step together.
-   type :: team_t
-      integer :: width
-      type(pair_t) :: pair
-      type(lane_kernels_t) :: kernels
-      real(wp), allocatable :: table(:, :)
-      !! (width, columns)
-      real(wp), allocatable :: coef(:, :)
-      !! (width, coefficients)
-      real(wp), allocatable :: tolerance(:, :)
-      !! (width, 0:states)
-      real(wp), allocatable :: ground(:, :, :)
-      !! (width, stages, 2) [m/s2]
-      real(wp), allocatable :: y(:, :), y_new(:, :)
-      !! (width, states)
-      real(wp), allocatable :: k(:, :, :)
-      !! (width, states, stages)
-      real(wp), allocatable :: error(:)
-      !! (width)
-      integer, allocatable :: mark(:)
-      !! (width)
-      logical :: has_curves
-      !! the motion is not one of straight lines
-      real(wp), allocatable :: lines(:, :)
-      !! (columns of a line, intervals of the motion from 0, and one more that nobody enters)
-      real(wp) :: max_steps
-      logical :: has_ended = .true.
-      !! a lane has no length of a step: its run is over, or it has none
-      logical, allocatable :: is_busy(:)
-      !! (width) the lane has an ordinate
-      logical :: keeps_more = .false.
-      !! more is asked for than the events tell: the largest |theta'| or reactions
-      logical, allocatable :: may_hold_peak(:)
-      !! (width) a peak of it may lie within the step; then the following is set
-      real(wp), allocatable :: t_before(:), y_before(:, :)
-      !! (width) [s], (width, states) at the beginning of the step
-   end type team_t
 
 contains
 
@@ -202,80 +138,6 @@ contains
       end do
    end subroutine run_team
 
-   !> Work space of a team, with numbers that are finite in idle lanes.
-   subroutine create_team(case, equation, width, team)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
-      !! of any lane: the scene is the same
-      integer, intent(in) :: width
-      type(team_t), intent(out) :: team
-
-      team%width = width
-      team%pair = pair_for(case, equation)
-      team%kernels = lane_kernels_of(best_level())
-      associate (n => equation%n)
-         allocate (team%table(width, column_count), source=0.0_wp)
-         team%coef = spread(equation%state%coef(1, :), 1, width)
-         allocate (team%tolerance(width, 0:n), source=1.0_wp)
-         allocate (team%ground(width, most_stages, 2), team%y(width, n), team%y_new(width, n), &
-            team%k(width, n, most_stages), source=0.0_wp)
-         allocate (team%error(width), source=0.0_wp)
-         allocate (team%mark(width), source=0)
-         allocate (team%is_busy(width), team%may_hold_peak(width), source=.false.)
-         allocate (team%t_before(width), team%y_before(width, n))
-         team%max_steps = real(case%solver%max_steps, wp)
-      end associate
-   end subroutine create_team
-
-   !> The straight lines of the motion; without a limit where they are none, or too short for a
-   !> step: such an interval is entered as single runs do.
-   subroutine tabulate_lines(motion, has_vertical, t_end, team)
-      type(motion_t), intent(in) :: motion
-      logical, intent(in) :: has_vertical
-      real(wp), intent(in) :: t_end
-      type(team_t), intent(inout) :: team
-      type(line_t) :: line, vertical
-      real(wp) :: begin, limit
-      integer :: i
-
-      team%has_curves = fastest_rate(motion) > 0
-      allocate (team%lines(line_columns, 0:interval_last(motion) + 1), source=no_limit)
-      begin = 0
-      do i = 0, interval_last(motion)
-         line = line_of(motion, i)
-         if (has_vertical) vertical = vertical_line_of(motion, i, line)
-         limit = min(t_end, interval_end(motion, i))
-         if (team%has_curves .or. limit - begin <= 16*epsilon(limit)*limit) limit = no_limit
-         team%lines(:, i) = line_row(limit, line, vertical)
-         begin = interval_end(motion, i)
-      end do
-   end subroutine tabulate_lines
-
-   pure function line_row(limit, line, vertical) result(row)
-      real(wp), intent(in) :: limit
-      !! [s]
-      type(line_t), intent(in) :: line, vertical
-      real(wp) :: row(line_columns)
-      !! `of_limit` and the columns of the lines
-
-      row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
-   end function line_row
-
-   !> The pair for a tolerance, unless the case names it; of runs at several tolerances the higher
-   !> order. The local errors of smooth hysteresis add up, so that it gets that as well.
-   pure type(pair_t) function pair_for(case, equation) result(pair)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
-
-      if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-          .or. equation%floors%n > 1 .or. case%solver%method == 'dop853' &
-          .or. allocated(case%solver%accuracy)) then
-         pair = dormand_prince_853()
-      else
-         pair = verner_65()
-      end if
-   end function pair_for
-
    !> Take the next ordinate from the queue and begin its run; none: the lane stays idle.
    subroutine take_ordinate(case, asked, motion, control, next, ordinates, lane)
       type(case_t), intent(in) :: case
@@ -309,14 +171,6 @@ contains
       lane%pass = 1
       call begin_lane(lane)
    end subroutine take_ordinate
-
-   !> Part of the tolerance that a step may use up: the errors of the lower order add up where the
-   !> steps are as long as they allow, under pulses and at short periods.
-   pure real(wp) function caution(pair)
-      type(pair_t), intent(in) :: pair
-
-      caution = merge(0.2_wp, 1.0_wp, pair%error_order < 8)
-   end function caution
 
    !> Begin the run of a lane for its expected size.
    subroutine begin_lane(lane)
@@ -452,18 +306,6 @@ contains
       end associate
    end subroutine load_line
 
-   !> Longest step in which the events of a lane can be seen [s].
-   real(wp) function longest_step(equation, motion) result(longest)
-      type(equation_t), intent(in) :: equation
-      type(motion_t), intent(in) :: motion
-      real(wp) :: rate
-      !! the fastest in the scene [rad/s]
-
-      rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate(motion))
-      if (equation%has_wall) rate = max(rate, sqrt(equation%p%g_over_R))
-      longest = longest_angle/rate
-   end function longest_step
-
    !> One step of all lanes, and what happens in it.
    subroutine step_team(lanes, motion, team)
       type(lane_t), intent(inout), target :: lanes(:)
@@ -525,37 +367,6 @@ contains
       end if
    end subroutine step_team
 
-   !> In which steps may something have its peak that no event tells? Reactions in all; |theta'|
-   !> where theta'' may change its sign, by the quartic through both ends, both velocities and the
-   !> acceleration at the beginning, and where a parabola through the velocities with this way,
-   !> risen twice as far, reaches what was largest so far.
-   subroutine find_steps_with_peaks(lanes, team)
-      type(lane_t), intent(in) :: lanes(:)
-      type(team_t), intent(inout) :: team
-      real(wp) :: v(2), speed, first, bend, last, slack
-      integer :: i
-
-      associate (table => team%table, y => team%y, y_new => team%y_new)
-         do i = 1, team%width
-            team%may_hold_peak(i) = .false.
-            if (.not. (team%is_busy(i) .and. lanes(i)%is_smooth)) cycle
-            v = [y(i, 2), y_new(i, 2)]
-            speed = (y_new(i, 1) - y(i, 1))/table(i, of_trial)
-            if (.not. allocated(lanes(i)%recorder%forces) .and. &
-                maxval(abs(v)) + 3*abs(speed - sum(v)/2) < table(i, of_fastest)) cycle
-            first = table(i, of_trial)*team%k(i, 2, 1)
-            bend = v(2) - v(1) - first
-            last = first + 6*bend - 12*(speed - v(1) - first/2)
-            slack = 0.05_wp*(abs(first) + abs(bend))
-            if (.not. allocated(lanes(i)%recorder%forces) .and. (sum(v)*first < &
-                -slack*abs(sum(v)) .or. sum(v)*last > slack*abs(sum(v)))) cycle
-            team%may_hold_peak(i) = .true.
-            team%t_before(i) = table(i, of_time)
-            team%y_before(i, :) = y(i, :)
-         end do
-      end associate
-   end subroutine find_steps_with_peaks
-
    !> Let peaks within the steps that are accepted be found.
    subroutine observe_steps(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
@@ -598,27 +409,6 @@ contains
       call observe_peaks(lane%recorder, until(step, t_b, y_b), lane%error)
       team%table(i, of_fastest) = lane%recorder%theta_dot_max
    end subroutine observe_step
-
-   !> Accelerations of the ground where they are not on a straight line.
-   subroutine follow_curves(lanes, team)
-      type(lane_t), intent(in) :: lanes(:)
-      type(team_t), intent(inout) :: team
-      real(wp) :: t
-      integer :: i, s
-
-      if (.not. team%has_curves) return
-      do i = 1, team%width
-         if (lanes(i)%ordinate == 0) cycle
-         associate (equation => lanes(i)%equation)
-            if (equation%state%line%is_straight) cycle
-            do s = 1, team%pair%stages
-               t = team%table(i, of_time) + team%pair%c(s)*team%table(i, of_trial)
-               team%ground(i, s, 1) = ground(equation, t)
-               if (equation%has_vertical) team%ground(i, s, 2) = vertical_ground(equation, t)
-            end do
-         end associate
-      end do
-   end subroutine follow_curves
 
    !> Bound on the work of one run in the team.
    subroutine bound_work(lane, i, team)

@@ -1,0 +1,236 @@
+!> Lanes that step together, and what they have in common: their table, the pair, the lines of the
+!> motion.
+module rwmf_spectrum_lane_team
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_lane_columns, only: column_count, line_columns, of_fastest, of_time, of_trial
+   use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t
+   use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
+   use rwmf_model_equation, only: equation_t, ground, vertical_ground
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, line_of, &
+      line_t, motion_t, vertical_line_of
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_events_step_quartic, only: no_event
+   use rwmf_simulation_hybrid_loop, only: hybrid_t
+   use rwmf_simulation_recorder_recorder, only: recorder_t
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   implicit none
+   private
+
+   public :: lane_t, team_t, create_team, tabulate_lines, line_row, pair_for, caution
+   public :: longest_angle, longest_step, find_steps_with_peaks, follow_curves
+
+   real(wp), parameter :: longest_angle = 0.7_wp
+   !! of the frame's vibration in a step, so that its events can be seen [rad]
+   real(wp), parameter :: no_limit = -1
+   !! of an interval that no lane steps into without a look [s]
+
+   !> One lane between the steps of the team.
+   type :: lane_t
+      integer :: ordinate = 0
+      !! its number; 0: the lane is idle
+      integer :: pass = 0
+      type(case_t) :: case
+      type(equation_t) :: equation
+      type(hybrid_t) :: hybrid
+      type(recorder_t) :: recorder
+      type(explicit_pair_t) :: integrator
+      !! the last step of the lane, for whoever looks into it
+      real(wp) :: size_guess(2)
+      type(error_t), allocatable :: error
+      logical :: is_smooth = .false.
+      !! between its events all is seen in the rotation
+      integer :: goal = no_event
+      !! event that the lane steps to
+      integer :: trials = 0
+      !! steps that it has taken for that
+   end type lane_t
+
+   !> Lanes that step together.
+   type :: team_t
+      integer :: width
+      type(pair_t) :: pair
+      type(lane_kernels_t) :: kernels
+      real(wp), allocatable :: table(:, :)
+      !! (width, columns)
+      real(wp), allocatable :: coef(:, :)
+      !! (width, coefficients)
+      real(wp), allocatable :: tolerance(:, :)
+      !! (width, 0:states)
+      real(wp), allocatable :: ground(:, :, :)
+      !! (width, stages, 2) [m/s2]
+      real(wp), allocatable :: y(:, :), y_new(:, :)
+      !! (width, states)
+      real(wp), allocatable :: k(:, :, :)
+      !! (width, states, stages)
+      real(wp), allocatable :: error(:)
+      !! (width)
+      integer, allocatable :: mark(:)
+      !! (width)
+      logical :: has_curves
+      !! the motion is not one of straight lines
+      real(wp), allocatable :: lines(:, :)
+      !! (columns of a line, intervals of the motion from 0, and one more that nobody enters)
+      real(wp) :: max_steps
+      logical :: has_ended = .true.
+      !! a lane has no length of a step: its run is over, or it has none
+      logical, allocatable :: is_busy(:)
+      !! (width) the lane has an ordinate
+      logical :: keeps_more = .false.
+      !! more is asked for than the events tell: the largest |theta'| or reactions
+      logical, allocatable :: may_hold_peak(:)
+      !! (width) a peak of it may lie within the step; then the following is set
+      real(wp), allocatable :: t_before(:), y_before(:, :)
+      !! (width) [s], (width, states) at the beginning of the step
+   end type team_t
+
+contains
+
+   !> Work space of a team, with numbers that are finite in idle lanes.
+   subroutine create_team(case, equation, width, team)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      !! of any lane: the scene is the same
+      integer, intent(in) :: width
+      type(team_t), intent(out) :: team
+
+      team%width = width
+      team%pair = pair_for(case, equation)
+      team%kernels = lane_kernels_of(best_level())
+      associate (n => equation%n)
+         allocate (team%table(width, column_count), source=0.0_wp)
+         team%coef = spread(equation%state%coef(1, :), 1, width)
+         allocate (team%tolerance(width, 0:n), source=1.0_wp)
+         allocate (team%ground(width, most_stages, 2), team%y(width, n), team%y_new(width, n), &
+            team%k(width, n, most_stages), source=0.0_wp)
+         allocate (team%error(width), source=0.0_wp)
+         allocate (team%mark(width), source=0)
+         allocate (team%is_busy(width), team%may_hold_peak(width), source=.false.)
+         allocate (team%t_before(width), team%y_before(width, n))
+         team%max_steps = real(case%solver%max_steps, wp)
+      end associate
+   end subroutine create_team
+
+   !> The straight lines of the motion; without a limit where they are none, or too short for a
+   !> step: such an interval is entered as single runs do.
+   subroutine tabulate_lines(motion, has_vertical, t_end, team)
+      type(motion_t), intent(in) :: motion
+      logical, intent(in) :: has_vertical
+      real(wp), intent(in) :: t_end
+      type(team_t), intent(inout) :: team
+      type(line_t) :: line, vertical
+      real(wp) :: begin, limit
+      integer :: i
+
+      team%has_curves = fastest_rate(motion) > 0
+      allocate (team%lines(line_columns, 0:interval_last(motion) + 1), source=no_limit)
+      begin = 0
+      do i = 0, interval_last(motion)
+         line = line_of(motion, i)
+         if (has_vertical) vertical = vertical_line_of(motion, i, line)
+         limit = min(t_end, interval_end(motion, i))
+         if (team%has_curves .or. limit - begin <= 16*epsilon(limit)*limit) limit = no_limit
+         team%lines(:, i) = line_row(limit, line, vertical)
+         begin = interval_end(motion, i)
+      end do
+   end subroutine tabulate_lines
+
+   pure function line_row(limit, line, vertical) result(row)
+      real(wp), intent(in) :: limit
+      !! [s]
+      type(line_t), intent(in) :: line, vertical
+      real(wp) :: row(line_columns)
+      !! `of_limit` and the columns of the lines
+
+      row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
+   end function line_row
+
+   !> The pair for a tolerance, unless the case names it; of runs at several tolerances the higher
+   !> order. The local errors of smooth hysteresis add up, so that it gets that as well.
+   pure type(pair_t) function pair_for(case, equation) result(pair)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+
+      if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
+          .or. equation%floors%n > 1 .or. case%solver%method == 'dop853' &
+          .or. allocated(case%solver%accuracy)) then
+         pair = dormand_prince_853()
+      else
+         pair = verner_65()
+      end if
+   end function pair_for
+
+   !> Part of the tolerance that a step may use up: the errors of the lower order add up where the
+   !> steps are as long as they allow, under pulses and at short periods.
+   pure real(wp) function caution(pair)
+      type(pair_t), intent(in) :: pair
+
+      caution = merge(0.2_wp, 1.0_wp, pair%error_order < 8)
+   end function caution
+
+   !> Longest step in which the events of a lane can be seen [s].
+   real(wp) function longest_step(equation, motion) result(longest)
+      type(equation_t), intent(in) :: equation
+      type(motion_t), intent(in) :: motion
+      real(wp) :: rate
+      !! the fastest in the scene [rad/s]
+
+      rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate(motion))
+      if (equation%has_wall) rate = max(rate, sqrt(equation%p%g_over_R))
+      longest = longest_angle/rate
+   end function longest_step
+
+   !> In which steps may something have its peak that no event tells? Reactions in all; |theta'|
+   !> where theta'' may change its sign, by the quartic through both ends, both velocities and the
+   !> acceleration at the beginning, and where a parabola through the velocities with this way,
+   !> risen twice as far, reaches what was largest so far.
+   subroutine find_steps_with_peaks(lanes, team)
+      type(lane_t), intent(in) :: lanes(:)
+      type(team_t), intent(inout) :: team
+      real(wp) :: v(2), speed, first, bend, last, slack
+      integer :: i
+
+      associate (table => team%table, y => team%y, y_new => team%y_new)
+         do i = 1, team%width
+            team%may_hold_peak(i) = .false.
+            if (.not. (team%is_busy(i) .and. lanes(i)%is_smooth)) cycle
+            v = [y(i, 2), y_new(i, 2)]
+            speed = (y_new(i, 1) - y(i, 1))/table(i, of_trial)
+            if (.not. allocated(lanes(i)%recorder%forces) .and. &
+                maxval(abs(v)) + 3*abs(speed - sum(v)/2) < table(i, of_fastest)) cycle
+            first = table(i, of_trial)*team%k(i, 2, 1)
+            bend = v(2) - v(1) - first
+            last = first + 6*bend - 12*(speed - v(1) - first/2)
+            slack = 0.05_wp*(abs(first) + abs(bend))
+            if (.not. allocated(lanes(i)%recorder%forces) .and. (sum(v)*first < &
+                -slack*abs(sum(v)) .or. sum(v)*last > slack*abs(sum(v)))) cycle
+            team%may_hold_peak(i) = .true.
+            team%t_before(i) = table(i, of_time)
+            team%y_before(i, :) = y(i, :)
+         end do
+      end associate
+   end subroutine find_steps_with_peaks
+
+   !> Accelerations of the ground where they are not on a straight line.
+   subroutine follow_curves(lanes, team)
+      type(lane_t), intent(in) :: lanes(:)
+      type(team_t), intent(inout) :: team
+      real(wp) :: t
+      integer :: i, s
+
+      if (.not. team%has_curves) return
+      do i = 1, team%width
+         if (lanes(i)%ordinate == 0) cycle
+         associate (equation => lanes(i)%equation)
+            if (equation%state%line%is_straight) cycle
+            do s = 1, team%pair%stages
+               t = team%table(i, of_time) + team%pair%c(s)*team%table(i, of_trial)
+               team%ground(i, s, 1) = ground(equation, t)
+               if (equation%has_vertical) team%ground(i, s, 2) = vertical_ground(equation, t)
+            end do
+         end associate
+      end do
+   end subroutine follow_curves
+
+end module rwmf_spectrum_lane_team
