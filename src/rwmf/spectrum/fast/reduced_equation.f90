@@ -99,7 +99,8 @@ contains
       reduced%bound = max(abs(reduced%coef(0, :, 1)), abs(reduced%coef(0, :, 2)))
       ! a wall that stands, does not overturn within the fit, and is returned by its weight
       do side = 1, 2
-         call ask(probe(side), min(case%model%overturning_angle, 1.0_wp), 0.0_wp, 0.0_wp, overturned)
+         call ask(probe(side), min(case%model%overturning_angle, 1.0_wp), 0.0_wp, 0.0_wp, &
+            overturned)
          if (v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
       end do
       if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0) then

@@ -60,7 +60,7 @@ contains
       integer :: i
 
       side = 1
-      do number = number, size(grid%step)
+      do number = number, grid%motion_end_step - 1
          if (grid%largest(number) > minval(equation%threshold)) then
             f = ground_at(grid%step(number), x)
             if (lifts(equation, f)) exit
@@ -79,7 +79,11 @@ contains
          end if
          x = 0
       end do
-      if (number <= size(grid%step)) side = 3 - 2*side_of(f)
+      if (number < grid%motion_end_step) then
+         side = 3 - 2*side_of(f)
+      else
+         number = size(grid%step) + 1
+      end if
    end subroutine find_next_uplift
 
    !> May the wall be put to rest after an impact?

@@ -12,7 +12,7 @@ module rwmf_spectrum_fast_team
    use rwmf_spectrum_fast_shared_data, only: max_stages, ordinate_t, scheme_of, shared_data_t, &
       task_t
    use rwmf_spectrum_fast_taylor_oscillator, only: step_weights
-   use rwmf_spectrum_fast_types, only: c_3, lanes, scheme_t, team_t, weights
+   use rwmf_spectrum_fast_types, only: c_3, curves, lanes, scheme_t, team_t, weights
    implicit none
    private
 
@@ -76,7 +76,7 @@ contains
       type(ordinate_result_t), intent(inout) :: result(:)
       !! (n)
       type(work_t), target :: work
-      integer :: event_bits, n_ready, n_waiting, round
+      integer :: event_bits, n_events, n_ready, n_waiting, round
       logical :: needs_update
 
       call create_team(work)
@@ -92,9 +92,11 @@ contains
             do while (n_ready > n_waiting .and. .not. needs_update)
                call shared%kernels%step_team(shared%ground, work%scheme, team, event_bits, &
                   needs_update)
-               if (event_bits /= 0) call mark_events(event_bits, team)
-               n_ready = n_ready - popcnt(event_bits)
-               n_waiting = n_waiting + popcnt(event_bits)
+               if (event_bits == 0) cycle
+               call mark_events(event_bits, team)
+               n_events = popcnt(event_bits)
+               n_ready = n_ready - n_events
+               n_waiting = n_waiting + n_events
             end do
             if (needs_update) call enter_steps(shared, work)
             if (n_ready <= n_waiting) then
@@ -307,12 +309,13 @@ contains
       type(shared_data_t), intent(in) :: shared
       integer, intent(in) :: i
       type(work_t), intent(inout) :: work
-      integer :: side
+      integer :: side, n
 
       side = merge(1, 2, work%team%side(i) > 0)
+      n = merge(curves, curves - 1, work%scheme%is_damped)
       associate (equation => shared%equation(work%ordinate(i)%equation))
          work%team%m2(i) = equation%m2(side)
-         work%team%coef(i, :, :) = equation%coef(:, :, side)
+         work%team%coef(i, :, :n) = equation%coef(:, :n, side)
       end associate
    end subroutine enter_side
 
