@@ -31,6 +31,7 @@ _PROCEDURE = re.compile(
     re.IGNORECASE,
 )
 _END_PROCEDURE = re.compile(r"end\s*(subroutine|function|procedure)\b", re.IGNORECASE)
+_TYPE = re.compile(r"type\s*(?:,[^:]*)?(?:::\s*|\s+)(\w+)$", re.IGNORECASE)
 _TEXT_RESULT = r"character\s*\(\s*(?:len\s*=\s*)?:\s*\).*\ballocatable\b.*::.*\b{name}\b"
 
 
@@ -59,6 +60,15 @@ class Procedure:
         """Whether its result is `character(:), allocatable`."""
         pattern = re.compile(_TEXT_RESULT.format(name=re.escape(self.result)), re.IGNORECASE)
         return self.is_function and any(pattern.match(part.text) for part in self.statements)
+
+
+@dataclass
+class DerivedType:
+    """A derived type."""
+
+    name: str
+    parent: str  # that it extends, or ''
+    components: dict[str, str] = field(default_factory=dict)  # and their declarations
 
 
 @dataclass
@@ -146,6 +156,24 @@ class Source:
                 depth += 1
             elif depth == 0:
                 found.append(statement)
+        return found
+
+    @cached_property
+    def types(self) -> list[DerivedType]:
+        """Derived types in their order."""
+        found: list[DerivedType] = []
+        is_open = False
+        for statement in self.statements:
+            word = statement.text
+            if match := _TYPE.match(word):
+                parent = re.search(r"extends\s*\(\s*(\w+)", word, re.IGNORECASE)
+                found.append(DerivedType(match[1].lower(), parent[1].lower() if parent else ""))
+                is_open = True
+            elif re.match(r"(contains$|end\s*type\b)", word, re.IGNORECASE):
+                is_open = False
+            elif is_open and "::" in word:
+                declaration, names = word.split("::", 1)
+                found[-1].components |= dict.fromkeys(names_in(names), declaration)
         return found
 
     @cached_property
@@ -346,6 +374,14 @@ def _join(code: dict[int, str]) -> list[Statement]:
         parts = [part.strip() for part in text.split(";")]
         statements += [Statement(first, number, part) for part in parts if part]
     return statements
+
+
+def names_in(entities: str) -> list[str]:
+    """Names that a declaration declares, from what stands behind its `::`."""
+    bare = entities
+    while (shorter := re.sub(r"\([^()]*\)|\[[^\[\]]*\]", "", bare)) != bare:
+        bare = shorter
+    return [name[0].lower() for part in bare.split(",") if (name := re.findall(r"\w+", part))]
 
 
 def _opens_block(word: str) -> bool:

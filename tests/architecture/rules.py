@@ -6,10 +6,21 @@ import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
-from fortran import INTRINSIC, SUNDIALS, Source, Statement, Tree, build_lines
+from fortran import (
+    INTRINSIC,
+    SUNDIALS,
+    DerivedType,
+    Procedure,
+    Source,
+    Statement,
+    Tree,
+    build_lines,
+    names_in,
+)
 
 PACKAGE = "rwmf"  # name of the facade, of the folder below it, and prefix of all modules
-EFFECTS = PurePosixPath("rwmf/model/effects")
+MODEL_FOLDER = PurePosixPath("rwmf/model")
+EFFECTS = MODEL_FOLDER / "effects"
 SUNDIALS_FOLDER = PurePosixPath("rwmf/integrator/sundials")
 # What names them all: the list, and the loops over lanes.
 NAMES_EFFECTS = {"list", "loops"}
@@ -17,6 +28,9 @@ NAMES_EFFECTS = {"list", "loops"}
 MOST_LINES = 60
 MOST_ARGUMENTS = 8
 LONGEST_FILE = 900
+MOST_COMPONENTS = 30
+MODEL = "model_t"  # what is fixed once a scene has been put together
+EQUATION = "equation_t"  # a model with its discrete state
 
 _SUBDIR = re.compile(r"\bsubdir\('([^']+)'\)")
 _SOURCE_NAME = re.compile(r"(?<![/+] )'(\w+\.(?:f90|F90|c))'")
@@ -29,6 +43,8 @@ _DECLARATION = re.compile(
     r"(integer|real|complex|logical|character|double\s*precision|type\s*\(|class\s*\(|procedure\s*\()",
     re.IGNORECASE,
 )
+_OF_TYPE = re.compile(r"\b(?:type|class)\s*\(\s*(\w+)\s*\)", re.IGNORECASE)
+_POINTER = re.compile(r",\s*pointer\b", re.IGNORECASE)
 _KEPT = re.compile(r"(save\b|common\s*/|equivalence\s*\(|data\s+\w+\s*[/,(])", re.IGNORECASE)
 
 
@@ -233,6 +249,104 @@ def long_files(tree: Tree) -> list[str]:
         for source in tree.sources
         if len(source.lines) > LONGEST_FILE
     ]
+
+
+def component_counts(tree: Tree) -> dict[str, int]:
+    """Number of components of every derived type, those of its parent among them."""
+    types = types_by_name(tree)
+
+    def count_of(name: str) -> int:
+        found = types.get(name)
+        return len(found.components) + count_of(found.parent) if found else 0
+
+    return {name: count_of(name) for name in types}
+
+
+def crowded_types(tree: Tree, names: Iterable[str]) -> list[str]:
+    """Types with more components than they may have, and names that no type has."""
+    counts = component_counts(tree)
+    return [
+        f"{name}: {counts[name]} components" if name in counts else f"{name}: there is no such type"
+        for name in names
+        if counts.get(name, MOST_COMPONENTS + 1) > MOST_COMPONENTS
+    ]
+
+
+def parts_of(tree: Tree, whole: str) -> dict[str, DerivedType]:
+    """A type and the types that it consists of; what it points to is not its own."""
+    types = types_by_name(tree)
+    parts: dict[str, DerivedType] = {}
+    waiting = [whole]
+    while waiting:
+        name = waiting.pop()
+        if name in parts or name not in types:
+            continue
+        parts[name] = types[name]
+        waiting.append(types[name].parent)
+        for declaration in types[name].components.values():
+            if not _POINTER.search(declaration):
+                waiting += [kind.lower() for kind in _OF_TYPE.findall(declaration)]
+    return parts
+
+
+def pointers_in(tree: Tree, whole: str) -> list[str]:
+    """Pointers in a type and in the types that it consists of."""
+    return [
+        f"{name}: {component}"
+        for name, part in parts_of(tree, whole).items()
+        for component, declaration in part.components.items()
+        if _POINTER.search(declaration)
+    ]
+
+
+def changed_models(tree: Tree, free: re.Pattern[str]) -> list[str]:
+    """Procedures that could change a model or do, but for those that put it together.
+
+    A dummy argument of the model's type or of a part of it has `intent(in)`; of an equation only
+    the discrete state and what is recorded are assigned. `free` matches `module:procedure`.
+    """
+    parts = parts_of(tree, MODEL)
+    if not parts:
+        return []
+    model = set(parts[MODEL].components)
+    return [
+        f"{source.path}:{statement.line}: {procedure.name}: {statement.text}"
+        for source in tree.sources
+        for procedure in source.procedures
+        if not free.fullmatch(f"{source.module}:{procedure.name}")
+        for statement in _changes(procedure, parts, model)
+    ]
+
+
+def types_by_name(tree: Tree) -> dict[str, DerivedType]:
+    """All derived types; of several with one name that of the model."""
+    sources = sorted(tree.sources, key=lambda source: source.path.is_relative_to(MODEL_FOLDER))
+    return {found.name: found for source in sources for found in source.types}
+
+
+def _changes(procedure: Procedure, parts: Iterable[str], model: set[str]) -> Iterable[Statement]:
+    """Statements of a procedure that change a model, or let it be changed."""
+    equations = r"\w+%equation"  # names of variables and components that are one
+    aliases: set[str] = set()  # of what is in a model
+    for statement in procedure.statements:
+        text = statement.text
+        kinds = {kind.lower() for kind in _OF_TYPE.findall(text.split("::")[0])}
+        if "::" in text and kinds & set(parts) and re.search(r"intent\s*\(\s*(in)?out", text, re.I):
+            yield statement
+        if "::" in text and kinds & {MODEL, EQUATION}:
+            equations += "".join(f"|{name}" for name in names_in(text.split("::", 1)[1]))
+        place = rf"(?:\w+%)*(?:{equations})%(?:{'|'.join(sorted(model))}|{MODEL})\b"
+        if re.match(r"associate\b", text, re.IGNORECASE):
+            aliases |= set(re.findall(rf"(\w+)\s*=>\s*{place}(?!\s*\()", text, re.IGNORECASE))
+        changed = _without_condition(text)
+        if aliases:
+            place = rf"(?:{place}|(?:{'|'.join(sorted(aliases))})(?:\([^()]*\))?%\w+\b)"
+        if "::" not in text and (
+            re.match(rf"{place}[\w%(),:+\- ]*=(?!=)", changed, re.IGNORECASE)
+            or re.match(rf"(de)?allocate\s*\(\s*{place}", changed, re.IGNORECASE)
+            or re.match(rf"call\s+move_alloc\s*\(.*,\s*{place}", changed, re.IGNORECASE)
+        ):
+            yield statement
 
 
 def build_lists(root: Path) -> list[str]:

@@ -45,6 +45,21 @@ LARGE: dict[str, str] = {
 }
 
 
+# Types of runs that have to stay small as well as those of the model.
+STATES = ("hybrid_t", "snapshot_t", "wall_instance_t", "wall_element_t")
+
+# What puts a model together: the assembly, and what each effect brings to it. In an embedding the
+# motion comes from the host, and an element has none.
+ASSEMBLY = re.compile(
+    r"rwmf_model_(assembly|contributions|effects_list|scene):\w+"
+    r"|rwmf_model_\w+:(prepare|choose|set)_\w+"
+    r"|rwmf_embedding_wall_instance:(size_to_expect|use_host_motion|hold_ground_acceleration"
+    r"|restore_state)"
+    r"|rwmf_embedding_stepping:advance_own"
+    r"|rwmf_embedding_element:create_element"
+)
+
+
 @pytest.fixture(scope="module")
 def tree() -> Tree:
     return read_tree(SRC)
@@ -97,6 +112,28 @@ def test_procedures_stay_small(tree: Tree) -> None:
         print(f"{name}: {size} ({LARGE.get(name, 'NOT ALLOWED')})")
     _none([f"{name}: {size}" for name, size in over.items() if name not in LARGE])
     _none([f"{name}: is small, its line in LARGE can go" for name in LARGE if name not in over])
+
+
+def test_types_of_model_and_state_stay_small(tree: Tree) -> None:
+    of_model = [
+        found.name
+        for source in tree.sources
+        if source.path.as_posix().startswith("rwmf/model/")
+        for found in source.types
+    ]
+    assert {"model_t", "discrete_state_t", "equation_t"} <= set(of_model)
+    counts = rules.component_counts(tree)
+    print({name: counts[name] for name in [*of_model, *STATES]})
+    _none(rules.crowded_types(tree, [*of_model, *STATES]))
+
+
+def test_a_model_is_fixed_once_it_is_put_together(tree: Tree) -> None:
+    assert {"floors_t", "spring_t", "contribution_t"} <= rules.parts_of(tree, rules.MODEL).keys()
+    _none(rules.changed_models(tree, ASSEMBLY))
+
+
+def test_a_discrete_state_is_plain_values(tree: Tree) -> None:
+    assert rules.pointers_in(tree, "discrete_state_t") == []
 
 
 def test_files_stay_readable(tree: Tree) -> None:

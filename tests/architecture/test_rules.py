@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,9 @@ def _all_rules(tree: Tree, order: list[str]) -> dict[str, list[str]]:
         "size": list(rules.too_large(tree)),
         "file": rules.long_files(tree),
         "build": rules.build_lists(tree.root),
+        "types": rules.crowded_types(tree, rules.types_by_name(tree)),
+        "model": rules.changed_models(tree, re.compile(r"\w+:prepare_\w+")),
+        "pointer": rules.pointers_in(tree, "state_t"),
     }
 
 
@@ -90,6 +94,17 @@ def _kinds(text: str) -> dict[str, str]:
 
 def _wall(text: str) -> dict[str, str]:
     return {WALL: _module("model_wall", text)}
+
+
+def _model(body: str, of_state: str = "integer :: side") -> str:
+    """Return the text of a module with a model and a procedure that has this body."""
+    return (
+        f"type :: part_t\nreal, allocatable :: x(:)\nend type part_t\n"
+        f"type :: state_t\n{of_state}\nend type state_t\n"
+        f"type :: model_t\ntype(part_t) :: part\ninteger :: n\nend type model_t\n"
+        f"type, extends(model_t) :: equation_t\ntype(state_t) :: state\nend type equation_t\n"
+        + _body(body)
+    )
 
 
 def test_the_order_is_that_of_the_build(tmp_path: Path) -> None:
@@ -152,6 +167,37 @@ BREACHES: dict[str, tuple[set[str], dict[str, str]]] = {
         {"size"},
         _wall("contains\npure real(wp) function f(a,b,c,d,e,g,h, &\n i,j)\nend function f"),
     ),
+    "a crowded type": (
+        {"types"},
+        _wall(
+            "type :: wall_t\nreal(wp) :: "
+            + ", ".join(f"a_{i}(1, 2)" for i in range(31))
+            + "\nend type wall_t"
+        ),
+    ),
+    "a type crowded by its parent": (
+        {"types"},
+        _wall(
+            "type :: base_t\nreal(wp) :: "
+            + ", ".join(f"a_{i}" for i in range(30))
+            + "\nend type base_t\ntype, extends(base_t) :: wall_t\ninteger :: n\nend type wall_t"
+        ),
+    ),
+    "a model that may change": ({"model"}, _wall(_model("type(part_t), intent(inout) :: x"))),
+    "a model that changes": (
+        {"model"},
+        _wall(_model("type(equation_t), intent(inout) :: e\nif (a(1)) e%part%x(2) = 1")),
+    ),
+    "a model that changes in a component": ({"model"}, _wall(_model("step%equation%n = 1"))),
+    "a model that changes by another name": (
+        {"model"},
+        _wall(_model("class(equation_t), intent(inout) :: e\nassociate (p => e%part)\np%x = 1")),
+    ),
+    "a model that is allocated": (
+        {"model"},
+        _wall(_model("type(equation_t), intent(inout) :: e\nallocate (e%part%x(2))")),
+    ),
+    "a pointer in a state": ({"pointer"}, _wall(_model("integer :: i", "integer, pointer :: p"))),
     "a long file": ({"file"}, _wall("! comment\n" * 900)),
     "a source that is not built": ({"build"}, {"rwmf/model/cable.c": "int cable;"}),
     "a source that is not there": (
@@ -180,6 +226,11 @@ def test_a_breach_is_found(name: str, tmp_path: Path) -> None:
         "interface\nsubroutine s(a,b,c,d,e,f,g,h,i) bind(c)\ninteger :: a\nend subroutine s\n"
         "end interface",
         "type, abstract :: wall_t\ninteger :: n = 0\nend type wall_t",
+        _model("type(part_t), intent(in) :: x"),
+        _model("type(equation_t), intent(inout) :: e\ne%state%side = 1"),
+        _model("type(equation_t), intent(inout) :: e\nif (e%n == 1) n = e%n"),
+        _model("type(equation_t), intent(inout) :: e\nassociate (n => size(e%part%x))\nm = n"),
+        _model("type(other_t) :: e\ne%n = 1"),
     ],
 )
 def test_what_is_allowed_is_not_found(text: str, tmp_path: Path) -> None:

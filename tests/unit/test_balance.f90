@@ -90,8 +90,10 @@ contains
             reactions = reactions_at(equation, t, y, y_ddot)
             damper = 0
             if (allocated(equation%effects)) then
-               if (associated(equation%effects(1)%force)) call equation%effects(1)%force(equation, &
-                  t, y, y_ddot, damper)
+               associate (effect => equation%effects(1))
+                  if (associated(effect%force)) call effect%force(effect, equation, t, y, y_ddot, &
+                     damper)
+               end associate
             end if
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
                + turn_of_links(equation, case, y, y_ddot) &
@@ -385,11 +387,11 @@ contains
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
       force = 0
-      call equation%effects(1)%force(equation, t, y, 0.0_wp, force)
+      call equation%effects(1)%force(equation%effects(1), equation, t, y, 0.0_wp, force)
       velocity = (lifting_corner(equation, y + step) - lifting_corner(equation, y - step)) &
          /(2*step)*y(2)
-      call checks%close_to(-sum(force*velocity), equation%effects(1)%power(equation, t, y), &
-         'power of the damper', rtol=1.0e-9_wp)
+      call checks%close_to(-sum(force*velocity), equation%effects(1)%power(equation%effects(1), &
+         equation, t, y), 'power of the damper', rtol=1.0e-9_wp)
    end subroutine check_damper_power
 
 end program test_balance

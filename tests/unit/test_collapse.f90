@@ -24,8 +24,8 @@ contains
    end subroutine limit_drifts
 
    subroutine put_drifts(effect, equation, y, ratio, rate)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: ratio(:)
       real(wp), intent(out) :: rate(:)

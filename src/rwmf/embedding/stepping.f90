@@ -317,8 +317,8 @@ contains
 
       call require(stepping, error)
       if (allocated(error)) return
-      call save_state(stepping%instance, snapshot)
-      if (snapshot%is_one_step) return
+      call save_state(stepping%instance, snapshot, goes_on=.true.)
+      if (allocated(snapshot%f)) return
       stepping%instance%hybrid%must_restart = .true.
       snapshot%hybrid%must_restart = .true.
    end subroutine save_stepping

@@ -52,7 +52,6 @@ module rwmf_embedding_wall_instance
       logical :: is_filled = .false.
       real(wp) :: identity(8) = 0
       !! `identity_of` the wall: a snapshot of another one is refused
-      logical :: is_one_step = .false.
       logical :: follows_host = .false.
       real(wp) :: t = 0
       real(wp) :: ground = 0
@@ -65,7 +64,7 @@ module rwmf_embedding_wall_instance
       real(wp) :: h = 0
       !! step length of a one-step method [s]
       real(wp), allocatable :: f(:)
-      !! (states) derivative that it would begin with
+      !! (states) derivative that it would begin with; not allocated: it begins anew
    end type snapshot_t
 
 contains
@@ -157,7 +156,7 @@ contains
       type(control_t) :: no_control
       type(snapshot_t) :: before
 
-      call save_state(instance, before)
+      call save_state(instance, before, goes_on=.false.)
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
       call advance_hybrid(instance%hybrid, instance%equation, instance%integrator, &
@@ -176,9 +175,12 @@ contains
       end if
    end subroutine advance_instance
 
-   subroutine save_state(instance, snapshot)
+   !> Remember the present state.
+   subroutine save_state(instance, snapshot, goes_on)
       type(wall_instance_t), pointer, intent(in) :: instance
       type(snapshot_t), intent(out) :: snapshot
+      logical, intent(in) :: goes_on
+      !! from there a one-step method goes on without a restart
 
       snapshot%is_filled = .true.
       snapshot%identity = instance%identity
@@ -192,9 +194,8 @@ contains
       snapshot%rhs_evaluations = instance%equation%rhs_evaluations
       select type (method => instance%integrator)
       class is (one_step_t)
-         snapshot%is_one_step = .true.
          snapshot%h = method%h
-         snapshot%f = method%f1
+         if (goes_on) snapshot%f = method%f1
       end select
    end subroutine save_state
 
@@ -218,7 +219,7 @@ contains
       select type (method => instance%integrator)
       class is (one_step_t)
          method%h = snapshot%h
-         method%f1(:) = snapshot%f
+         if (allocated(snapshot%f)) method%f1(:) = snapshot%f
          method%t1 = snapshot%hybrid%t
          method%y1(:) = snapshot%hybrid%y
       class default

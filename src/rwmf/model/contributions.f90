@@ -87,7 +87,7 @@ contains
       do i = 1, size(equation%effects)
          associate (extra => equation%effects(i))
             if (extra%states == 0) cycle
-            call extra%sizes(equation, size_guess, &
+            call extra%sizes(extra, equation, size_guess, &
                sizes(extra%first:extra%first + extra%states - 1))
          end associate
       end do
@@ -104,7 +104,7 @@ contains
       if (.not. allocated(equation%effects)) return
       do i = 1, size(equation%effects)
          if (associated(equation%effects(i)%energy)) then
-            energy = energy + equation%effects(i)%energy(equation, y)
+            energy = energy + equation%effects(i)%energy(equation%effects(i), equation, y)
          end if
       end do
    end function effects_energy
@@ -126,9 +126,9 @@ contains
          associate (extra => equation%effects(i))
             if (is_hysteretic) then
                if (associated(extra%plastic_power)) power = power &
-                  + extra%plastic_power(equation, t, y)
+                  + extra%plastic_power(extra, equation, t, y)
             else
-               if (associated(extra%power)) power = power + extra%power(equation, t, y)
+               if (associated(extra%power)) power = power + extra%power(extra, equation, t, y)
             end if
          end associate
       end do
@@ -147,7 +147,7 @@ contains
       if (.not. allocated(equation%effects)) return
       do i = 1, size(equation%effects)
          if (associated(equation%effects(i)%input)) then
-            power = power + equation%effects(i)%input(equation, t, y)
+            power = power + equation%effects(i)%input(equation%effects(i), equation, t, y)
          end if
       end do
    end function effects_input
@@ -165,7 +165,7 @@ contains
       if (.not. allocated(equation%effects)) return
       do i = 1, size(equation%effects)
          if (associated(equation%effects(i)%frame_force)) then
-            force = force + equation%effects(i)%frame_force(equation, y)
+            force = force + equation%effects(i)%frame_force(equation%effects(i), equation, y)
          end if
       end do
    end function effects_frame_force

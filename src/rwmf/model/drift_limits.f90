@@ -34,7 +34,7 @@ contains
       do i = 1, size(equation%effects)
          associate (effect => equation%effects(i))
             if (effect%drifts == 0) cycle
-            call effect%put_drifts(equation, y, ratio(n + 1:n + effect%drifts), &
+            call effect%put_drifts(effect, equation, y, ratio(n + 1:n + effect%drifts), &
                rate(n + 1:n + effect%drifts))
             n = n + effect%drifts
          end associate

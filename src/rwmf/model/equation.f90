@@ -30,7 +30,7 @@ module rwmf_model_equation
       !! the case calls for it
       real(wp), allocatable :: constants(:)
       !! what its procedures need of the case
-      procedure(coefficients_i), pointer, pass(effect) :: coefficients => null()
+      procedure(coefficients_i), pointer, nopass :: coefficients => null()
       !! that its loop reads; not associated: it has no loop
       integer :: n_coef = 0
       !! number of coefficients
@@ -44,21 +44,21 @@ module rwmf_model_equation
       !! its coefficients follow the side of the motion
       logical :: is_kinematic = .false.
       !! it changes the kinematics that the loops of others read
-      procedure(power_i), pointer, pass(effect) :: power => null()
+      procedure(power_i), pointer, nopass :: power => null()
       !! that viscous parts dissipate; not associated: nothing
-      procedure(power_i), pointer, pass(effect) :: plastic_power => null()
+      procedure(power_i), pointer, nopass :: plastic_power => null()
       !! that yielding dissipates; not associated: nothing
-      procedure(energy_i), pointer, pass(effect) :: energy => null()
+      procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
-      procedure(force_i), pointer, pass(effect) :: force => null()
+      procedure(force_i), pointer, nopass :: force => null()
       !! asked only for reactions; not associated: no force on the wall
-      procedure(frame_force_i), pointer, pass(effect) :: frame_force => null()
+      procedure(frame_force_i), pointer, nopass :: frame_force => null()
       !! asked only for reactions; not associated: no force on the frame
-      procedure(power_i), pointer, pass(effect) :: input => null()
+      procedure(power_i), pointer, nopass :: input => null()
       !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
       !! number of states of its own, whose rates `add` puts in their places
-      procedure(sizes_i), pointer, pass(effect) :: sizes => null()
+      procedure(sizes_i), pointer, nopass :: sizes => null()
       !! that its states are expected to have
       integer :: first = 0
       !! place of its first state among all, or of the first that it reads
@@ -66,7 +66,7 @@ module rwmf_model_equation
       !! number of states of another effect that its loop reads, and whose rates it adds to
       integer :: drifts = 0
       !! number of drifts that end the run when they pass their limits
-      procedure(drifts_i), pointer, pass(effect) :: put_drifts => null()
+      procedure(drifts_i), pointer, nopass :: put_drifts => null()
       !! those drifts
    end type contribution_t
 
@@ -229,7 +229,7 @@ module rwmf_model_equation
       logical :: has_fuses = .false.
       !! under the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
-      !! yielding frame and fuses; the tendon's is in `cable`
+      !! yielding frame, then fuses; the tendon's is in `cable`
       real(wp) :: angle_limit = 0
       !! largest |theta| at which the springs are asked for their elongation [rad]
       logical :: has_vertical = .false.
@@ -251,7 +251,7 @@ module rwmf_model_equation
       pure subroutine coefficients_i(effect, model, state, coef)
          import :: contribution_t, discrete_state_t, model_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
+         type(contribution_t), intent(in) :: effect
          type(model_t), intent(in) :: model
          type(discrete_state_t), intent(in) :: state
          real(wp), intent(out) :: coef(:)
@@ -262,8 +262,8 @@ module rwmf_model_equation
       real(wp) function energy_i(effect, equation, y)
          import :: contribution_t, equation_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
-         class(equation_t), intent(in) :: equation
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: y(:)
          !! (states)
       end function energy_i
@@ -272,8 +272,8 @@ module rwmf_model_equation
       subroutine drifts_i(effect, equation, y, ratio, rate)
          import :: contribution_t, equation_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
-         class(equation_t), intent(in) :: equation
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: y(:)
          !! (states)
          real(wp), intent(out) :: ratio(:)
@@ -286,8 +286,8 @@ module rwmf_model_equation
       subroutine sizes_i(effect, equation, size_guess, sizes)
          import :: contribution_t, equation_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
-         class(equation_t), intent(in) :: equation
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: size_guess(2)
          !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
          real(wp), intent(out) :: sizes(:)
@@ -298,8 +298,8 @@ module rwmf_model_equation
       real(wp) function power_i(effect, equation, t, y)
          import :: contribution_t, equation_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
-         class(equation_t), intent(in) :: equation
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
          real(wp), intent(in) :: y(:)
@@ -310,8 +310,8 @@ module rwmf_model_equation
       subroutine force_i(effect, equation, t, y, y_ddot, force)
          import :: contribution_t, equation_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
-         class(equation_t), intent(in) :: equation
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: t
          !! [s]
          real(wp), intent(in) :: y(:)
@@ -327,8 +327,8 @@ module rwmf_model_equation
       function frame_force_i(effect, equation, y) result(force)
          import :: contribution_t, equation_t, wp
          implicit none
-         class(contribution_t), intent(in) :: effect
-         class(equation_t), intent(in) :: equation
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: y(:)
          !! (states)
          real(wp) :: force(2)
@@ -407,7 +407,7 @@ contains
       do i = 1, size(model%effects)
          associate (extra => model%effects(i))
             if ((is_all .or. extra%has_sides) .and. associated(extra%coefficients)) call &
-               extra%coefficients(model, state, &
+               extra%coefficients(extra, model, state, &
                state%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
          end associate
       end do
@@ -447,7 +447,7 @@ contains
 
    !> Vertical ground acceleration of the interval in force, positive upward [m/s2].
    real(wp) function vertical_ground(equation, t)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
 
@@ -462,7 +462,7 @@ contains
 
    !> Kinematics at a rotation.
    pure type(kinematics_t) function kinematics_at(equation, theta, side) result(kin)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
       integer, intent(in), optional :: side
@@ -476,7 +476,7 @@ contains
 
    !> Cable on a side.
    type(cable_state_t) function cable_at(equation, theta, side) result(cable)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
       integer, intent(in), optional :: side

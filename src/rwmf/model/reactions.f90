@@ -62,7 +62,7 @@ contains
       if (allocated(equation%effects)) then
          do i = 1, size(equation%effects)
             if (associated(equation%effects(i)%force)) then
-               call equation%effects(i)%force(equation, t, y, y_ddot, applied)
+               call equation%effects(i)%force(equation%effects(i), equation, t, y, y_ddot, applied)
             end if
          end do
       end if

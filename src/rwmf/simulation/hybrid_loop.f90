@@ -72,13 +72,12 @@ contains
       if (equation%has_bilinear_springs) call start_springs(equation, y(1))
       if (equation%has_loading_direction .and. abs(y(1)) > 0) call start_hysteresis(hybrid, &
          equation)
+      if (equation%floors%yields) call start_storeys(equation%model_t, equation%state, y)
       if (.not. equation%has_impacts) then
-         if (equation%floors%yields) call start_storeys(equation%model_t, equation%state, y)
          hybrid%mode = mode_no_impacts
          if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
          return
       end if
-      if (equation%floors%yields) call start_storeys(equation%model_t, equation%state, y)
       call find_uplift_acceleration(equation%model_t, equation%state, y)
       hybrid%mode = mode_rocking
       if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest

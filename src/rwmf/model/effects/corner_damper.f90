@@ -58,7 +58,7 @@ contains
    end subroutine prepare_damper
 
    pure subroutine damper_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
@@ -68,8 +68,8 @@ contains
 
    !> Power that it takes [W/kg].
    real(wp) function damper_power(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
@@ -78,8 +78,8 @@ contains
 
    !> Force on the lifting corner, against its velocity along the chord.
    subroutine damper_force(effect, equation, t, y, y_ddot, force)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot

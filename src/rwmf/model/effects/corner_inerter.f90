@@ -59,7 +59,7 @@ contains
    end subroutine prepare_inerter
 
    pure subroutine inerter_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
@@ -69,8 +69,8 @@ contains
 
    !> Kinetic energy of the inerter [J/kg].
    real(wp) function inerter_energy(effect, equation, y) result(energy)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
       energy = equation%p%R**2*(effect%constants(1)*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
@@ -78,8 +78,8 @@ contains
 
    !> Force on the lifting corner, against the acceleration of the stroke along the chord.
    subroutine inerter_force(effect, equation, t, y, y_ddot, force)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot

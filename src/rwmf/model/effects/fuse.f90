@@ -77,7 +77,7 @@ contains
 
    !> Of the fuse whose corner lifts; those come last, left and right.
    pure subroutine fuse_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)

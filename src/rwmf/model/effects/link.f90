@@ -72,7 +72,7 @@ contains
    end subroutine prepare_link
 
    pure subroutine coefficients_of_link(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)

@@ -152,7 +152,7 @@ contains
 
    !> As the loops read them.
    pure subroutine p_delta_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
@@ -168,8 +168,8 @@ contains
 
    !> Energy of the weights that sink.
    real(wp) function p_delta_energy(effect, equation, y) result(energy)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
 
@@ -179,8 +179,8 @@ contains
 
    !> What links to the wall do not have to pull back, and what floors are pushed by.
    function p_delta_force(effect, equation, y) result(force)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: force(2)
       real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
@@ -196,8 +196,8 @@ contains
    end function p_delta_force
 
    subroutine p_delta_drifts(effect, equation, y, ratio, rate)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: ratio(:)
       real(wp), intent(out) :: rate(:)

@@ -247,7 +247,7 @@ contains
    end subroutine prepare_yielding
 
    pure subroutine bouc_wen_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)

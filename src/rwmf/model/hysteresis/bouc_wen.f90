@@ -123,8 +123,8 @@ contains
 
    !> z is below 1, and u/u_y while the frame is elastic.
    subroutine bouc_wen_sizes(effect, equation, size_guess, sizes)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: sizes(:)
 
@@ -133,8 +133,8 @@ contains
 
    !> Power that plastic flow takes [W/kg].
    real(wp) function bouc_wen_power(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
@@ -146,8 +146,8 @@ contains
 
    !> Energy stored beyond that of the elastic frame, which the ledger has [J/kg].
    real(wp) function bouc_wen_energy(effect, equation, y) result(energy)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
       associate (law => equation%hysteresis)

@@ -153,8 +153,8 @@ contains
 
    !> Power that the fuses dissipate by yielding [W/kg].
    real(wp) function fuses_power(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       integer :: i
@@ -171,8 +171,8 @@ contains
 
    !> Power that the frame dissipates by yielding [W/kg].
    real(wp) function yielding_power(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
@@ -184,8 +184,8 @@ contains
 
    !> Energy in the fuses [J/kg].
    real(wp) function fuses_energy(effect, equation, y) result(energy)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: x
       integer :: i
@@ -205,8 +205,8 @@ contains
 
    !> Energy in the yielding frame beyond the elastic one that the ledger has [J/kg].
    real(wp) function yielding_energy(effect, equation, y) result(energy)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: x
       integer :: i
@@ -225,8 +225,8 @@ contains
    !> Forces of the fuses on the wall: along the chord at the lifting corner, vertical at the pivot,
    !> where what an earlier stroke has left behind acts.
    subroutine fuses_force(effect, equation, t, y, y_ddot, force)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
@@ -606,7 +606,8 @@ contains
       residual = 0
       if (.not. allocated(equation%springs)) return
       associate (residuals => frame_residuals(equation, theta))
-         if (size(residuals) > 0) residual = frame_residual(equation, theta) - residuals(1)
+         if (size(residuals) > 0) residual = sum(equation%springs(:size(residuals))%share &
+            *residuals) - residuals(1)
       end associate
    end function uneven_residual
 
@@ -615,14 +616,12 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp), allocatable :: residuals(:)
-      !! (springs of the frame)
-      integer :: i
+      real(wp) :: residuals(count(equation%springs%place == place_frame))
+      !! (springs of the frame, which come first)
 
-      associate (springs => equation%springs, state => equation%state)
-         residuals = pack([(spring_plastic(springs(i)%spring, state%springs(i), elongation_of( &
-            equation, state%side, i, state%side*theta)), i=1, size(springs))], &
-            springs%place == place_frame)
+      associate (n => size(residuals), state => equation%state)
+         residuals = spring_plastic(equation%springs(:n)%spring, state%springs(:n), &
+            frame_displacement(equation, state%side, theta))
       end associate
    end function frame_residuals
 

@@ -71,7 +71,7 @@ contains
 
    !> Coefficients of the loop of all modes, as `add_floors` reads them.
    pure subroutine storey_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
@@ -91,7 +91,7 @@ contains
 
    !> One mode: the ground pushes more of the frame than moves with the roof.
    pure subroutine excited_mass_coefficients(effect, model, state, coef)
-      class(contribution_t), intent(in) :: effect
+      type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
@@ -101,8 +101,8 @@ contains
 
    !> Power of that push [W/kg].
    real(wp) function excited_mass_input(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
 
@@ -113,7 +113,7 @@ contains
    !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
    !> roof [m/s2].
    function resistance(equation, y) result(force)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: force(equation%floors%n)
@@ -159,7 +159,7 @@ contains
    !> One mode: they move as their share of the roof, and the modes that are left out follow the
    !> ground. All modes: what the storeys do to them.
    real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -181,7 +181,7 @@ contains
    !> and what each storey is displaced by over its height [-].
    subroutine put_floors(row, equation, y)
       type(history_row_t), intent(inout) :: row
-      class(equation_t), intent(in) :: equation
+      type(equation_t), intent(in) :: equation
       !! with all modes of the frame
       real(wp), intent(in) :: y(:)
       !! (states)
@@ -197,8 +197,8 @@ contains
 
    !> The floors move about as much as the roof; z is at most d/u_y and 1.
    subroutine storey_sizes(effect, equation, size_guess, sizes)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       real(wp), intent(out) :: sizes(:)
 
@@ -212,8 +212,8 @@ contains
 
    !> Power that the frame's dampers take [W/kg].
    real(wp) function storey_power(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp) :: u(0:size(equation%floors%m))
@@ -225,8 +225,8 @@ contains
 
    !> Energy of the floors and storeys; the roof by itself is counted elsewhere [J/kg].
    real(wp) function storey_energy(effect, equation, y) result(energy)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: u(0:size(equation%floors%m))
       real(wp) :: v(size(equation%floors%m))
@@ -250,8 +250,8 @@ contains
 
    !> Power of the ground motion on the floors below the roof [W/kg].
    real(wp) function storey_input(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       integer :: n

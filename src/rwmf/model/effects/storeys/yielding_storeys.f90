@@ -221,8 +221,8 @@ contains
 
    !> Power that the storeys dissipate by yielding [W/kg].
    real(wp) function storeys_plastic_power(effect, equation, t, y) result(power)
-      class(contribution_t), intent(in) :: effect
-      class(equation_t), intent(in) :: equation
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp) :: d(equation%floors%n)
