@@ -252,7 +252,7 @@ def long_files(tree: Tree) -> list[str]:
 
 
 def component_counts(tree: Tree) -> dict[str, int]:
-    """Number of components of every derived type, those of its parent among them."""
+    """Count the components of every derived type, those of its parent among them."""
     types = types_by_name(tree)
 
     def count_of(name: str) -> int:
@@ -273,7 +273,7 @@ def crowded_types(tree: Tree, names: Iterable[str]) -> list[str]:
 
 
 def parts_of(tree: Tree, whole: str) -> dict[str, DerivedType]:
-    """A type and the types that it consists of; what it points to is not its own."""
+    """Find a type and the types that it consists of; what it points to is not its own."""
     types = types_by_name(tree)
     parts: dict[str, DerivedType] = {}
     waiting = [whole]
