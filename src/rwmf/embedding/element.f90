@@ -7,8 +7,8 @@
 !>
 !>    sigma f = m_w/lever [inertia R phi'' + c sigma u_g'' + g (s + q r)]
 !>
-!> Dampers and inerters at the corners of the base add R (I phi'' + I' phi'**2/2 + D phi') to the
-!> bracket, with I and D in the proportion of cos(phi/2)**2; vertical motion adds v_g'' s.
+!> Further effects add R (I phi'' - M) to the bracket, with the inertia I and the moment M(phi, phi')
+!> that their loops say; vertical motion adds v_g'' s.
 !>
 !> An element is a value: it holds no state, needs no destruction, and may be used by any number of
 !> threads. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and
@@ -21,8 +21,12 @@ module rwmf_embedding_element
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
-   use rwmf_model_equation, only: cable_at, corner_share, equation_t, kinematics_at
+   use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_equation, only: cable_at, discrete_state_t, enter_side, equation_t, &
+      has_further_effects, kinematics_at
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_lanes, only: lane_motion_t, wall_coefficients
+   use rwmf_model_scene, only: first_wall, scene_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
@@ -44,10 +48,8 @@ module rwmf_embedding_element
       !! of the vertical to the horizontal ground acceleration [-]
       real(wp) :: e = 1
       !! velocity factor at impact [-]
-      real(wp) :: inertance = 0
-      !! of the corner inerters over m_w [-]
-      real(wp) :: damping = 0
-      !! of the corner dampers over m_w [1/s]
+      type(scene_t) :: effects
+      !! the loops of further effects
       real(wp) :: largest_angle = 0
       !! rotation at which the wall counts as overturned [rad]
    end type wall_element_t
@@ -74,8 +76,7 @@ module rwmf_embedding_element
 
 contains
 
-   !> Make an element from a case with `&wall`; `&cable`, `&link`, `&damper`, `&inerter`, `&impact`,
-   !> `&vertical ratio`, `&model` as wanted.
+   !> Make an element from a case with `&wall`, and any effect that does not refuse it.
    !>
    !> `&frame` serves only the rule 'coupled', which wants the mass ratio. Fails with `err_input`.
    subroutine create_element(element, case, error)
@@ -100,10 +101,8 @@ contains
       element%m_w = 1
       if (allocated(case%wall%m_w)) element%m_w = case%wall%m_w
       element%e = restitution(case, element%equation%p%alpha)
-      associate (share => corner_share(element%equation))
-         if (allocated(case%inerter)) element%inertance = share*case%inerter%inertance_over_m_w
-         if (allocated(case%damper)) element%damping = share*case%damper%c_over_m_w
-      end associate
+      element%effects = element%equation%scene
+      element%effects%terms = pack(element%effects%terms, element%effects%terms%effect > 0)
       element%largest_angle = case%model%overturning_angle
    end subroutine create_element
 
@@ -161,7 +160,7 @@ contains
          rates(2) = (side*u_ddot/R - kin%k*rates(1)**2)/kin%j
       end associate
       call fill_force(element, kin, cable, rates, side*u_g_ddot, response)
-      call add_effects(element, kin, rates, element%vertical_ratio*u_g_ddot, response)
+      call add_effects(element, side, kin, [phi, rates], element%vertical_ratio*u_g_ddot, response)
       response%force = side*response%force
       response%theta = side*phi
       response%theta_dot = side*rates(1)
@@ -222,44 +221,75 @@ contains
       slope = ((2*kin%k**2/kin%j - kin%k_1)*rates(1)**2 - kin%k*rates(2))/kin%j
    end function slope_of_phi_ddot
 
-   !> Add vertical motion, dampers and inerters: B and c times the square of the stroke's rate
-   !> d(4b sin(phi/2))/dphi, which is (2b)**2 cos(phi/2)**2, and its derivatives.
-   pure subroutine add_effects(element, kin, rates, vertical, response)
+   !> Add vertical motion and what the loops of further effects say; its derivatives by phi and phi'
+   !> are central differences.
+   subroutine add_effects(element, side, kin, motion, vertical, response)
       type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
       type(kinematics_t), intent(in) :: kin
-      real(wp), intent(in) :: rates(2)
-      !! phi' [rad/s], phi'' [rad/s2]
+      real(wp), intent(in) :: motion(3)
+      !! phi [rad], phi' [rad/s], phi'' [rad/s2]
       real(wp), intent(in) :: vertical
       !! v_g'' [m/s2]
       type(element_response_t), intent(inout) :: response
-      real(wp) :: gain(0:2)
-      !! that square over R**2, and its derivatives by phi [-]
+      real(wp), parameter :: step = 1.0e-5_wp
+      real(wp) :: here(2), by_phi(2), by_rate(2)
+      !! moment [1/s2] and inertia [-], and their derivatives
       real(wp) :: unit
       !! [kg m]
       real(wp) :: moment
-      !! [1/s2]
+      !! against the motion [1/s2]
       real(wp) :: moment_1
       !! its derivative by phi at fixed w', w''
 
-      associate (p => element%equation%p, phi_dot => rates(1), phi_ddot => rates(2), &
-                 beta => element%inertance, c => element%damping)
-         if (.not. max(beta, c, abs(vertical)) > 0) return
+      associate (p => element%equation%p, phi => motion(1), phi_dot => motion(2), &
+                 phi_ddot => motion(3))
          unit = element%m_w*p%R/kin%lever
-         gain = 4*element%equation%sin_alpha**2*[kin%half_cosine**2, &
-            -kin%half_sine*kin%half_cosine, kin%half_sine**2 - 0.5_wp]
-         moment = beta*(gain(0)*phi_ddot + gain(1)*phi_dot**2/2) + c*gain(0)*phi_dot &
-            + vertical*kin%s/p%R
-         moment_1 = beta*(gain(0)*slope_of_phi_ddot(kin, rates) + gain(1)*phi_ddot &
-            + (gain(2)/2 - gain(1)*kin%k/kin%j)*phi_dot**2) &
-            + c*(gain(1) - gain(0)*kin%k/kin%j)*phi_dot - vertical*kin%c/p%R
+         moment = vertical*kin%s/p%R
+         moment_1 = -vertical*kin%c/p%R
+         if (has_further_effects(element%equation)) then
+            here = moment_of_effects(element, side, phi, phi_dot)
+            by_phi = (moment_of_effects(element, side, phi + step, phi_dot) &
+               - moment_of_effects(element, side, phi - step, phi_dot))/(2*step)
+            by_rate = (moment_of_effects(element, side, phi, phi_dot + step) &
+               - moment_of_effects(element, side, phi, phi_dot - step))/(2*step)
+            moment = moment + here(2)*phi_ddot - here(1)
+            moment_1 = moment_1 + by_phi(2)*phi_ddot - by_phi(1) &
+               + here(2)*slope_of_phi_ddot(kin, motion(2:)) + by_rate(1)*kin%k/kin%j*phi_dot
+            response%damping = response%damping - unit*(by_rate(1) &
+               + 2*here(2)*kin%k/kin%j*phi_dot)/(p%R*kin%j)
+            response%mass = response%mass + unit*here(2)/(p%R*kin%j)
+         end if
          response%force = response%force + unit*moment
          response%stiffness = response%stiffness + unit*(moment_1 - kin%lever_1/kin%lever*moment) &
             /(p%R*kin%j)
-         response%damping = response%damping + unit*(beta*(gain(1) - 2*gain(0)*kin%k/kin%j) &
-            *phi_dot + c*gain(0))/(p%R*kin%j)
-         response%mass = response%mass + unit*beta*gain(0)/(p%R*kin%j)
       end associate
    end subroutine add_effects
+
+   !> Moment of further effects away from the base [1/s2] and their inertia [-], over m_w R**2: their
+   !> loops, behind that of a wall of unit inertia and without weight.
+   function moment_of_effects(element, side, phi, phi_dot) result(sums)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(in) :: phi_dot
+      !! [rad/s]
+      real(wp) :: sums(2)
+      type(discrete_state_t) :: state
+      type(lane_motion_t) :: motion
+      real(wp) :: rates(2)
+
+      state = element%equation%state
+      call enter_side(element%equation%model_t, state, side)
+      state%coef(1, first_wall + wall_coefficients - 2:first_wall + wall_coefficients - 1) &
+         = [1.0_wp, 0.0_wp]
+      motion%ground = 0
+      motion%vertical = 0
+      call lane_rates(element%effects, state%coef, side*[phi, phi_dot], motion, rates)
+      sums = [motion%moment(1), motion%inertia(1) - 1]
+   end function moment_of_effects
 
    !> Rotation that belongs to a displacement: Newton's method inside a bracket.
    subroutine find_rotation(element, side, w, phi, kin, error)
@@ -314,22 +344,26 @@ contains
       !! ground acceleration [m/s2]
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
+      real(wp) :: effects(2)
 
       kin = kinematics_at(element%equation, 0.0_wp, side)
       cable = cable_at(element%equation, 0.0_wp, side)
       drive = side*push - element%m_w/kin%lever*(kin%c*side*u_g_ddot &
          + element%equation%p%g*(kin%s + cable%moment))
       drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s
+      effects = moment_of_effects(element, side, 0.0_wp, 0.0_wp)
+      drive = drive + element%m_w/kin%lever*element%equation%p%R*effects(1)
    end function lift_off_drive_of
 
    !> Inertia that the wall adds to the link when it lifts off [kg].
    real(wp) function resting_inertia(element)
       type(wall_element_t), intent(in) :: element
       type(kinematics_t) :: kin
+      real(wp) :: effects(2)
 
       kin = kinematics_at(element%equation, 0.0_wp, 1)
-      resting_inertia = element%m_w*(element%equation%inertia &
-         + element%inertance*(2*element%equation%sin_alpha)**2)/(kin%lever*kin%j)
+      effects = moment_of_effects(element, 1, 0.0_wp, 0.0_wp)
+      resting_inertia = element%m_w*(element%equation%inertia + effects(2))/(kin%lever*kin%j)
    end function resting_inertia
 
 end module rwmf_embedding_element
