@@ -21,7 +21,7 @@ import rules
 from fortran import Procedure, Tree, read_tree
 
 ROOT = Path(__file__).resolve().parents[2]
-EFFECT_GROUPS = ("damper", "inerter", "link", "fuse", "yielding", "storeys", "vertical")
+EFFECT_GROUPS = ("damper", "inerter", "link", "fuse", "yielding", "storeys", "vertical", "p_delta")
 # What a simulation and an ordinate of `fast` begin with, under the names of the trees so far.
 SIMULATE = ("rwmf_simulation_simulate", "rwmf_simulation")
 ORDINATE = ("rwmf_spectrum_fast_driver", "rwmf_fast_spectrum")
