@@ -7,8 +7,8 @@
 !>
 !>    sigma f = m_w/lever [inertia R phi'' + c sigma u_g'' + g (s + q r)]
 !>
-!> Further effects add R (I phi'' - M) to the bracket, with the inertia I and the moment M(phi, phi')
-!> that their loops say; vertical motion adds v_g'' s.
+!> Further effects add R (I phi'' - M) to the bracket, with the inertia I and the moment
+!> M(phi, phi') that their loops say; vertical motion adds v_g'' s.
 !>
 !> An element is a value: it holds no state, needs no destruction, and may be used by any number of
 !> threads. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and
@@ -266,8 +266,8 @@ contains
       end associate
    end subroutine add_effects
 
-   !> Moment of further effects away from the base [1/s2] and their inertia [-], over m_w R**2: their
-   !> loops, behind that of a wall of unit inertia and without weight.
+   !> Moment of further effects away from the base [1/s2] and their inertia [-], over m_w R**2:
+   !> their loops, behind that of a wall of unit inertia and without weight.
    function moment_of_effects(element, side, phi, phi_dot) result(sums)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side

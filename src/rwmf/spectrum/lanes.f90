@@ -509,9 +509,11 @@ contains
          call first_event(quartic, [table(i, of_low), table(i, of_high)], &
             [table(i, of_bottom), table(i, of_top)], lane%goal, x)
          call compare_with_further(lane, i, team, x)
-         ! by round-off a motion that turns may be beyond the end of the window that begins there
+         ! by round-off a motion that turns may be beyond the limit of a branch that begins there
          is_beyond = (lane%goal == at_high .and. y(i, 1) > table(i, of_high)) &
             .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
+         if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
+            lane%goal == at_low))) == event_branch
          if (is_beyond .or. is_against_loading(lane, i, team)) then
             lane%goal = no_event
             call look_at_step(lane, i, motion, team)
