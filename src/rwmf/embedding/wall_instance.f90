@@ -11,8 +11,10 @@ module rwmf_embedding_wall_instance
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, has_ended, hybrid_t, start_hybrid
+   use rwmf_simulation_advance, only: advance
+   use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, start_hybrid
    use rwmf_simulation_hybrid_state, only: hybrid_state_t
+   use rwmf_simulation_lanes_team, only: team_t
    use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
    use rwmf_simulation_run, only: guess_size, impact_law, initial_state, tolerances
    implicit none
@@ -35,6 +37,8 @@ module rwmf_embedding_wall_instance
       class(integrator_t), allocatable :: integrator
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
+      type(team_t) :: team
+      !! of one lane, where the method steps in lanes
       real(wp) :: t
       !! how far the host has advanced; after overturning or collapse the motion ended earlier [s]
       real(wp) :: ground
@@ -159,8 +163,8 @@ contains
       call save_state(instance, before, goes_on=.false.)
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
-      call advance_hybrid(instance%hybrid, instance%equation, instance%integrator, &
-         instance%recorder, t, no_control, error)
+      call advance(instance%hybrid, instance%equation, instance%integrator, instance%recorder, t, &
+         no_control, instance%team, error)
       if (allocated(error)) then
          call restore_state(instance, before)
          instance%hybrid%must_restart = .true.

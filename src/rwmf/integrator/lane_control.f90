@@ -132,9 +132,10 @@ contains
    !> a straight line with a limit of its own.
    pure subroutine pass_knots(intervals, lines, table, mark)
       integer, intent(in) :: intervals
-      !! number of the last one
+      !! number of the last one that is known
       real(wp), intent(in) :: lines(line_columns, 0:intervals + 1)
-      !! of each interval: limit [s], or a negative number; a_0, slope, t_0, vertical a_0, slope
+      !! of each interval: limit [s], or a negative number, as beyond the last one; a_0, slope, t_0,
+      !! vertical a_0, slope
       real(wp), intent(inout) :: table(lane_count, column_count)
       integer, intent(inout) :: mark(lane_count)
       !! `at_limit`; on return `is_done` where it has been passed
@@ -142,7 +143,7 @@ contains
 
       do i = 1, lane_count
          if (mark(i) /= at_limit) cycle
-         next = int(table(i, of_interval)) + 1
+         next = min(int(table(i, of_interval)), intervals) + 1
          if (.not. lines(1, next) > table(i, of_time)) cycle
          table(i, of_interval) = next
          table(i, of_limit) = lines(1, next)

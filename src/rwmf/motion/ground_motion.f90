@@ -18,7 +18,7 @@ module rwmf_motion_ground_motion
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
    public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
-   public :: motion_end
+   public :: is_piecewise_linear, motion_end
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -419,6 +419,13 @@ contains
       fastest_rate = 0
       if (motion%shape == shape_pulse) fastest_rate = curve_rate(motion%curve)
    end function fastest_rate
+
+   !> Is the acceleration on straight lines between the knots?
+   pure logical function is_piecewise_linear(motion)
+      type(motion_t), intent(in) :: motion
+
+      is_piecewise_linear = motion%shape == shape_linear
+   end function is_piecewise_linear
 
    !> The last knot, after which the ground is still; 0 without any [s].
    pure real(wp) function motion_end(motion)

@@ -6,7 +6,7 @@
 !> promised from the ground motion alone.
 module rwmf_simulation_held_wall
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
@@ -24,7 +24,7 @@ module rwmf_simulation_held_wall
    implicit none
    private
 
-   public :: hold_wall, move_at_rest, may_rest_moving
+   public :: hold_wall, move_at_rest, may_rest_moving, begin_held_step, end_held_step, stays_down
 
 contains
 
@@ -47,27 +47,59 @@ contains
       integer, intent(out) :: side
       !! of the motion that begins, +1 or -1; 0 for none
       type(error_t), allocatable, intent(out) :: error
-      type(storey_end_t) :: ending
-      type(step_view_t) :: step
       real(wp) :: t_limit
 
-      side = lifting_side(drives(equation, hybrid%t, hybrid%y), equation%threshold)
-      if (side /= 0) return
-      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
-      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
-         hybrid%t = t_limit
-         call pass_knot(hybrid, equation, integrator%steps)
-         return
-      end if
-      call hold_wall(equation%state, .true.)
+      call begin_held_step(hybrid, equation, integrator%steps, t_target, t_limit, side)
+      if (t_limit <= hybrid%t) return
       if (hybrid%must_restart) then
-         if (equation%floors%yields) call settle_storeys(equation%model_t, equation%state, hybrid%y)
          call integrator%start(hybrid%t, hybrid%y, huge(t_limit), error)
          if (allocated(error)) return
       end if
       hybrid%must_restart = .false.
       call integrator%step(t_limit, error)
-      if (allocated(error)) return
+      if (.not. allocated(error)) call end_held_step(hybrid, equation, integrator, recorder, side, &
+         error)
+   end subroutine move_at_rest
+
+   !> How far the other states may go in the next step while the wall is held.
+   subroutine begin_held_step(hybrid, equation, steps, t_target, t_limit, side)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      integer(i8), intent(in) :: steps
+      !! that the integrator has taken
+      real(wp), intent(in) :: t_target
+      !! [s]
+      real(wp), intent(out) :: t_limit
+      !! not beyond the present time: the wall lifts off, or a knot has been passed [s]
+      integer, intent(out) :: side
+      !! on which it lifts off at once, 0 if it stays
+
+      t_limit = hybrid%t
+      side = lifting_side(drives(equation, hybrid%t, hybrid%y), equation%threshold)
+      if (side /= 0) return
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
+      if (t_limit - hybrid%t <= 8*spacing(t_limit)) then
+         hybrid%t = t_limit
+         call pass_knot(hybrid, equation, steps)
+         return
+      end if
+      call hold_wall(equation%state, .true.)
+      if (hybrid%must_restart .and. equation%floors%yields) call settle_storeys( &
+         equation%model_t, equation%state, hybrid%y)
+   end subroutine begin_held_step
+
+   !> Look at the last step: the wall may lift off in it.
+   subroutine end_held_step(hybrid, equation, integrator, recorder, side, error)
+      type(hybrid_t), intent(inout), target :: hybrid
+      type(equation_t), intent(inout), target :: equation
+      class(integrator_t), intent(inout), target :: integrator
+      type(recorder_t), intent(inout) :: recorder
+      integer, intent(out) :: side
+      type(error_t), allocatable, intent(out) :: error
+      type(storey_end_t) :: ending
+      type(step_view_t) :: step
+
+      side = 0
       call view_step(step, equation, integrator)
       call cut_step(step, hybrid%drifts, ending, error)
       if (allocated(error)) return
@@ -82,7 +114,45 @@ contains
       if (side /= 0) return
       if (ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
       call pass_knot(hybrid, equation, integrator%steps)
-   end subroutine move_at_rest
+   end subroutine end_held_step
+
+   !> Is it plain from the ends of a step that the held wall stays down in it?
+   !>
+   !> What it bears follows the other states, along a cubic inside the polygon of its Bezier points.
+   logical function stays_down(step, rates_a, rates_b)
+      type(step_view_t), intent(in) :: step
+      !! without an integrator, in which the motion of the ground does not turn
+      real(wp), intent(in) :: rates_a(:), rates_b(:)
+      !! (states) at both ends
+      real(wp), parameter :: margin = 0.1_wp
+      !! for what the cubic errs, over the size of the polygon [-]
+      real(wp) :: push(2, 2)
+      !! of the motion to the right and to the left, at both ends [m/s2]
+      real(wp) :: borne(2, 4)
+      !! points of what is borne [m/s2]
+
+      associate (equation => step%equation, h => step%t_b - step%t_a)
+         borne(:, 2) = borne_at(equation, step%y_a + h/3*rates_a)
+         borne(:, 1) = borne_at(equation, step%y_a)
+         push(:, 1) = borne(:, 1) + drives_of(equation, step%t_a)
+         borne(:, 3) = borne_at(equation, step%y_b - h/3*rates_b)
+         borne(:, 4) = borne_at(equation, step%y_b)
+         push(:, 2) = borne(:, 4) + drives_of(equation, step%t_b)
+      end associate
+      stays_down = all(maxval(push, dim=2) < minval(borne, dim=2) &
+         - margin*(maxval(borne, dim=2) - minval(borne, dim=2)))
+   end function stays_down
+
+   !> Ground acceleration that the held wall bears to the right and to the left [m/s2].
+   function borne_at(equation, y) result(borne)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: borne(2)
+
+      call find_uplift_acceleration(equation%model_t, equation%state, y)
+      borne = equation%state%uplift_acceleration([1, -1])
+   end function borne_at
 
    !> How far the scene exceeds what the resting wall bears, to the right and to the left [m/s2].
    function drives(equation, t, y) result(drive)
@@ -94,9 +164,19 @@ contains
       real(wp) :: drive(2)
 
       call find_uplift_acceleration(equation%model_t, equation%state, y)
+      drive = drives_of(equation, t)
+   end function drives
+
+   !> The same for what the wall bears at present.
+   pure function drives_of(equation, t) result(drive)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! in the interval in force [s]
+      real(wp) :: drive(2)
+
       drive(1) = lift_off_drive(equation, 1, interval_of(equation), t)
       drive(2) = lift_off_drive(equation, -1, interval_of(equation), t)
-   end function drives
+   end function drives_of
 
    !> Side on which the wall lifts off, 0 if it stays.
    pure integer function lifting_side(drive, threshold) result(side)

@@ -39,6 +39,7 @@ module rwmf_simulation_hybrid_loop
    private
 
    public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, apply_event, stay_at_rest
+   public :: check_work, leave_rest, may_stand_on_fuses
    public :: mode_rest, mode_rocking, mode_overturned, mode_collapsed, mode_no_impacts, has_ended
 
    real(wp), parameter :: negligible = 0.01_wp
@@ -177,7 +178,18 @@ contains
          if (hybrid%t > t_begin) call observe_rest(recorder, equation, t_begin, hybrid%t)
          call enter_interval(equation%model_t, equation%state, interval)
       end do
-      if (side == 0) return
+      if (side /= 0) call leave_rest(hybrid, equation, recorder, side, error)
+   end subroutine stay_at_rest
+
+   !> The resting wall lifts off on a side.
+   subroutine leave_rest(hybrid, equation, recorder, side, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      integer, intent(in) :: side
+      !! +1 or -1
+      type(error_t), allocatable, intent(out) :: error
+
       if (equation%moves_at_rest) call hold_wall(equation%state, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
@@ -186,7 +198,7 @@ contains
       hybrid%must_restart = .true.
       recorder%lift_offs = recorder%lift_offs + 1_i8
       call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
-   end subroutine stay_at_rest
+   end subroutine leave_rest
 
    !> A wall that stands on its base and would leave it on both sides at once jumps.
    subroutine check_ground(hybrid, equation, error)
@@ -211,8 +223,7 @@ contains
       type(bracket_t) :: bracket
       real(wp) :: y(equation%n)
 
-      ! forces grow with the stroke: what they are on the base mostly says that all is well
-      if (-sum(equation%state%springs(size(equation%springs) - 1:)%offset) <= equation%p%g) return
+      if (.not. may_stand_on_fuses(equation)) return
       if (.not. stands_on_fuses(equation, piece%y_b(1))) return
       bracket = bracket_between(piece%t_a, piece%t_b)
       do while (bracket%is_open)
@@ -226,6 +237,17 @@ contains
          //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
          //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
    end subroutine check_fuses
+
+   !> May the fuses lift the wall off the ground? Their forces grow with the stroke: what they are on
+   !> the base mostly says that all is well.
+   pure logical function may_stand_on_fuses(equation)
+      type(equation_t), intent(in) :: equation
+
+      may_stand_on_fuses = .false.
+      if (.not. equation%has_fuses) return
+      may_stand_on_fuses = -sum(equation%state%springs(size(equation%springs) - 1:)%offset) &
+         > equation%p%g
+   end function may_stand_on_fuses
 
    !> Do the fuses push the wall up with more than weight and cable, beyond round-off?
    logical function stands_on_fuses(equation, theta)
@@ -452,12 +474,12 @@ contains
          rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
             negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
-            negligible*hybrid%rtol*recorder%theta_dot_max)
+            negligible*hybrid%rtol*recorder%theta_dot_ends)
       else
          rests = may_rest(equation, hybrid%t, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
             negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
-            negligible*hybrid%rtol*recorder%theta_dot_max)
+            negligible*hybrid%rtol*recorder%theta_dot_ends)
       end if
       if (rests) then
          hybrid%y(:2) = 0

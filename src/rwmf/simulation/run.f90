@@ -17,8 +17,10 @@ module rwmf_simulation_run
    use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t, mode_collapsed, &
-      mode_overturned, mode_rest, start_hybrid
+   use rwmf_simulation_advance, only: advance, begin_advance
+   use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest, &
+      start_hybrid
+   use rwmf_simulation_lanes_team, only: team_t
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
@@ -28,7 +30,7 @@ module rwmf_simulation_run
    private
 
    public :: run_once, restitution, impact_law, guess_size, tolerances, initial_state
-   public :: begin_run, fill_result, is_much_smaller, most_passes
+   public :: begin_run, fill_result, is_much_smaller, response_size, most_passes
 
    integer, parameter :: most_passes = 5
 
@@ -116,14 +118,16 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
+      type(team_t) :: team
 
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
-      call advance_hybrid(hybrid, equation, integrator, recorder, case%solver%t_end, control, error)
+      call begin_advance(hybrid, equation, integrator, case%solver%t_end, team)
+      call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, team, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
-      size_found = [max(recorder%theta_max, -recorder%theta_min), recorder%theta_dot_max]
+      size_found = response_size(recorder)
       call fill_result(case, equation, hybrid, recorder, result)
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
@@ -151,6 +155,14 @@ contains
       call start_hybrid(hybrid, equation, 0.0_wp, initial_state(case, equation))
       call create_recorder(recorder, case, equation, case%solver%t_end, hybrid%y, error)
    end subroutine begin_run
+
+   !> Largest |theta| and |theta'| (bare frame: |u|, |u'|) of a run [rad], [rad/s] or [m], [m/s].
+   pure function response_size(recorder) result(found)
+      type(recorder_t), intent(in) :: recorder
+      real(wp) :: found(2)
+
+      found = [max(recorder%theta_max, -recorder%theta_min), recorder%theta_dot_ends]
+   end function response_size
 
    !> Has the response turned out to be much smaller than expected, so that it has to be repeated?
    pure logical function is_much_smaller(case, size_found, size_guess) result(is_smaller)
@@ -401,7 +413,7 @@ contains
       result%theta_max = recorder%theta_max
       result%theta_min = recorder%theta_min
       result%theta_max_over_alpha = max(recorder%theta_max, -recorder%theta_min)/equation%p%alpha
-      result%theta_dot_max = recorder%theta_dot_max
+      result%theta_dot_max = max(recorder%theta_dot_max, recorder%theta_dot_ends)
       if (equation%has_impacts) then
          ! a table has no single factor
          if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e

@@ -1,49 +1,30 @@
 !> Ordinates of a spectrum in lanes: runs of one scene, sixteen at a time, each with its own clock,
-!> step and events.
-!>
-!> The lanes of a team step together. A step in which something may happen is looked at alone, with
-!> the hybrid loop of single runs; a lane whose run is over takes the next ordinate from the queue,
-!> the shortest periods first. No number of a lane depends on the others.
+!> step and events. A lane whose run is over takes the next ordinate from the queue, the shortest
+!> periods first.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
-   use rwmf_core_error, only: err_numerical, error_t, fail
-   use rwmf_core_kinds, only: i8, pi, wp
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
-      of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
-      of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_top, of_trial, of_vertical_line, of_watch
-   use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
-      plan_one => plan_step
-   use rwmf_integrator_lane_kernels, only: team_width
-   use rwmf_integrator_lane_step, only: attempt_one => attempt_step
-   use rwmf_integrator_one_step, only: begin_at
-   use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
-   use rwmf_model_equation, only: ground, vertical_ground
-   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
+   use rwmf_integrator_lane_columns, only: of_length
+   use rwmf_integrator_lane_kernels, only: lane_kernels_of, team_width
+   use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, verner_65
+   use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
-      place_event, quartic_of, quartic_t, quintic_of, state_at
-   use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
-   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, end_step, has_ended, hybrid_t, &
-      mode_collapsed, mode_overturned, mode_rest, mode_rocking, stay_at_rest
-   use rwmf_simulation_recorder_recorder, only: finish_recorder, observe_peaks, observe_state, &
-      recorder_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
-      event_peak, result_t
-   use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, most_passes
-   use rwmf_spectrum_lane_team, only: caution, create_team, find_steps_with_peaks, follow_curves, &
-      lane_t, line_row, longest_angle, longest_step, pair_for, tabulate_lines, team_t
+   use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
+   use rwmf_simulation_lanes_loop, only: join_team, step_team
+   use rwmf_simulation_lanes_team, only: create_team, lane_t, tabulate_lines, team_t
+   use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
+      most_passes, response_size
+   use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_spectrum_quantities, only: asked_t, take_values
-   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
    public :: ordinate_t, run_ordinates
-
-   integer, parameter :: at_state = 3
-   !! beside the events of the rotation: a further state leaves its window
 
    !> What is asked for, and what comes of it.
    type :: ordinate_t
@@ -71,6 +52,19 @@ module rwmf_spectrum_lanes
       real(wp), allocatable :: values(:)
       !! (quantities) that were asked for, where it is more than u_s_max
    end type ordinate_t
+
+   !> The run of a lane.
+   type :: lane_run_t
+      integer :: ordinate = 0
+      !! its number; 0: the lane is idle
+      integer :: pass = 0
+      type(case_t) :: case
+      type(equation_t) :: equation
+      type(hybrid_t) :: hybrid
+      type(recorder_t) :: recorder
+      type(explicit_pair_t) :: integrator
+      real(wp) :: size_guess(2)
+   end type lane_run_t
 
 contains
 
@@ -104,747 +98,155 @@ contains
       !! number of ordinates that have been taken, by all threads
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(lane_t), allocatable, target :: lanes(:)
+      type(lane_run_t), allocatable, target :: runs(:)
       type(team_t) :: team
       integer :: i
 
-      allocate (lanes(width))
+      allocate (lanes(width), runs(width))
       do i = 1, width
-         call take_ordinate(case, asked, motion, control, next, ordinates, lanes(i))
+         call take_ordinate(case, asked, motion, control, next, ordinates, runs(i), lanes(i))
       end do
-      if (all(lanes%ordinate == 0)) return
-      call create_team(case, lanes(1)%equation, width, team)
-      call tabulate_lines(motion, lanes(1)%equation%has_vertical, case%solver%t_end, team)
-      team%keeps_more = asked%has_fastest .or. allocated(asked%output)
+      if (all(runs%ordinate == 0)) return
+      call create_team(runs(1)%equation, pair_for(case, runs(1)%equation), runs(1)%hybrid%max_steps, &
+         width, team)
+      team%kernels = lane_kernels_of(best_level())
+      call tabulate_lines(motion, runs(1)%equation%has_vertical, case%solver%t_end, team)
+      team%keeps_more = .not. asked%is_displacement
       do i = 1, width
-         team%is_busy(i) = lanes(i)%ordinate > 0
-         if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
+         if (runs(i)%ordinate > 0) call join_team(lanes(i), i, team)
       end do
       do
          if (team%has_ended) then
             do i = 1, width
                do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
-                  call finish_ordinate(asked, control, lanes(i), ordinates(lanes(i)%ordinate))
-                  if (lanes(i)%ordinate == 0) call take_ordinate(case, asked, motion, control, &
-                     next, ordinates, lanes(i))
-                  team%is_busy(i) = lanes(i)%ordinate > 0
-                  if (team%is_busy(i)) call join_team(lanes(i), i, motion, team)
+                  call finish_ordinate(asked, control, runs(i), lanes(i)%error, &
+                     ordinates(runs(i)%ordinate))
+                  if (runs(i)%ordinate == 0) call take_ordinate(case, asked, motion, control, &
+                     next, ordinates, runs(i), lanes(i))
+                  team%is_busy(i) = runs(i)%ordinate > 0
+                  if (team%is_busy(i)) call join_team(lanes(i), i, team)
                end do
             end do
             if (.not. any(team%is_busy)) return
             team%has_ended = .false.
          end if
          if (is_cancelled(control)) return
-         call step_team(lanes, motion, team)
+         call step_team(lanes, team)
       end do
    end subroutine run_team
 
    !> Take the next ordinate from the queue and begin its run; none: the lane stays idle.
-   subroutine take_ordinate(case, asked, motion, control, next, ordinates, lane)
+   subroutine take_ordinate(case, asked, motion, control, next, ordinates, run, lane)
       type(case_t), intent(in) :: case
       type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       integer, intent(inout) :: next
       type(ordinate_t), intent(in) :: ordinates(:)
-      type(lane_t), intent(inout), target :: lane
+      type(lane_run_t), intent(inout), target :: run
+      type(lane_t), intent(inout) :: lane
       integer :: number
 
-      lane%ordinate = 0
+      run%ordinate = 0
       if (is_cancelled(control)) return
       !$omp atomic capture
       next = next + 1
       number = next
       !$omp end atomic
       if (number > size(ordinates)) return
-      lane%ordinate = number
-      lane%case%structure_t = case%structure_t
-      lane%case%solver = case%solver
-      if (ordinates(number)%rtol > 0) lane%case%solver%rtol = ordinates(number)%rtol
-      if (allocated(asked%output)) lane%case%output = asked%output
-      lane%case%frame%T_s = ordinates(number)%T_s
-      if (allocated(lane%case%wall)) then
-         lane%case%frame%gamma = ordinates(number)%gamma
-         lane%case%wall%b = ordinates(number)%b
+      run%ordinate = number
+      run%case%structure_t = case%structure_t
+      run%case%solver = case%solver
+      if (ordinates(number)%rtol > 0) run%case%solver%rtol = ordinates(number)%rtol
+      if (allocated(asked%output)) run%case%output = asked%output
+      run%case%frame%T_s = ordinates(number)%T_s
+      if (allocated(run%case%wall)) then
+         run%case%frame%gamma = ordinates(number)%gamma
+         run%case%wall%b = ordinates(number)%b
       end if
-      call build_equation(lane%case, motion, lane%equation)
-      lane%size_guess = guess_size(lane%case, lane%equation)
-      lane%pass = 1
-      call begin_lane(lane)
+      lane%equation => run%equation
+      lane%hybrid => run%hybrid
+      lane%recorder => run%recorder
+      lane%integrator => run%integrator
+      lane%t_end = case%solver%t_end
+      call build_equation(run%case, motion, run%equation)
+      run%size_guess = guess_size(run%case, run%equation)
+      run%pass = 1
+      call begin_lane(run, lane%error)
    end subroutine take_ordinate
 
    !> Begin the run of a lane for its expected size.
-   subroutine begin_lane(lane)
-      type(lane_t), intent(inout), target :: lane
+   subroutine begin_lane(run, error)
+      type(lane_run_t), intent(inout), target :: run
+      type(error_t), allocatable, intent(out) :: error
 
-      lane%integrator%pair = pair_for(lane%case, lane%equation)
-      call begin_run(lane%case, lane%size_guess, lane%equation, lane%integrator, lane%hybrid, &
-         lane%recorder, lane%error)
+      run%integrator%pair = pair_for(run%case, run%equation)
+      call begin_run(run%case, run%size_guess, run%equation, run%integrator, run%hybrid, &
+         run%recorder, error)
    end subroutine begin_lane
 
-   !> A lane with a new run comes into the team.
-   subroutine join_team(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-
-      if (.not. allocated(lane%error)) then
-         associate (tolerance => lane%integrator%tolerance)
-            team%tolerance(i, :) = caution(team%pair)*[tolerance%rtol, tolerance%atol]
-         end associate
-         team%table(i, of_longest) = longest_step(lane%equation, motion)
-      end if
-      call enter_team(lane, i, motion, team)
-   end subroutine join_team
-
-   !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
-   !> of a step.
-   subroutine enter_team(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      real(wp) :: t_limit
-      real(wp) :: span
-
-      team%table(i, of_length) = 0
-      associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%case%solver%t_end)
-         do
-            if (allocated(lane%error)) return
-            if (hybrid%t >= t_end .or. has_ended(hybrid)) return
-            call check_work(lane)
-            if (allocated(lane%error)) return
-            if (hybrid%mode == mode_rest) then
-               call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, t_end, &
-                  lane%error)
-               cycle
-            end if
-            call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
-            if (t_limit > hybrid%t) exit
-         end do
-      end associate
-      call load_lane(lane, i, t_limit, span, motion, team)
-   end subroutine enter_team
-
-   !> Put a lane into the table of its team.
-   subroutine load_lane(lane, i, t_limit, span, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      real(wp), intent(in) :: t_limit
-      real(wp), intent(in) :: span
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      integer :: j
-
-      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
-                 recorder => lane%recorder)
-         if (hybrid%must_restart) then
-            if (lane%integrator%h > 0) then
-               lane%integrator%h = min(lane%integrator%h, span)
-            else
-               call begin_at(lane%integrator, hybrid%t, hybrid%y, span, lane%error)
-               if (allocated(lane%error)) return
-            end if
-         end if
-         hybrid%must_restart = .false.
-         do j = 1, equation%n
-            team%y(i, j) = hybrid%y(j)
-         end do
-         do j = 1, equation%scene%n_coef
-            team%coef(i, j) = equation%state%coef(1, j)
-         end do
-         table(i, of_steps) = real(lane%integrator%steps, wp)
-         table(i, of_time) = hybrid%t
-         table(i, of_fastest) = recorder%theta_dot_max
-         table(i, of_rejected) = 0
-         table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
-         lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0 &
-            .or. recorder%keeps_energy)
-         table(i, of_least) = -huge(1.0_wp)
-         table(i, of_most) = huge(1.0_wp)
-         if (equation%has_loading_direction) then
-            ! the hysteretic force that falls back passes zero
-            if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
-               equation%state%signs%loading_direction > 0)) = 0
-         end if
-         if (equation%has_fuses) lane%is_smooth = lane%is_smooth &
-            .and. -sum(equation%state%springs( &
-            size(equation%springs) - 1:)%offset) <= equation%p%g
-         lane%goal = no_event
-         table(i, of_goal) = 0
-         table(i, of_watch) = merge(0, 1, lane%is_smooth)
-         table(i, of_low) = merge(-hybrid%overturning_angle, -huge(1.0_wp), equation%has_wall)
-         table(i, of_high) = -table(i, of_low)
-         if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, &
-            equation%state%side > 0)) = 0
-         if (equation%has_bilinear_springs) then
-            table(i, of_low) = max(table(i, of_low), equation%state%low)
-            table(i, of_high) = min(table(i, of_high), equation%state%high)
-         end if
-         table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%state%ends_at_peak)
-         table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%state%ends_at_peak)
-      end associate
-      call load_line(lane, i, t_limit, team)
-   end subroutine load_lane
-
-   !> The interval of the motion that is in force.
-   subroutine load_line(lane, i, t_limit, team)
-      type(lane_t), intent(in) :: lane
-      integer, intent(in) :: i
-      real(wp), intent(in) :: t_limit
-      type(team_t), intent(inout) :: team
-
-      team%table(i, of_interval) = interval_of(lane%equation)
-      associate (row => line_row(t_limit, lane%equation%state%line, &
-                                 lane%equation%state%vertical_line))
-         team%table(i, of_limit) = row(1)
-         team%table(i, of_line) = row(2)
-         team%table(i, of_line + 1) = row(3)
-         team%table(i, of_line + 2) = row(4)
-         team%table(i, of_vertical_line) = row(5)
-         team%table(i, of_vertical_line + 1) = row(6)
-      end associate
-   end subroutine load_line
-
-   !> One step of all lanes, and what happens in it.
-   subroutine step_team(lanes, motion, team)
-      type(lane_t), intent(inout), target :: lanes(:)
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      integer :: i
-
-      associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
-                 intervals => ubound(team%lines, 2) - 1)
-         if (team%width == 1) then
-            call plan_one(team%pair, team%table, team%ground)
-            call follow_curves(lanes, team)
-            call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
-               team%tolerance, team%y, .false., team%k, team%y_new, team%error)
-            if (team%keeps_more) call find_steps_with_peaks(lanes, team)
-            call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
-               team%k, team%y_new, team%error, team%mark)
-            if (team%keeps_more) call observe_steps(lanes, team)
-            call pass_one(intervals, team%lines, team%table, team%mark)
-         else
-            call team%kernels%plan_step(team%pair, team%table, team%ground)
-            call follow_curves(lanes, team)
-            call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
-               team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
-               team%error)
-            if (team%keeps_more) call find_steps_with_peaks(lanes, team)
-            call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
-               team%k, team%y_new, team%error, team%mark)
-            if (team%keeps_more) call observe_steps(lanes, team)
-            call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
-         end if
-      end associate
-      do i = 1, team%width
-         if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
-         select case (team%mark(i))
-         case (needs_look)
-            if (lanes(i)%goal /= no_event) then
-               call meet_event(lanes(i), i, motion, team)
-            else if (lanes(i)%is_smooth) then
-               call look_for_event(lanes(i), i, motion, team)
-            else
-               call look_at_step(lanes(i), i, motion, team)
-            end if
-         case (at_limit)
-            call pass_limit(lanes(i), i, motion, team)
-         case (is_rejected)
-            call forget_goal(lanes(i), i, team)
-            call check_length(lanes(i), i, team)
-         case default
-            ! `is_done`, see above
-         end select
-         team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
-      end do
-      if (any(team%table(:, of_steps) > team%max_steps)) then
-         do i = 1, team%width
-            if (team%is_busy(i)) call bound_work(lanes(i), i, team)
-         end do
-         team%has_ended = .true.
-      end if
-   end subroutine step_team
-
-   !> Let peaks within the steps that are accepted be found.
-   subroutine observe_steps(lanes, team)
-      type(lane_t), intent(inout), target :: lanes(:)
-      type(team_t), intent(inout) :: team
-      integer :: i
-
-      do i = 1, team%width
-         if (.not. team%may_hold_peak(i)) cycle
-         if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
-         call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
-            team%table(i, of_time), team%y_new(i, :))
-      end do
-   end subroutine observe_steps
-
-   !> Let peaks within a step of a lane, or a part of it, be found.
-   subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: y_a(:)
-      !! (states)
-      real(wp), intent(in) :: t_b
-      !! [s]
-      real(wp), intent(in), contiguous, target :: y_b(:)
-      !! (states)
-      type(step_view_t) :: step
-
-      call follow_interval(lane, i, team)
-      associate (integrator => lane%integrator)
-         integrator%t0 = t_a
-         integrator%y0(:) = y_a
-         integrator%f0(:) = team%k(i, :, 1)
-         integrator%t1 = t_a + team%table(i, of_trial)
-         integrator%y1(:) = team%y_new(i, :)
-         call view_step(step, lane%equation, integrator)
-      end associate
-      lane%recorder%theta_dot_max = team%table(i, of_fastest)
-      call observe_peaks(lane%recorder, until(step, t_b, y_b), lane%error)
-      team%table(i, of_fastest) = lane%recorder%theta_dot_max
-   end subroutine observe_step
-
-   !> Bound on the work of one run in the team.
-   subroutine bound_work(lane, i, team)
-      type(lane_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
-
-      if (team%table(i, of_steps) <= team%max_steps) return
-      call catch_up(lane, i, team)
-      call check_work(lane)
-      team%table(i, of_length) = 0
-   end subroutine bound_work
-
-   !> Let the run of a lane know how far it has come in the team.
-   subroutine catch_up(lane, i, team)
-      type(lane_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(in) :: team
-
-      lane%integrator%steps = int(team%table(i, of_steps), i8)
-      lane%hybrid%t = team%table(i, of_time)
-      lane%recorder%theta_dot_max = team%table(i, of_fastest)
-      call follow_interval(lane, i, team)
-   end subroutine catch_up
-
-   !> The same of the interval of the motion alone.
-   subroutine follow_interval(lane, i, team)
-      type(lane_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(in) :: team
-
-      associate (interval => int(team%table(i, of_interval)))
-         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
-            lane%equation%state, interval)
-      end associate
-   end subroutine follow_interval
-
-   !> Bound on the work of one run.
-   subroutine check_work(lane)
-      type(lane_t), intent(inout) :: lane
-
-      if (lane%integrator%steps <= lane%hybrid%max_steps) return
-      call fail(lane%error, err_numerical, 'more than &solver max_steps steps by t = ' &
-         //trim(real_to_text(lane%hybrid%t))//' s', 'too_many_steps')
-   end subroutine check_work
-
-   !> A step that is too short for the clock.
-   subroutine check_length(lane, i, team)
-      type(lane_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
-
-      if (team%table(i, of_length) > 8*spacing(team%table(i, of_time))) return
-      call catch_up(lane, i, team)
-      team%table(i, of_length) = 0
-      call fail(lane%error, err_numerical, 'the step has become too small at t = ' &
-         //trim(real_to_text(team%table(i, of_time)))//' s')
-   end subroutine check_length
-
-   !> The lane has come to a knot of the motion or to its end without an event.
-   subroutine pass_limit(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      real(wp) :: t_limit
-
-      call catch_up(lane, i, team)
-      associate (t_end => lane%case%solver%t_end)
-         if (lane%hybrid%t < t_end) then
-            call enter_interval(lane%equation%model_t, lane%equation%state, &
-               interval_of(lane%equation) + 1)
-            t_limit = min(t_end, interval_end(motion, interval_of(lane%equation)))
-            if (t_limit - lane%hybrid%t > 16*epsilon(t_limit)*t_limit) then
-               call load_line(lane, i, t_limit, team)
-               return
-            end if
-         end if
-      end associate
-      lane%integrator%h = team%table(i, of_length)
-      lane%hybrid%y(:) = team%y(i, :)
-      call enter_team(lane, i, motion, team)
-   end subroutine pass_limit
-
-   !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
-   subroutine look_for_event(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      type(quartic_t) :: quartic
-      real(wp) :: x
-      logical :: is_beyond
-
-      associate (table => team%table, y => team%y, y_new => team%y_new)
-         quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
-            team%k(i, 2, 1))
-         call first_event(quartic, [table(i, of_low), table(i, of_high)], &
-            [table(i, of_bottom), table(i, of_top)], lane%goal, x)
-         call compare_with_further(lane, i, team, x)
-         ! by round-off a motion that turns may be beyond the limit of a branch that begins there
-         is_beyond = (lane%goal == at_high .and. y(i, 1) > table(i, of_high)) &
-            .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
-         if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
-            lane%goal == at_low))) == event_branch
-         if (is_beyond .or. is_against_loading(lane, i, team)) then
-            lane%goal = no_event
-            call look_at_step(lane, i, motion, team)
-            return
-         else if (lane%goal == no_event) then
-            call accept_step(lane, i, motion, team)
-            return
-         end if
-         call place_in_step(lane, i, quartic, x, motion, team)
-         if (lane%goal == no_event) return
-         lane%trials = 0
-         table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
-         table(i, of_watch) = 1
-      end associate
-   end subroutine look_for_event
-
-   !> Let the event that the quartic shows happen on the quintic, if this is as accurate as a step:
-   !> by the term of degree six, guessed from those before it at the fastest rate of the scene.
-   subroutine place_in_step(lane, i, quartic, x, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(quartic_t), intent(in) :: quartic
-      real(wp), intent(in) :: x
-      !! position of the event in the step [-]
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      real(wp), parameter :: share = 0.2_wp
-      !! of what a step may err [-]
-      type(quartic_t) :: quintic
-      real(wp) :: rates(2), y(2)
-      real(wp) :: at, h, level, angle, next
-      logical :: is_found
-
-      if (lane%equation%n > 2) return
-      call catch_up(lane, i, team)
-      associate (table => team%table, c => quintic%c)
-         h = table(i, of_trial)
-         call rates_at(lane%equation, table(i, of_time) + h, team%y_new(i, :), rates)
-         quintic = quintic_of(quartic, h**2*rates(2))
-         level = table(i, merge(of_low, of_high, lane%goal == at_low))
-         at = x
-         call place_event(quintic, lane%goal, level, at, is_found)
-         if (.not. is_found .or. at*h <= 4*epsilon(at)*table(i, of_time)) return
-         y = state_at(quintic, at)
-         y(2) = y(2)/h
-         angle = longest_angle*h/table(i, of_longest)
-         next = max(abs(c(5)), angle/5*abs(c(4)))
-         next = next*max(angle/6, abs(c(5))/max(abs(c(4)), tiny(at)))
-         next = next*(at*(1 - at))**2
-         if (next*at*(1 - at) > share*(team%tolerance(i, 1) + team%tolerance(i, 0)*abs(y(1))) &
-             .or. 3*next*abs(1 - 2*at) > share*h*(team%tolerance(i, 2) &
-             + team%tolerance(i, 0)*abs(y(2)))) return
-         if (lane%goal == at_turn) then
-            ! beyond an end of the window, which comes before it?
-            if (y(1) < table(i, of_low) .or. y(1) > table(i, of_high)) return
-         end if
-         call happen(lane, i, table(i, of_time) + at*h, y, motion, team)
-         lane%goal = no_event
-      end associate
-   end subroutine place_in_step
-
-   !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
-   !> may from rest?
-   pure logical function is_against_loading(lane, i, team) result(is_against)
-      type(lane_t), intent(in) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(in) :: team
-
-      is_against = .false.
-      if (.not. lane%equation%has_loading_direction) return
-      associate (direction => lane%equation%state%signs%loading_direction)
-         is_against = direction*team%y(i, 2) < 0 .or. (abs(team%y(i, 2)) <= 0 &
-            .and. direction*team%k(i, 2, 1) < 0)
-         if (lane%goal == no_event) is_against = is_against .or. direction*team%y_new(i, 2) < 0
-      end associate
-   end function is_against_loading
-
-   !> The further state may leave its window before that: by the parabola through its ends and its
-   !> rate. In the instant of an impact, as long as nothing has yielded, it is the impact.
-   subroutine compare_with_further(lane, i, team, x)
-      type(lane_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(in) :: team
-      real(wp), intent(inout) :: x
-      !! position of the event that has been found in the step [-]
-      real(wp), parameter :: same = 1.0e-3_wp
-      real(wp) :: z, rise, bend, root, at
-
-      associate (table => team%table, further => further_state(lane%equation))
-         z = team%y_new(i, further)
-         if (z >= table(i, of_least) .and. z <= table(i, of_most)) return
-         rise = table(i, of_trial)*team%k(i, further, 1)
-         bend = z - team%y(i, further) - rise
-         root = max(0.0_wp, rise**2 - 4*bend*team%y(i, further))
-         at = 1
-         if (abs(rise) + sqrt(root) > 0) at = abs(2*team%y(i, further))/(abs(rise) + sqrt(root))
-         if (lane%goal /= no_event .and. at > x - same) return
-         lane%goal = at_state
-         x = min(1.0_wp, at)
-      end associate
-   end subroutine compare_with_further
-
-   !> The state beside the rotation whose window ends a piece of motion: of a smooth hysteresis.
-   pure integer function further_state(equation)
+   !> The pair for a tolerance, unless the case names it; of runs at several tolerances the higher
+   !> order. The local errors of smooth hysteresis add up, so that it gets that as well.
+   pure type(pair_t) function pair_for(case, equation) result(pair)
+      type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
 
-      further_state = 1
-      if (equation%has_loading_direction) further_state = equation%hysteresis%place
-   end function further_state
-
-   subroutine forget_goal(lane, i, team)
-      type(lane_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
-
-      lane%goal = no_event
-      team%table(i, of_goal) = 0
-      team%table(i, of_watch) = merge(0, 1, lane%is_smooth)
-   end subroutine forget_goal
-
-   !> Accept the step of a lane in which nothing happens.
-   subroutine accept_step(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-
-      call forget_goal(lane, i, team)
-      associate (table => team%table)
-         table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
-         if (team%may_hold_peak(i)) call observe_step(lane, i, team, table(i, of_time), &
-            team%y(i, :), table(i, of_time) + table(i, of_trial), team%y_new(i, :))
-         team%y(i, :) = team%y_new(i, :)
-         table(i, of_steps) = table(i, of_steps) + 1
-         if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
-            table(i, of_time) = table(i, of_limit)
-            call pass_limit(lane, i, motion, team)
-         else
-            table(i, of_time) = table(i, of_time) + table(i, of_trial)
-            call bound_work(lane, i, team)
-         end if
-      end associate
-   end subroutine accept_step
-
-   !> The lane has stepped to where an event was expected: the rest of the way by Newton's method,
-   !> as a Taylor series where it is short, else by another step.
-   subroutine meet_event(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      integer, parameter :: most_trials = 6
-      real(wp) :: short
-      !! part of the step that a Taylor series may go [-]
-      real(wp) :: rates(lane%equation%n)
-      real(wp) :: t, rest
-
-      call catch_up(lane, i, team)
-      associate (table => team%table, y_new => team%y_new)
-         t = table(i, of_time) + table(i, of_trial)
-         call rates_at(lane%equation, t, y_new(i, :), rates)
-         ! what was to come after it has come before
-         associate (z => y_new(i, further_state(lane%equation)))
-            if (lane%goal == at_state) then
-               if (y_new(i, 1) < table(i, of_low)) lane%goal = at_low
-               if (y_new(i, 1) > table(i, of_high)) lane%goal = at_high
-            else if (max(table(i, of_least) - z, z - table(i, of_most)) > 1.0e-12_wp) then
-               lane%goal = at_state
-            end if
-         end associate
-         if (lane%goal == at_turn) then
-            if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
-               ! the turn lies beyond an end of the window, which comes before it
-               call look_for_event(lane, i, motion, team)
-               return
-            end if
-            rest = -y_new(i, 2)/rates(2)
-         else if (lane%goal == at_state) then
-            rest = -y_new(i, further_state(lane%equation))/rates(further_state(lane%equation))
-         else
-            rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
-         end if
-         short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-6_wp, &
-            lane%equation%n == 2))
-         if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
-            call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/2*(rates &
-               - team%k(i, :, 1))/table(i, of_trial)), motion, team)
-            return
-         end if
-         lane%trials = lane%trials + 1
-         if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
-            ! it comes after the knot
-            call accept_step(lane, i, motion, team)
-         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 0 &
-                  .or. .not. abs(rest) < table(i, of_length)) then
-            call look_at_step(lane, i, motion, team)
-         else
-            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
-               - table(i, of_time))
-         end if
-      end associate
-   end subroutine meet_event
-
-   !> The event that a lane has come to happens.
-   subroutine happen(lane, i, t, y, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states) nearly
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-      integer :: event
-
-      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
-         hybrid%t = min(t, table(i, of_limit))
-         hybrid%y(:) = y
-         event = event_peak
-         if (lane%goal == at_turn) then
-            hybrid%y(2) = 0
-         else if (lane%goal == at_state) then
-            hybrid%y(further_state(equation)) = 0
-            event = event_passage
-         else
-            hybrid%y(1) = table(i, merge(of_low, of_high, lane%goal == at_low))
-            event = event_at_level(lane, hybrid%y(1))
-         end if
-         hybrid%is_rising = lane%goal == at_high
-         lane%integrator%steps = lane%integrator%steps + 1_i8
-         lane%integrator%h = table(i, of_length)
-         if (team%may_hold_peak(i)) call observe_step(lane, i, team, table(i, of_time), &
-            team%y(i, :), hybrid%t, hybrid%y)
-         lane%recorder%theta_dot_max = max(table(i, of_fastest), abs(hybrid%y(2)))
-         if (event == event_peak) call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
-         if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
-            equation, lane%recorder, event, lane%error)
-      end associate
-      call enter_team(lane, i, motion, team)
-   end subroutine happen
-
-   !> What happens at an end of the window.
-   pure integer function event_at_level(lane, level) result(event)
-      type(lane_t), intent(in) :: lane
-      real(wp), intent(in) :: level
-      !! [rad]
-
-      event = event_overturned
-      if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
-      if (.not. lane%equation%has_bilinear_springs) return
-      if (abs(level - merge(lane%equation%state%high, lane%equation%state%low, &
-         lane%goal == at_high)) <= 0) then
-         event = event_branch
-      end if
-   end function event_at_level
-
-   !> Look at the step of one lane as a single run does.
-   subroutine look_at_step(lane, i, motion, team)
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      type(motion_t), intent(in) :: motion
-      type(team_t), intent(inout) :: team
-
-      call catch_up(lane, i, team)
-      associate (step => lane%integrator)
-         step%steps = step%steps + 1_i8
-         step%h = team%table(i, of_length)
-         step%t0 = team%table(i, of_time)
-         step%y0(:) = team%y(i, :)
-         step%f0(:) = team%k(i, :, 1)
-         step%t1 = step%t0 + team%table(i, of_trial)
-         if (team%table(i, of_trial) >= team%table(i, of_limit) - step%t0) step%t1 = &
-            team%table(i, of_limit)
-         step%y1(:) = team%y_new(i, :)
-      end associate
-      call end_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, lane%error)
-      if (allocated(lane%error)) then
-         team%table(i, of_length) = 0
+      if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
+          .or. equation%floors%n > 1 .or. case%solver%method == 'dop853' &
+          .or. allocated(case%solver%accuracy)) then
+         pair = dormand_prince_853()
       else
-         call enter_team(lane, i, motion, team)
+         pair = verner_65()
       end if
-   end subroutine look_at_step
+   end function pair_for
 
    !> The run of a lane is over: keep its result, or run it again for a smaller response.
-   subroutine finish_ordinate(asked, control, lane, ordinate)
+   subroutine finish_ordinate(asked, control, run, error, ordinate)
       type(asked_t), intent(in) :: asked
       type(control_t), intent(in) :: control
-      type(lane_t), intent(inout), target :: lane
+      type(lane_run_t), intent(inout), target :: run
+      type(error_t), allocatable, intent(inout) :: error
+      !! that ended the run
       type(ordinate_t), intent(inout) :: ordinate
       real(wp) :: size_found(2)
 
-      ordinate%rhs_evaluations = ordinate%rhs_evaluations + lane%equation%rhs_evaluations &
-         + lane%integrator%pair%stages*lane%integrator%steps
-      if (.not. allocated(lane%error)) then
-         call finish_recorder(lane%recorder, lane%equation, lane%hybrid%t, lane%hybrid%y, &
-            lane%hybrid%mode == mode_rest)
-         associate (recorder => lane%recorder)
-            size_found = [max(recorder%theta_max, -recorder%theta_min), recorder%theta_dot_max]
-            ordinate%u_s_max = recorder%u_max
-         end associate
-         ordinate%overturned = lane%hybrid%mode == mode_overturned
-         ordinate%collapsed = lane%hybrid%mode == mode_collapsed
-         if (is_much_smaller(lane%case, size_found, lane%size_guess) &
-             .and. lane%pass < most_passes) then
-            lane%pass = lane%pass + 1
-            lane%size_guess = merge(size_found, lane%size_guess, &
-               size_found < 0.1_wp*lane%size_guess)
-            call begin_lane(lane)
+      ordinate%rhs_evaluations = ordinate%rhs_evaluations + run%equation%rhs_evaluations &
+         + run%integrator%pair%stages*run%integrator%steps
+      if (.not. allocated(error)) then
+         call finish_recorder(run%recorder, run%equation, run%hybrid%t, run%hybrid%y, &
+            run%hybrid%mode == mode_rest)
+         ordinate%u_s_max = run%recorder%u_max
+         ordinate%overturned = run%hybrid%mode == mode_overturned
+         ordinate%collapsed = run%hybrid%mode == mode_collapsed
+         size_found = response_size(run%recorder)
+         if (is_much_smaller(run%case, size_found, run%size_guess) &
+             .and. run%pass < most_passes) then
+            run%pass = run%pass + 1
+            run%size_guess = merge(size_found, run%size_guess, size_found < 0.1_wp*run%size_guess)
+            call begin_lane(run, error)
             return
          end if
-         if (.not. asked%is_displacement) call report(asked, lane, ordinate)
+         if (.not. asked%is_displacement) call report(asked, run, ordinate)
       else
-         ordinate%failure = lane%error%name
-         deallocate (lane%error)
+         ordinate%failure = error%name
+         deallocate (error)
       end if
       call count_done(control)
-      lane%ordinate = 0
+      run%ordinate = 0
    end subroutine finish_ordinate
 
    !> All that is asked for, as a run reports it.
-   subroutine report(asked, lane, ordinate)
+   subroutine report(asked, run, ordinate)
       type(asked_t), intent(in) :: asked
-      type(lane_t), intent(inout) :: lane
+      type(lane_run_t), intent(inout) :: run
       type(ordinate_t), intent(inout) :: ordinate
       type(result_t) :: result
 
       ! its warnings are no quantities
       allocate (result%warnings(0))
-      call fill_result(lane%case, lane%equation, lane%hybrid, lane%recorder, result)
+      call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))
-      call take_values(asked, lane%case, result, ordinate%values)
+      call take_values(asked, run%case, result, ordinate%values)
    end subroutine report
 
 end module rwmf_spectrum_lanes

@@ -39,8 +39,6 @@ module rwmf_spectrum_quantities
       !! what a run has to keep for them; not allocated: nothing
       logical :: is_displacement = .true.
       !! the largest displacement of the frame and nothing else
-      logical :: has_fastest = .false.
-      !! the largest angular velocity is among them
       logical :: has_sensitivity = .false.
       !! more runs have to be made for them, by `verify`
    end type asked_t
@@ -68,7 +66,6 @@ contains
          output%energy = output%energy .or. all_quantities(asked%place(i))%asked_by == 'energy'
       end do
       asked%is_displacement = all(asked%keys == displacement)
-      asked%has_fastest = any(asked%keys == 'theta_dot_max_rad_s')
       asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
          .or. asked%keys == 'estimated_relative_error')
       if (.not. (output%reactions .or. output%energy)) return

@@ -12,11 +12,11 @@ module rwmf_simulation_events_drift_events
    use rwmf_model_drift_limits, only: drift_ratios
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, may_reverse, &
       sample_state, step_view_t
-   use rwmf_simulation_events_storey_events, only: stop_at_storey, storey_end_t
+   use rwmf_simulation_events_storey_events, only: is_quiet, stop_at_storey, storey_end_t
    implicit none
    private
 
-   public :: cut_step, has_collapsed
+   public :: cut_step, has_collapsed, is_uncut
 
    integer, parameter :: of_ratio = 1
    integer, parameter :: of_rate = 2
@@ -52,6 +52,36 @@ contains
       call drift_ratios(equation, y, motion(:, of_ratio), motion(:, of_rate))
       has_collapsed = any(abs(motion(:, of_ratio)) >= 1)
    end function has_collapsed
+
+   !> Is it plain from the ends of a step that `cut_step` would leave it whole?
+   logical function is_uncut(step, drifts)
+      type(step_view_t), intent(in) :: step
+      !! without an integrator
+      integer, intent(in) :: drifts
+      !! number of those with a limit
+      real(wp) :: motion(drifts, 2, 2)
+      !! (drifts, ratio and rate, ends)
+
+      is_uncut = count_parts(step) == 1
+      if (is_uncut .and. step%equation%floors%yields) is_uncut = is_quiet(step)
+      if (.not. is_uncut .or. drifts == 0) return
+      call drift_ratios(step%equation, step%y_a, motion(:, 1, 1), motion(:, 2, 1))
+      call drift_ratios(step%equation, step%y_b, motion(:, 1, 2), motion(:, 2, 2))
+      is_uncut = .not. any(comes_near(motion, step%t_b - step%t_a))
+   end function is_uncut
+
+   !> May drifts come to their limits between two instants, at the rates that they have there?
+   pure function comes_near(motion, duration)
+      real(wp), intent(in) :: motion(:, :, :)
+      !! (drifts, ratio and rate, ends) [-], [1/s]
+      real(wp), intent(in) :: duration
+      !! [s]
+      logical :: comes_near(size(motion, 1))
+
+      associate (largest => maxval(abs(motion), dim=3))
+         comes_near = largest(:, of_ratio) + duration*largest(:, of_rate) >= 1
+      end associate
+   end function comes_near
 
    !> Cut the last step of the integrator at the first end of a storey's branch, or where a drift
    !> passes its limit before.
@@ -125,13 +155,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(drift_span_t) :: span
       real(wp) :: t_pass
-      logical :: passes
+      logical :: passes, is_near(size(motion, 1))
       integer :: i
 
+      is_near = comes_near(motion, t(2) - t(1))
       do i = 1, size(motion, 1)
-         associate (largest => maxval(abs(motion(i, :, :)), dim=2))
-            if (largest(of_ratio) + (t(2) - t(1))*largest(of_rate) < 1) cycle
-         end associate
+         if (.not. is_near(i)) cycle
          span = drift_span_t(step, i, size(motion, 1), t, motion(i, :, :))
          call search_span(span, passes, t_pass, error)
          if (allocated(error)) return

@@ -203,6 +203,7 @@ contains
          - slope_at(quartic, end))
       do i = 1, most_iterations
          value = slope_at(quartic, x)
+         if (abs(value) <= 0) exit
          bend = 2*quartic%c(2) + x*(6*quartic%c(3) + x*12*quartic%c(4))
          call improve(value, bend, rises, low, high, x)
          if (high - low <= resolution .or. abs(value) <= resolution*abs(bend)) exit
@@ -227,6 +228,7 @@ contains
       end associate
       do i = 1, most_iterations
          value = value_at(quartic, x) - level
+         if (abs(value) <= 0) exit
          slope = slope_at(quartic, x)
          call improve(value, slope, rises, low, high, x)
          if (high - low <= resolution .or. abs(value) <= resolution*abs(slope)) exit

@@ -17,7 +17,7 @@ module rwmf_simulation_events_storey_events
    private
 
    public :: moment_t, storey_end_t, storey_span_t, sample_storeys, span_of, end_at_turn, &
-      stop_at_storey, end_branch
+      stop_at_storey, end_branch, is_quiet
    public :: of_drift
 
    integer, parameter :: of_drift = 1

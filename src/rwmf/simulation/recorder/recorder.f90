@@ -29,7 +29,8 @@ module rwmf_simulation_recorder_recorder
    implicit none
    private
 
-   public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece, observe_peaks
+   public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
+   public :: needs_all_steps
    public :: observe_rest
    public :: observe_impact, observe_branch, observe_event, finish_recorder
 
@@ -44,6 +45,8 @@ module rwmf_simulation_recorder_recorder
       real(wp) :: theta_min = 0
       real(wp) :: theta_dot_max = 0
       !! largest |theta'| [rad/s]
+      real(wp) :: theta_dot_ends = 0
+      !! the same at the ends of steps, whether or not it is looked for inside them
       integer(i8) :: impacts = 0
       integer(i8) :: lift_offs = 0
    end type peaks_t
@@ -91,6 +94,7 @@ contains
       recorder%theta_max = -huge(1.0_wp)
       recorder%theta_min = huge(1.0_wp)
       recorder%theta_dot_max = 0
+      recorder%theta_dot_ends = 0
       recorder%cable_max = 0
       recorder%impacts = 0
       recorder%lift_offs = 0
@@ -161,7 +165,7 @@ contains
 
       recorder%theta_max = max(recorder%theta_max, y(1))
       recorder%theta_min = min(recorder%theta_min, y(1))
-      recorder%theta_dot_max = max(recorder%theta_dot_max, abs(y(2)))
+      recorder%theta_dot_ends = max(recorder%theta_dot_ends, abs(y(2)))
       if (equation%cable%is_tendon) then
          cable = cable_at(equation, y(1))
          recorder%cable_max = max(recorder%cable_max, cable%force)
@@ -174,6 +178,14 @@ contains
          recorder%t_u_max = t
       end if
    end subroutine observe_state
+
+   !> Does every step have to be observed, and not only what happens in some?
+   pure logical function needs_all_steps(recorder) result(needs_all)
+      type(recorder_t), intent(in) :: recorder
+
+      needs_all = recorder%keeps_history .or. recorder%keeps_energy .or. recorder%keeps_events &
+         .or. allocated(recorder%forces) .or. allocated(recorder%drifts)
+   end function needs_all_steps
 
    !> A piece of smooth motion inside the last step of the integrator.
    subroutine observe_piece(recorder, piece, error)
@@ -213,7 +225,8 @@ contains
       type(step_view_t) :: part
       integer :: i, n
 
-      recorder%theta_dot_max = max(recorder%theta_dot_max, abs(piece%y_b(2)))
+      recorder%theta_dot_ends = max(recorder%theta_dot_ends, abs(piece%y_b(2)))
+      recorder%theta_dot_max = max(recorder%theta_dot_max, recorder%theta_dot_ends)
       n = 1
       if (.not. is_short(piece, short, sqrt(piece%equation%p%g/piece%equation%p%R))) then
          n = count_parts(piece)

@@ -1,46 +1,45 @@
 !> Lanes that step together, and what they have in common: their table, the pair, the lines of the
 !> motion.
-module rwmf_spectrum_lane_team
+module rwmf_simulation_lanes_team
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: column_count, line_columns, of_fastest, of_time, of_trial
-   use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t
-   use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
+   use rwmf_integrator_lane_kernels, only: lane_kernels_t
+   use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, line_of, &
-      line_t, motion_t, vertical_line_of
-   use rwmf_problem_case, only: case_t
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
+      is_piecewise_linear, line_of, line_t, motion_t, vertical_line_of
    use rwmf_simulation_events_step_quartic, only: no_event
-   use rwmf_simulation_hybrid_loop, only: hybrid_t
-   use rwmf_simulation_recorder_recorder, only: recorder_t
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
+   use rwmf_simulation_hybrid_state, only: hybrid_t
+   use rwmf_simulation_recorder_recorder, only: needs_all_steps, recorder_t
    implicit none
    private
 
-   public :: lane_t, team_t, create_team, tabulate_lines, line_row, pair_for, caution
-   public :: longest_angle, longest_step, find_steps_with_peaks, follow_curves
+   public :: lane_t, team_t, create_team, tabulate_lines, line_row, caution
+   public :: longest_angle, longest_step, find_steps_to_watch, follow_curves
 
    real(wp), parameter :: longest_angle = 0.7_wp
    !! of the frame's vibration in a step, so that its events can be seen [rad]
    real(wp), parameter :: no_limit = -1
    !! of an interval that no lane steps into without a look [s]
 
-   !> One lane between the steps of the team.
+   !> One run of a team between its steps. It points to what its owner holds.
    type :: lane_t
-      integer :: ordinate = 0
-      !! its number; 0: the lane is idle
-      integer :: pass = 0
-      type(case_t) :: case
-      type(equation_t) :: equation
-      type(hybrid_t) :: hybrid
-      type(recorder_t) :: recorder
-      type(explicit_pair_t) :: integrator
+      type(equation_t), pointer :: equation => null()
+      type(hybrid_t), pointer :: hybrid => null()
+      type(recorder_t), pointer :: recorder => null()
+      type(explicit_pair_t), pointer :: integrator => null()
       !! the last step of the lane, for whoever looks into it
-      real(wp) :: size_guess(2)
+      real(wp) :: t_end = 0
+      !! until when it runs [s]
       type(error_t), allocatable :: error
       logical :: is_smooth = .false.
       !! between its events all is seen in the rotation
+      logical :: is_held = .false.
+      !! the wall rests while other states move
+      logical :: has_limits = .false.
+      !! not so where a storey or a drift comes to a limit, or a held wall lifts off: every step is asked
       integer :: goal = no_event
       !! event that the lane steps to
       integer :: trials = 0
@@ -78,9 +77,9 @@ module rwmf_spectrum_lane_team
       logical, allocatable :: is_busy(:)
       !! (width) the lane has an ordinate
       logical :: keeps_more = .false.
-      !! more is asked for than the events tell: the largest |theta'| or reactions
-      logical, allocatable :: may_hold_peak(:)
-      !! (width) a peak of it may lie within the step; then the following is set
+      !! more is asked for than the events tell
+      logical, allocatable :: is_watched(:)
+      !! (width) the step has to be looked into for it; then the following is set
       real(wp), allocatable :: t_before(:), y_before(:, :)
       !! (width) [s], (width, states) at the beginning of the step
    end type team_t
@@ -88,16 +87,18 @@ module rwmf_spectrum_lane_team
 contains
 
    !> Work space of a team, with numbers that are finite in idle lanes.
-   subroutine create_team(case, equation, width, team)
-      type(case_t), intent(in) :: case
+   subroutine create_team(equation, pair, max_steps, width, team)
       type(equation_t), intent(in) :: equation
       !! of any lane: the scene is the same
+      type(pair_t), intent(in) :: pair
+      integer(i8), intent(in) :: max_steps
+      !! of a run
       integer, intent(in) :: width
+      !! number of lanes: 1, or that of the kernels, which are then to be set
       type(team_t), intent(out) :: team
 
       team%width = width
-      team%pair = pair_for(case, equation)
-      team%kernels = lane_kernels_of(best_level())
+      team%pair = pair
       associate (n => equation%n)
          allocate (team%table(width, column_count), source=0.0_wp)
          team%coef = spread(equation%state%coef(1, :), 1, width)
@@ -106,9 +107,11 @@ contains
             team%k(width, n, most_stages), source=0.0_wp)
          allocate (team%error(width), source=0.0_wp)
          allocate (team%mark(width), source=0)
-         allocate (team%is_busy(width), team%may_hold_peak(width), source=.false.)
+         allocate (team%is_busy(width), team%is_watched(width), source=.false.)
          allocate (team%t_before(width), team%y_before(width, n))
-         team%max_steps = real(case%solver%max_steps, wp)
+         team%max_steps = real(max_steps, wp)
+         team%has_curves = .not. is_piecewise_linear(equation%motion)
+         allocate (team%lines(line_columns, 0:1), source=no_limit)
       end associate
    end subroutine create_team
 
@@ -123,7 +126,7 @@ contains
       real(wp) :: begin, limit
       integer :: i
 
-      team%has_curves = fastest_rate(motion) > 0
+      deallocate (team%lines)
       allocate (team%lines(line_columns, 0:interval_last(motion) + 1), source=no_limit)
       begin = 0
       do i = 0, interval_last(motion)
@@ -146,21 +149,6 @@ contains
       row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
    end function line_row
 
-   !> The pair for a tolerance, unless the case names it; of runs at several tolerances the higher
-   !> order. The local errors of smooth hysteresis add up, so that it gets that as well.
-   pure type(pair_t) function pair_for(case, equation) result(pair)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
-
-      if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-          .or. equation%floors%n > 1 .or. case%solver%method == 'dop853' &
-          .or. allocated(case%solver%accuracy)) then
-         pair = dormand_prince_853()
-      else
-         pair = verner_65()
-      end if
-   end function pair_for
-
    !> Part of the tolerance that a step may use up: the errors of the lower order add up where the
    !> steps are as long as they allow, under pulses and at short periods.
    pure real(wp) function caution(pair)
@@ -170,47 +158,50 @@ contains
    end function caution
 
    !> Longest step in which the events of a lane can be seen [s].
-   real(wp) function longest_step(equation, motion) result(longest)
+   real(wp) function longest_step(equation) result(longest)
       type(equation_t), intent(in) :: equation
-      type(motion_t), intent(in) :: motion
       real(wp) :: rate
       !! the fastest in the scene [rad/s]
 
-      rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate(motion))
+      rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate( &
+         equation%motion))
       if (equation%has_wall) rate = max(rate, sqrt(equation%p%g_over_R))
       longest = longest_angle/rate
    end function longest_step
 
-   !> In which steps may something have its peak that no event tells? Reactions in all; |theta'|
+   !> Which steps have to be looked into for what no event tells? All of them for reactions, energies,
+   !> histories and lists of events; for the peak of |theta'| those
    !> where theta'' may change its sign, by the quartic through both ends, both velocities and the
    !> acceleration at the beginning, and where a parabola through the velocities with this way,
    !> risen twice as far, reaches what was largest so far.
-   subroutine find_steps_with_peaks(lanes, team)
+   subroutine find_steps_to_watch(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
-      real(wp) :: v(2), speed, first, bend, last, slack
+      real(wp) :: v(2), speed, first, bend, last, slack, fastest
+      logical :: needs_all
       integer :: i
 
       associate (table => team%table, y => team%y, y_new => team%y_new)
          do i = 1, team%width
-            team%may_hold_peak(i) = .false.
+            team%is_watched(i) = .false.
             if (.not. (team%is_busy(i) .and. lanes(i)%is_smooth)) cycle
+            needs_all = needs_all_steps(lanes(i)%recorder)
+            fastest = max(table(i, of_fastest), lanes(i)%recorder%theta_dot_max)
             v = [y(i, 2), y_new(i, 2)]
             speed = (y_new(i, 1) - y(i, 1))/table(i, of_trial)
-            if (.not. allocated(lanes(i)%recorder%forces) .and. &
-                maxval(abs(v)) + 3*abs(speed - sum(v)/2) < table(i, of_fastest)) cycle
+            if (.not. needs_all .and. maxval(abs(v)) + 3*abs(speed - sum(v)/2) < fastest) cycle
             first = table(i, of_trial)*team%k(i, 2, 1)
             bend = v(2) - v(1) - first
             last = first + 6*bend - 12*(speed - v(1) - first/2)
             slack = 0.05_wp*(abs(first) + abs(bend))
-            if (.not. allocated(lanes(i)%recorder%forces) .and. (sum(v)*first < &
-                -slack*abs(sum(v)) .or. sum(v)*last > slack*abs(sum(v)))) cycle
-            team%may_hold_peak(i) = .true.
+            if (.not. needs_all .and. (sum(v)*first < -slack*abs(sum(v)) .or. sum(v)*last &
+                > slack*abs(sum(v)))) cycle
+            team%is_watched(i) = .true.
             team%t_before(i) = table(i, of_time)
             team%y_before(i, :) = y(i, :)
          end do
       end associate
-   end subroutine find_steps_with_peaks
+   end subroutine find_steps_to_watch
 
    !> Accelerations of the ground where they are not on a straight line.
    subroutine follow_curves(lanes, team)
@@ -221,7 +212,7 @@ contains
 
       if (.not. team%has_curves) return
       do i = 1, team%width
-         if (lanes(i)%ordinate == 0) cycle
+         if (.not. team%is_busy(i)) cycle
          associate (equation => lanes(i)%equation)
             if (equation%state%line%is_straight) cycle
             do s = 1, team%pair%stages
@@ -233,4 +224,4 @@ contains
       end do
    end subroutine follow_curves
 
-end module rwmf_spectrum_lane_team
+end module rwmf_simulation_lanes_team

@@ -1,0 +1,56 @@
+!> A run goes on: explicit pairs as a team of one lane, other methods step by step in the hybrid loop.
+module rwmf_simulation_advance
+   use rwmf_core_control, only: control_t
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_model_assembly, only: equation_t
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t
+   use rwmf_simulation_lanes_loop, only: advance_lane, begin_team
+   use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_recorder_recorder, only: recorder_t
+   implicit none
+   private
+
+   public :: advance, begin_advance
+
+contains
+
+   !> Make ready what a run needs that goes to t_end in one call of `advance`.
+   subroutine begin_advance(hybrid, equation, integrator, t_end, team)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      class(integrator_t), intent(in) :: integrator
+      real(wp), intent(in) :: t_end
+      !! [s]
+      type(team_t), intent(inout) :: team
+
+      select type (integrator)
+      type is (explicit_pair_t)
+         call begin_team(equation, integrator, hybrid, t_end, team)
+      end select
+   end subroutine begin_advance
+
+   !> Follow the system to the time t_target, or to overturning or collapse.
+   subroutine advance(hybrid, equation, integrator, recorder, t_target, control, team, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      class(integrator_t), intent(inout) :: integrator
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), intent(in) :: t_target
+      !! [s]
+      type(control_t), intent(in) :: control
+      type(team_t), intent(inout) :: team
+      !! of a method that steps in lanes; kept from call to call
+      type(error_t), allocatable, intent(out) :: error
+
+      select type (integrator)
+      type is (explicit_pair_t)
+         call advance_lane(hybrid, equation, integrator, recorder, t_target, control, team, error)
+      class default
+         call advance_hybrid(hybrid, equation, integrator, recorder, t_target, control, error)
+      end select
+   end subroutine advance
+
+end module rwmf_simulation_advance

@@ -1,0 +1,742 @@
+!> Steps of lanes that go together, and what happens in them.
+!>
+!> The lanes of a team step together. A step in which something may happen is looked at alone; where
+!> the rotation does not tell all, as the hybrid loop of other methods does. No number of a lane
+!> depends on the others: a single run is a team of one.
+module rwmf_simulation_lanes_loop
+   use rwmf_core_control, only: control_t, is_cancelled
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
+      of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
+      of_top, of_trial, of_vertical_line, of_watch
+   use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
+      plan_one => plan_step
+   use rwmf_integrator_lane_step, only: attempt_one => attempt_step
+   use rwmf_integrator_one_step, only: begin_at
+   use rwmf_model_assembly, only: enter_interval, equation_t, interval_of, rates_at
+   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
+   use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
+   use rwmf_simulation_events_drift_events, only: is_uncut
+   use rwmf_simulation_events_event_time, only: find_event_time
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
+      place_event, quartic_of, quartic_t, quintic_of, state_at
+   use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
+   use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
+   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
+      has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, stay_at_rest
+   use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
+      follow_curves, lane_t, line_row, longest_angle, longest_step, tabulate_lines, team_t
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
+      recorder_t
+   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
+      event_peak
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: advance_lane, begin_team, join_team, step_team
+
+   integer, parameter :: at_state = 3
+   !! beside the events of the rotation: a further state leaves its window
+
+contains
+
+   !> Make ready a team of one lane for a run from its beginning to t_end.
+   subroutine begin_team(equation, integrator, hybrid, t_end, team)
+      type(equation_t), intent(in) :: equation
+      type(explicit_pair_t), intent(in) :: integrator
+      type(hybrid_t), intent(in) :: hybrid
+      real(wp), intent(in) :: t_end
+      !! [s]
+      type(team_t), intent(out) :: team
+
+      call create_team(equation, integrator%pair, hybrid%max_steps, 1, team)
+      call tabulate_lines(equation%motion, equation%has_vertical, t_end, team)
+   end subroutine begin_team
+
+   !> Follow a single run to the time t_target, or to overturning or collapse.
+   subroutine advance_lane(hybrid, equation, integrator, recorder, t_target, control, team, error)
+      type(hybrid_t), intent(inout), target :: hybrid
+      type(equation_t), intent(inout), target :: equation
+      type(explicit_pair_t), intent(inout), target :: integrator
+      type(recorder_t), intent(inout), target :: recorder
+      real(wp), intent(in) :: t_target
+      !! [s]
+      type(control_t), intent(in) :: control
+      type(team_t), intent(inout) :: team
+      !! of one lane; made here when it is none yet
+      type(error_t), allocatable, intent(out) :: error
+      type(lane_t), target :: lanes(1)
+
+      if (.not. allocated(team%table)) call create_team(equation, integrator%pair, &
+         hybrid%max_steps, 1, team)
+      lanes(1)%hybrid => hybrid
+      lanes(1)%equation => equation
+      lanes(1)%integrator => integrator
+      lanes(1)%recorder => recorder
+      lanes(1)%t_end = t_target
+      team%has_curves = .not. is_piecewise_linear(equation%motion)
+      team%keeps_more = .true.
+      call join_team(lanes(1), 1, team)
+      do while (team%table(1, of_length) > 0)
+         call step_team(lanes, team)
+         equation%rhs_evaluations = equation%rhs_evaluations + team%pair%stages
+         if (.not. is_cancelled(control)) cycle
+         if (team%table(1, of_length) > 0) call catch_up(lanes(1), 1, team)
+         call check_work(hybrid, integrator, control, lanes(1)%error)
+         exit
+      end do
+      call move_alloc(lanes(1)%error, error)
+   end subroutine advance_lane
+
+   !> A lane with a new run, or with the next part of one, comes into the team.
+   subroutine join_team(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      team%is_busy(i) = .true.
+      if (.not. allocated(lane%error)) then
+         associate (tolerance => lane%integrator%tolerance)
+            team%tolerance(i, :) = caution(team%pair)*[tolerance%rtol, tolerance%atol]
+         end associate
+         team%table(i, of_longest) = longest_step(lane%equation)
+      end if
+      call enter_team(lane, i, team)
+   end subroutine join_team
+
+   !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
+   !> of a step.
+   subroutine enter_team(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      type(control_t) :: no_control
+      real(wp) :: t_limit
+      real(wp) :: span
+
+      team%table(i, of_length) = 0
+      associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%t_end)
+         do
+            if (allocated(lane%error)) return
+            if (hybrid%t >= t_end .or. has_ended(hybrid)) return
+            call check_work(hybrid, lane%integrator, no_control, lane%error)
+            if (allocated(lane%error)) return
+            if (hybrid%mode == mode_rest) then
+               call follow_rest(lane, t_limit)
+               span = huge(span)
+               if (allocated(lane%error) .or. hybrid%mode /= mode_rest .or. t_limit <= hybrid%t) cycle
+               exit
+            end if
+            call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
+            if (t_limit > hybrid%t) exit
+         end do
+      end associate
+      call load_lane(lane, i, t_limit, span, team)
+   end subroutine enter_team
+
+   !> A wall at rest: until it lifts off, or, where other states move, as far as they may step.
+   subroutine follow_rest(lane, t_limit)
+      type(lane_t), intent(inout), target :: lane
+      real(wp), intent(out) :: t_limit
+      !! not beyond the present time: there is nothing to step [s]
+      integer :: side
+
+      associate (hybrid => lane%hybrid, equation => lane%equation)
+         if (equation%moves_at_rest) then
+            call begin_held_step(hybrid, equation, lane%integrator%steps, lane%t_end, t_limit, side)
+            if (side /= 0) call leave_rest(hybrid, equation, lane%recorder, side, lane%error)
+         else
+            t_limit = hybrid%t
+            call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, lane%t_end, &
+               lane%error)
+         end if
+      end associate
+   end subroutine follow_rest
+
+   !> Put a lane into the table of its team.
+   subroutine load_lane(lane, i, t_limit, span, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: t_limit
+      real(wp), intent(in) :: span
+      type(team_t), intent(inout) :: team
+      integer :: j
+
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
+                 recorder => lane%recorder)
+         if (hybrid%must_restart) then
+            if (lane%integrator%h > 0) then
+               lane%integrator%h = min(lane%integrator%h, span)
+            else
+               call begin_at(lane%integrator, hybrid%t, hybrid%y, span, lane%error)
+               if (allocated(lane%error)) return
+            end if
+         end if
+         hybrid%must_restart = .false.
+         do j = 1, equation%n
+            team%y(i, j) = hybrid%y(j)
+         end do
+         do j = 1, equation%scene%n_coef
+            team%coef(i, j) = equation%state%coef(1, j)
+         end do
+         table(i, of_steps) = real(lane%integrator%steps, wp)
+         table(i, of_time) = hybrid%t
+         table(i, of_fastest) = recorder%theta_dot_ends
+         table(i, of_rejected) = 0
+         table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
+         lane%is_held = hybrid%mode == mode_rest
+         lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held
+         lane%is_smooth = lane%is_held .or. .not. may_stand_on_fuses(equation)
+         table(i, of_least) = -huge(1.0_wp)
+         table(i, of_most) = huge(1.0_wp)
+         if (equation%has_loading_direction) then
+            ! the hysteretic force that falls back passes zero
+            if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
+               equation%state%signs%loading_direction > 0)) = 0
+         end if
+         lane%goal = no_event
+         table(i, of_goal) = 0
+         table(i, of_watch) = merge(0, 1, lane%is_smooth)
+         table(i, of_low) = merge(-hybrid%overturning_angle, -huge(1.0_wp), equation%has_wall)
+         table(i, of_high) = -table(i, of_low)
+         if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, &
+            equation%state%side > 0)) = 0
+         if (equation%has_bilinear_springs) then
+            table(i, of_low) = max(table(i, of_low), equation%state%low)
+            table(i, of_high) = min(table(i, of_high), equation%state%high)
+         end if
+         table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%state%ends_at_peak)
+         table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%state%ends_at_peak)
+         if (lane%is_held) then
+            table(i, [of_low, of_bottom, of_least]) = -huge(1.0_wp)
+            table(i, [of_high, of_top, of_most]) = huge(1.0_wp)
+         end if
+      end associate
+      call load_line(lane, i, t_limit, team)
+   end subroutine load_lane
+
+   !> The interval of the motion that is in force.
+   subroutine load_line(lane, i, t_limit, team)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: t_limit
+      type(team_t), intent(inout) :: team
+
+      team%table(i, of_interval) = interval_of(lane%equation)
+      associate (row => line_row(t_limit, lane%equation%state%line, &
+                                 lane%equation%state%vertical_line))
+         team%table(i, of_limit) = row(1)
+         team%table(i, of_line) = row(2)
+         team%table(i, of_line + 1) = row(3)
+         team%table(i, of_line + 2) = row(4)
+         team%table(i, of_vertical_line) = row(5)
+         team%table(i, of_vertical_line + 1) = row(6)
+      end associate
+   end subroutine load_line
+
+   !> One step of all lanes, and what happens in it.
+   subroutine step_team(lanes, team)
+      type(lane_t), intent(inout), target :: lanes(:)
+      type(team_t), intent(inout) :: team
+      integer :: i
+
+      associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
+                 intervals => ubound(team%lines, 2) - 1)
+         if (team%width == 1) then
+            call plan_one(team%pair, team%table, team%ground)
+            call follow_curves(lanes, team)
+            call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
+               team%tolerance, team%y, .false., team%k, team%y_new, team%error)
+            call ask_limits(lanes, team)
+            if (team%keeps_more) call find_steps_to_watch(lanes, team)
+            call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
+               team%k, team%y_new, team%error, team%mark)
+            if (team%keeps_more) call observe_steps(lanes, team)
+            call pass_one(intervals, team%lines, team%table, team%mark)
+         else
+            call team%kernels%plan_step(team%pair, team%table, team%ground)
+            call follow_curves(lanes, team)
+            call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
+               team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
+               team%error)
+            call ask_limits(lanes, team)
+            if (team%keeps_more) call find_steps_to_watch(lanes, team)
+            call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
+               team%k, team%y_new, team%error, team%mark)
+            if (team%keeps_more) call observe_steps(lanes, team)
+            call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
+         end if
+      end associate
+      do i = 1, team%width
+         if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
+         select case (team%mark(i))
+         case (needs_look)
+            if (.not. lanes(i)%is_smooth) then
+               call look_at_step(lanes(i), i, team)
+            else if (lanes(i)%goal /= no_event) then
+               call meet_event(lanes(i), i, team)
+            else
+               call look_for_event(lanes(i), i, team)
+            end if
+         case (at_limit)
+            call pass_limit(lanes(i), i, team)
+         case (is_rejected)
+            call forget_goal(lanes(i), i, team)
+            call check_length(lanes(i), i, team)
+         case default
+            ! `is_done`, see above
+         end select
+         team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
+      end do
+      if (any(team%table(:, of_steps) > team%max_steps)) then
+         do i = 1, team%width
+            if (team%is_busy(i)) call bound_work(lanes(i), i, team)
+         end do
+         team%has_ended = .true.
+      end if
+   end subroutine step_team
+
+   !> Which steps are smooth in spite of limits that lanes have?
+   subroutine ask_limits(lanes, team)
+      type(lane_t), intent(inout), target :: lanes(:)
+      type(team_t), intent(inout), target :: team
+      type(step_view_t) :: step
+      real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b
+      real(wp) :: rates(size(y_a))
+      integer :: i
+
+      do i = 1, team%width
+         if (.not. (team%is_busy(i) .and. lanes(i)%has_limits)) cycle
+         call follow_interval(lanes(i), i, team)
+         y_a = team%y(i, :)
+         y_b = team%y_new(i, :)
+         step%equation => lanes(i)%equation
+         step%t_a = team%table(i, of_time)
+         step%t_b = step%t_a + team%table(i, of_trial)
+         step%y_a => y_a
+         step%y_b => y_b
+         lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid%drifts)
+         if (lanes(i)%is_smooth .and. lanes(i)%is_held) then
+            call rates_at(lanes(i)%equation, step%t_b, y_b, rates)
+            lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), rates)
+         else if (lanes(i)%is_smooth) then
+            lanes(i)%is_smooth = .not. may_stand_on_fuses(lanes(i)%equation)
+         end if
+         team%table(i, of_watch) = merge(0, 1, lanes(i)%is_smooth .and. lanes(i)%goal == no_event)
+      end do
+   end subroutine ask_limits
+
+   !> Let what is asked for be seen in the steps that are accepted.
+   subroutine observe_steps(lanes, team)
+      type(lane_t), intent(inout), target :: lanes(:)
+      type(team_t), intent(inout) :: team
+      integer :: i
+
+      do i = 1, team%width
+         if (.not. team%is_watched(i)) cycle
+         if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
+         call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
+            team%table(i, of_time), team%y_new(i, :))
+      end do
+   end subroutine observe_steps
+
+   !> Let what is asked for be seen in a step of a lane, or in a part of it.
+   subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: y_a(:)
+      !! (states)
+      real(wp), intent(in) :: t_b
+      !! [s]
+      real(wp), intent(in), contiguous, target :: y_b(:)
+      !! (states)
+      type(step_view_t) :: step
+      real(wp) :: t_turn, y_turn(size(y_a))
+
+      call follow_interval(lane, i, team)
+      associate (integrator => lane%integrator)
+         integrator%t0 = t_a
+         integrator%y0(:) = y_a
+         integrator%f0(:) = team%k(i, :, 1)
+         integrator%t1 = t_a + team%table(i, of_trial)
+         integrator%y1(:) = team%y_new(i, :)
+         call view_step(step, lane%equation, integrator)
+      end associate
+      step = until(step, t_b, y_b)
+      if (lane%recorder%keeps_events .and. y_a(2)*y_b(2) < 0) then
+         ! where it does not matter for the motion, a turn cuts no step
+         call find_event_time(step, 2, 0.0_wp, t_turn, y_turn, lane%error)
+         if (allocated(lane%error)) return
+         call observe_event(lane%recorder, event_peak, t_turn, y_turn)
+      end if
+      call observe_piece(lane%recorder, step, lane%error)
+   end subroutine observe_step
+
+   !> Bound on the work of one run in the team.
+   subroutine bound_work(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      type(control_t) :: no_control
+
+      if (team%table(i, of_steps) <= team%max_steps) return
+      call catch_up(lane, i, team)
+      call check_work(lane%hybrid, lane%integrator, no_control, lane%error)
+      team%table(i, of_length) = 0
+   end subroutine bound_work
+
+   !> Let the run of a lane know how far it has come in the team.
+   subroutine catch_up(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+
+      lane%integrator%steps = int(team%table(i, of_steps), i8)
+      lane%hybrid%t = team%table(i, of_time)
+      lane%recorder%theta_dot_ends = team%table(i, of_fastest)
+      call follow_interval(lane, i, team)
+   end subroutine catch_up
+
+   !> The same of the interval of the motion alone.
+   subroutine follow_interval(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+
+      associate (interval => int(team%table(i, of_interval)))
+         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
+            lane%equation%state, interval)
+      end associate
+   end subroutine follow_interval
+
+   !> A step that is too short for the clock.
+   subroutine check_length(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      if (team%table(i, of_length) > 8*spacing(team%table(i, of_time))) return
+      call catch_up(lane, i, team)
+      team%table(i, of_length) = 0
+      call fail(lane%error, err_numerical, 'the step has become too small at t = ' &
+         //trim(real_to_text(team%table(i, of_time)))//' s')
+   end subroutine check_length
+
+   !> The lane has come to a knot of the motion or to its end without an event.
+   subroutine pass_limit(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      real(wp) :: t_limit
+
+      call catch_up(lane, i, team)
+      associate (t_end => lane%t_end)
+         if (lane%hybrid%t < t_end) then
+            call enter_interval(lane%equation%model_t, lane%equation%state, &
+               interval_of(lane%equation) + 1)
+            t_limit = min(t_end, interval_end(lane%equation%motion, interval_of(lane%equation)))
+            if (t_limit - lane%hybrid%t > 16*epsilon(t_limit)*t_limit) then
+               call load_line(lane, i, t_limit, team)
+               return
+            end if
+         end if
+      end associate
+      lane%integrator%h = team%table(i, of_length)
+      lane%hybrid%y(:) = team%y(i, :)
+      call enter_team(lane, i, team)
+   end subroutine pass_limit
+
+   !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
+   subroutine look_for_event(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      type(quartic_t) :: quartic
+      real(wp) :: x
+      logical :: is_beyond
+
+      associate (table => team%table, y => team%y, y_new => team%y_new)
+         quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
+            team%k(i, 2, 1))
+         call first_event(quartic, [table(i, of_low), table(i, of_high)], &
+            [table(i, of_bottom), table(i, of_top)], lane%goal, x)
+         call compare_with_further(lane, i, team, x)
+         ! by round-off a motion that turns may be beyond the limit of a branch that begins there
+         is_beyond = (lane%goal == at_high .and. y(i, 1) > table(i, of_high)) &
+            .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
+         if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
+            lane%goal == at_low))) == event_branch
+         if (is_beyond .or. is_against_loading(lane, i, team)) then
+            lane%goal = no_event
+            call look_at_step(lane, i, team)
+            return
+         else if (lane%goal == no_event) then
+            call accept_step(lane, i, team)
+            return
+         end if
+         call catch_up(lane, i, team)
+         x = sharpened(lane, i, quartic, x, team)
+         lane%trials = 0
+         table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
+         table(i, of_watch) = 1
+      end associate
+   end subroutine look_for_event
+
+   !> The instant of an event by the quintic through the acceleration at the end as well.
+   real(wp) function sharpened(lane, i, quartic, x, team) result(at)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      type(quartic_t), intent(in) :: quartic
+      real(wp), intent(in) :: x
+      !! by the quartic [-]
+      type(team_t), intent(in) :: team
+      real(wp) :: rates(lane%equation%n)
+      logical :: is_found
+
+      at = x
+      if (lane%goal == at_state) return
+      associate (h => team%table(i, of_trial))
+         call rates_at(lane%equation, team%table(i, of_time) + h, team%y_new(i, :), rates)
+         call place_event(quintic_of(quartic, h**2*rates(2)), lane%goal, &
+            team%table(i, merge(of_low, of_high, lane%goal == at_low)), at, is_found)
+      end associate
+      if (.not. is_found) at = x
+   end function sharpened
+
+   !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
+   !> may from rest?
+   pure logical function is_against_loading(lane, i, team) result(is_against)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+
+      is_against = .false.
+      if (.not. lane%equation%has_loading_direction) return
+      associate (direction => lane%equation%state%signs%loading_direction)
+         is_against = direction*team%y(i, 2) < 0 .or. (abs(team%y(i, 2)) <= 0 &
+            .and. direction*team%k(i, 2, 1) < 0)
+         if (lane%goal == no_event) is_against = is_against .or. direction*team%y_new(i, 2) < 0
+      end associate
+   end function is_against_loading
+
+   !> The further state may leave its window before that: by the parabola through its ends and its
+   !> rate. In the instant of an impact, as long as nothing has yielded, it is the impact.
+   subroutine compare_with_further(lane, i, team, x)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+      real(wp), intent(inout) :: x
+      !! position of the event that has been found in the step [-]
+      real(wp), parameter :: same = 1.0e-3_wp
+      real(wp) :: z, rise, bend, root, at
+
+      associate (table => team%table, further => further_state(lane%equation))
+         z = team%y_new(i, further)
+         if (z >= table(i, of_least) .and. z <= table(i, of_most)) return
+         rise = table(i, of_trial)*team%k(i, further, 1)
+         bend = z - team%y(i, further) - rise
+         root = max(0.0_wp, rise**2 - 4*bend*team%y(i, further))
+         at = 1
+         if (abs(rise) + sqrt(root) > 0) at = abs(2*team%y(i, further))/(abs(rise) + sqrt(root))
+         if (lane%goal /= no_event .and. at > x - same) return
+         lane%goal = at_state
+         x = min(1.0_wp, at)
+      end associate
+   end subroutine compare_with_further
+
+   !> The state beside the rotation whose window ends a piece of motion: of a smooth hysteresis.
+   pure integer function further_state(equation)
+      type(equation_t), intent(in) :: equation
+
+      further_state = 1
+      if (equation%has_loading_direction) further_state = equation%hysteresis%place
+   end function further_state
+
+   subroutine forget_goal(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      lane%goal = no_event
+      team%table(i, of_goal) = 0
+      team%table(i, of_watch) = merge(0, 1, lane%is_smooth)
+   end subroutine forget_goal
+
+   !> Accept the step of a lane in which nothing happens.
+   subroutine accept_step(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      call forget_goal(lane, i, team)
+      associate (table => team%table)
+         table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
+         if (team%is_watched(i)) call observe_step(lane, i, team, table(i, of_time), &
+            team%y(i, :), table(i, of_time) + table(i, of_trial), team%y_new(i, :))
+         team%y(i, :) = team%y_new(i, :)
+         table(i, of_steps) = table(i, of_steps) + 1
+         if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
+            table(i, of_time) = table(i, of_limit)
+            call pass_limit(lane, i, team)
+         else
+            table(i, of_time) = table(i, of_time) + table(i, of_trial)
+            call bound_work(lane, i, team)
+         end if
+      end associate
+   end subroutine accept_step
+
+   !> The lane has stepped to where an event was expected: the rest of the way by Newton's method,
+   !> as a Taylor series where it is short, else by another step.
+   subroutine meet_event(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      integer, parameter :: most_trials = 6
+      real(wp) :: short
+      !! part of the step that a Taylor series may go [-]
+      real(wp) :: rates(lane%equation%n)
+      real(wp) :: t, rest
+
+      call catch_up(lane, i, team)
+      associate (table => team%table, y_new => team%y_new)
+         t = table(i, of_time) + table(i, of_trial)
+         call rates_at(lane%equation, t, y_new(i, :), rates)
+         ! what was to come after it has come before
+         associate (z => y_new(i, further_state(lane%equation)))
+            if (lane%goal == at_state) then
+               if (y_new(i, 1) < table(i, of_low)) lane%goal = at_low
+               if (y_new(i, 1) > table(i, of_high)) lane%goal = at_high
+            else if (max(table(i, of_least) - z, z - table(i, of_most)) > 1.0e-12_wp) then
+               lane%goal = at_state
+            end if
+         end associate
+         if (lane%goal == at_turn) then
+            if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
+               ! the turn lies beyond an end of the window, which comes before it
+               call look_for_event(lane, i, team)
+               return
+            end if
+            rest = -y_new(i, 2)/rates(2)
+         else if (lane%goal == at_state) then
+            rest = -y_new(i, further_state(lane%equation))/rates(further_state(lane%equation))
+         else
+            rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
+         end if
+         short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-6_wp, &
+            lane%equation%n == 2))
+         if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
+            call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/2*(rates &
+               - team%k(i, :, 1))/table(i, of_trial)), team)
+            return
+         end if
+         lane%trials = lane%trials + 1
+         if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
+            ! it comes after the knot
+            call accept_step(lane, i, team)
+         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 0 &
+                  .or. .not. abs(rest) < table(i, of_length)) then
+            call look_at_step(lane, i, team)
+         else
+            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
+               - table(i, of_time))
+         end if
+      end associate
+   end subroutine meet_event
+
+   !> The event that a lane has come to happens.
+   subroutine happen(lane, i, t, y, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) nearly
+      type(team_t), intent(inout) :: team
+      integer :: event
+
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
+         hybrid%t = min(t, table(i, of_limit))
+         hybrid%y(:) = y
+         event = event_peak
+         if (lane%goal == at_turn) then
+            hybrid%y(2) = 0
+         else if (lane%goal == at_state) then
+            hybrid%y(further_state(equation)) = 0
+            event = event_passage
+         else
+            hybrid%y(1) = table(i, merge(of_low, of_high, lane%goal == at_low))
+            event = event_at_level(lane, hybrid%y(1))
+         end if
+         hybrid%is_rising = lane%goal == at_high
+         lane%integrator%steps = lane%integrator%steps + 1_i8
+         lane%integrator%h = table(i, of_length)
+         if (team%is_watched(i)) call observe_step(lane, i, team, table(i, of_time), &
+            team%y(i, :), hybrid%t, hybrid%y)
+         lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
+         if (event == event_peak) then
+            call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
+            call observe_event(lane%recorder, event_peak, hybrid%t, hybrid%y)
+         end if
+         if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
+            equation, lane%recorder, event, lane%error)
+      end associate
+      call enter_team(lane, i, team)
+   end subroutine happen
+
+   !> What happens at an end of the window.
+   pure integer function event_at_level(lane, level) result(event)
+      type(lane_t), intent(in) :: lane
+      real(wp), intent(in) :: level
+      !! [rad]
+
+      event = event_overturned
+      if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
+      if (.not. lane%equation%has_bilinear_springs) return
+      if (abs(level - merge(lane%equation%state%high, lane%equation%state%low, &
+         lane%goal == at_high)) <= 0) then
+         event = event_branch
+      end if
+   end function event_at_level
+
+   !> Look at the step of one lane as a single run does.
+   subroutine look_at_step(lane, i, team)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      integer :: side
+
+      call catch_up(lane, i, team)
+      associate (step => lane%integrator)
+         step%steps = step%steps + 1_i8
+         step%h = team%table(i, of_length)
+         step%t0 = team%table(i, of_time)
+         step%y0(:) = team%y(i, :)
+         step%f0(:) = team%k(i, :, 1)
+         step%t1 = step%t0 + team%table(i, of_trial)
+         if (team%table(i, of_trial) >= team%table(i, of_limit) - step%t0) step%t1 = &
+            team%table(i, of_limit)
+         step%y1(:) = team%y_new(i, :)
+      end associate
+      if (lane%is_held) then
+         call end_held_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, side, &
+            lane%error)
+         if (side /= 0 .and. .not. allocated(lane%error)) call leave_rest(lane%hybrid, &
+            lane%equation, lane%recorder, side, lane%error)
+      else
+         call end_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, lane%error)
+      end if
+      if (allocated(lane%error)) then
+         team%table(i, of_length) = 0
+      else
+         call enter_team(lane, i, team)
+      end if
+   end subroutine look_at_step
+
+end module rwmf_simulation_lanes_loop
