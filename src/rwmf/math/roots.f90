@@ -146,8 +146,9 @@ contains
       call find_next(secant)
    end subroutine close_in
 
-   !> Where the secant is zero, half the resolution away from the ends at least; the middle where
-   !> that is no place inside, and every eighth time.
+   !> Where the secant is zero, half the resolution or a spacing away from the ends at least, so that
+   !> a root that is known from one side is enclosed; the middle where that is no place inside, and
+   !> every eighth time.
    pure subroutine find_next(secant)
       type(secant_t), intent(inout) :: secant
       real(wp) :: width
@@ -159,7 +160,7 @@ contains
       secant%is_open = width > max(secant%resolution, 2*spacing(secant%x(2)))
       secant%next = secant%x(1) + width/2
       if (mod(secant%count, 8) == 0 .or. abs(secant%f(1) - secant%f(2)) <= 0) return
-      associate (f => secant%f, margin => secant%resolution/2)
+      associate (f => secant%f, margin => max(secant%resolution/2, spacing(secant%x(2))))
          x = secant%x(1) + min(max(width*(f(1)/(f(1) - f(2))), margin), width - margin)
       end associate
       if (x > secant%x(1) .and. x < secant%x(2)) secant%next = x

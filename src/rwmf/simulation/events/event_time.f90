@@ -10,7 +10,7 @@ module rwmf_simulation_events_event_time
    implicit none
    private
 
-   public :: find_event_time, find_reversal
+   public :: find_event_time, find_reversal, passage
 
    integer, parameter :: most_iterations = 200
    !! a bisection of the whole range of exponents takes fewer

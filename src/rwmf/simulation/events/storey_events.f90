@@ -5,12 +5,13 @@
 module rwmf_simulation_events_storey_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
       turn_storey
    use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_simulation_events_event_time, only: passage
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_steady, may_reverse, &
       sample_state, step_view_t
    implicit none
@@ -314,6 +315,7 @@ contains
       real(wp) :: g
 
       secant = secant_between(span%t, span%motion(which, :) - level)
+      if (secant%is_open) call start_search(span, which, level, secant%next)
       do while (secant%is_open)
          t = secant%next
          call sample_storeys(span%step, t, now, error)
@@ -324,6 +326,33 @@ contains
       end do
       t = secant%x(2)
    end subroutine find_root
+
+   !> Where to begin to look for a level: by the cubic through drift and rate at both ends.
+   pure subroutine start_search(span, which, level, t)
+      type(storey_span_t), intent(in) :: span
+      integer, intent(in) :: which
+      !! `of_drift`, `of_rate` or `of_z`
+      real(wp), intent(in) :: level
+      !! [m], [m/s] or [-]
+      real(wp), intent(inout) :: t
+      !! by the secant; on return better, if it can be [s]
+      real(wp) :: c(0:5), x
+
+      if (which == of_z) return
+      associate (d => span%motion(of_drift, :), h => span%t(2) - span%t(1), rise => span%motion( &
+                 of_drift, 2) - span%motion(of_drift, 1), rate => span%motion(of_rate, :))
+         if (which == of_rate) then
+            x = 0
+            if (rate(1)*rate(2) < 0) x = stationary_point(d(1), h*rate(1), d(2), h*rate(2))
+         else
+            c = 0
+            c(:3) = [d(1) - level, h*rate(1), 3*rise - h*(2*rate(1) + rate(2)), &
+               h*sum(rate) - 2*rise]
+            x = passage(sign(1.0_wp, d(2) - level)*c)
+         end if
+         if (x > 0 .and. x < 1) t = span%t(1) + x*h
+      end associate
+   end subroutine start_search
 
    !> The storeys at a time of the last step.
    subroutine sample_storeys(step, t, now, error)
