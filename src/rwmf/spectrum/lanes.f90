@@ -707,8 +707,9 @@ contains
          if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
             ! it comes after the knot
             call accept_step(lane, i, motion, team)
-         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 0 &
+         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
                   .or. .not. abs(rest) < table(i, of_length)) then
+            ! back to the beginning leads what began there, the last turn or impact, not the next
             call look_at_step(lane, i, motion, team)
          else
             table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
