@@ -675,15 +675,7 @@ contains
       associate (table => team%table, y_new => team%y_new)
          t = table(i, of_time) + table(i, of_trial)
          call rates_at(lane%equation, t, y_new(i, :), rates)
-         ! what was to come after it has come before
-         associate (z => y_new(i, further_state(lane%equation)))
-            if (lane%goal == at_state) then
-               if (y_new(i, 1) < table(i, of_low)) lane%goal = at_low
-               if (y_new(i, 1) > table(i, of_high)) lane%goal = at_high
-            else if (max(table(i, of_least) - z, z - table(i, of_most)) > 1.0e-12_wp) then
-               lane%goal = at_state
-            end if
-         end associate
+         if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, team)
          if (lane%goal == at_turn) then
             if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
                ! the turn lies beyond an end of the window, which comes before it
@@ -717,6 +709,36 @@ contains
          end if
       end associate
    end subroutine meet_event
+
+   !> What was to come after it has come before: an end of the window of the rotation, or that of the
+   !> further state.
+   subroutine choose_first(lane, i, rates, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: rates(:)
+      !! (states) where the lane has stepped to
+      type(team_t), intent(in) :: team
+      real(wp), parameter :: slack = 1.0e-12_wp
+      !! of the further state [-]
+      integer :: level
+      real(wp) :: z
+
+      associate (table => team%table, theta => team%y_new(i, 1), theta_dot => team%y_new(i, 2), &
+                 further => further_state(lane%equation))
+         level = merge(at_low, merge(at_high, no_event, theta > table(i, of_high)), &
+            theta < table(i, of_low))
+         z = team%y_new(i, further)
+         if (level == no_event) then
+            if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) lane%goal = at_state
+         else if (lane%goal /= at_turn) then
+            ! the further state in the instant in which the rotation has left its window
+            z = z + rates(further)*(table(i, merge(of_low, of_high, level == at_low)) - theta) &
+               /theta_dot
+            lane%goal = merge(at_state, level, max(table(i, of_least) - z, z - table(i, of_most)) &
+               > slack)
+         end if
+      end associate
+   end subroutine choose_first
 
    !> The event that a lane has come to happens.
    subroutine happen(lane, i, t, y, motion, team)
