@@ -12,7 +12,7 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_top, of_trial, of_vertical_line, of_watch
+      of_pace, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
       plan_one => plan_step
    use rwmf_integrator_lane_kernels, only: team_width
@@ -20,7 +20,7 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_model_assembly, only: build_equation, enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_equation, only: ground, vertical_ground
-   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
+   use rwmf_model_hysteresis_bouc_wen, only: stable_pace, will_pass_zero
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
@@ -257,7 +257,10 @@ contains
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = recorder%theta_dot_max
          table(i, of_rejected) = 0
-         table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
+         table(i, of_pace) = 0
+         if (equation%has_loading_direction) table(i, of_pace) = stable_pace(equation)
+         table(i, of_length) = min(lane%integrator%h, table(i, of_longest), &
+            1/max(tiny(span), table(i, of_pace)*abs(hybrid%y(2))))
          lane%is_smooth = .not. (equation%floors%yields .or. hybrid%drifts > 0 &
             .or. recorder%keeps_energy)
          table(i, of_least) = -huge(1.0_wp)
@@ -710,8 +713,8 @@ contains
       end associate
    end subroutine meet_event
 
-   !> What was to come after it has come before: an end of the window of the rotation, or that of the
-   !> further state.
+   !> What was to come after it has come before: an end of the window of the rotation, or that of
+   !> the further state.
    subroutine choose_first(lane, i, rates, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
