@@ -6,7 +6,7 @@ module rwmf_integrator_lane_columns
    public :: column_count
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
-   public :: of_interval, of_steps, line_columns
+   public :: of_interval, of_steps, of_pace, line_columns
    public :: is_done, is_rejected, needs_look, at_limit
 
    integer, parameter :: of_time = 1
@@ -47,7 +47,9 @@ module rwmf_integrator_lane_columns
    !! number of the interval of the motion that the lane is in
    integer, parameter :: of_steps = 22
    !! number of steps that have been accepted
-   integer, parameter :: column_count = 22
+   integer, parameter :: of_pace = 23
+   !! steps per rotation that a hysteretic state asks for, which relaxes to its bound [1/rad]
+   integer, parameter :: column_count = 23
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
 

@@ -4,7 +4,7 @@ module rwmf_integrator_lane_control
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
       line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_top, of_trial, of_vertical_line, of_watch
+      of_pace, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
@@ -91,7 +91,8 @@ contains
             h < table(i, of_length))), table(i, of_rejected) > 0)
          root = merge(max(0.1_wp, min(0.9_wp, 0.9_wp/root)), 0.1_wp, error(i) < huge(h))
          h_new = merge(h_new, h*root, is_accurate > 0)
-         table(i, of_length) = min(h_new, table(i, of_longest))
+         table(i, of_length) = min(h_new, table(i, of_longest), 1/max(tiny(h), table(i, of_pace) &
+            *max(abs(y(i, 2)), abs(y_new(i, 2)))))
          table(i, of_rejected) = 1 - is_accurate
          reach = 0.25_wp*h*(abs(y(i, 2)) + abs(y_new(i, 2)))
          drop = h*y_dot(i, 2)

@@ -22,7 +22,7 @@ module rwmf_model_hysteresis_bouc_wen
    private
 
    public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
-   public :: will_pass_zero, load_bouc_wen, bouc_wen_sizes, kept_part
+   public :: will_pass_zero, stable_pace, load_bouc_wen, bouc_wen_sizes, kept_part
    public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
@@ -108,6 +108,19 @@ contains
 
       will_pass_zero = equation%state%signs%sense /= equation%state%signs%loading_direction
    end function will_pass_zero
+
+   !> Steps per rotation in which z relaxes to its bound that an explicit pair needs to be stable:
+   !> with fewer it errs by far more than its embedded methods see [1/rad].
+   pure real(wp) function stable_pace(equation) result(pace)
+      type(equation_t), intent(in) :: equation
+      real(wp), parameter :: longest = 4.5_wp
+      !! step over the time constant of z at its bound [-]
+
+      associate (law => equation%hysteresis)
+         pace = law%exponent*abs(equation%state%signs%lost)*frame_travel(equation) &
+            /(longest*law%u_y)
+      end associate
+   end function stable_pace
 
    !> Part of the velocity that does not go into plastic flow [-].
    elemental real(wp) function kept_part(law, signs, z)

@@ -11,13 +11,13 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_top, of_trial, of_vertical_line, of_watch
+      of_pace, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
       plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of, rates_at
-   use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
+   use rwmf_model_hysteresis_bouc_wen, only: stable_pace, will_pass_zero
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
    use rwmf_simulation_events_event_time, only: find_event_time
@@ -187,7 +187,10 @@ contains
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = recorder%theta_dot_ends
          table(i, of_rejected) = 0
-         table(i, of_length) = min(lane%integrator%h, table(i, of_longest))
+         table(i, of_pace) = 0
+         if (equation%has_loading_direction) table(i, of_pace) = stable_pace(equation)
+         table(i, of_length) = min(lane%integrator%h, table(i, of_longest), &
+            1/max(tiny(span), table(i, of_pace)*abs(hybrid%y(2))))
          lane%is_held = hybrid%mode == mode_rest
          lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held
          lane%is_smooth = lane%is_held .or. .not. may_stand_on_fuses(equation)
@@ -608,15 +611,7 @@ contains
       associate (table => team%table, y_new => team%y_new)
          t = table(i, of_time) + table(i, of_trial)
          call rates_at(lane%equation, t, y_new(i, :), rates)
-         ! what was to come after it has come before
-         associate (z => y_new(i, further_state(lane%equation)))
-            if (lane%goal == at_state) then
-               if (y_new(i, 1) < table(i, of_low)) lane%goal = at_low
-               if (y_new(i, 1) > table(i, of_high)) lane%goal = at_high
-            else if (max(table(i, of_least) - z, z - table(i, of_most)) > 1.0e-12_wp) then
-               lane%goal = at_state
-            end if
-         end associate
+         if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, team)
          if (lane%goal == at_turn) then
             if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
                ! the turn lies beyond an end of the window, which comes before it
@@ -640,8 +635,9 @@ contains
          if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
             ! it comes after the knot
             call accept_step(lane, i, team)
-         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 0 &
+         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
                   .or. .not. abs(rest) < table(i, of_length)) then
+            ! back to the beginning leads what began there, the last turn or impact, not the next
             call look_at_step(lane, i, team)
          else
             table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
@@ -649,6 +645,36 @@ contains
          end if
       end associate
    end subroutine meet_event
+
+   !> What was to come after it has come before: an end of the window of the rotation, or that of
+   !> the further state.
+   subroutine choose_first(lane, i, rates, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: rates(:)
+      !! (states) where the lane has stepped to
+      type(team_t), intent(in) :: team
+      real(wp), parameter :: slack = 1.0e-12_wp
+      !! of the further state [-]
+      integer :: level
+      real(wp) :: z
+
+      associate (table => team%table, theta => team%y_new(i, 1), theta_dot => team%y_new(i, 2), &
+                 further => further_state(lane%equation))
+         level = merge(at_low, merge(at_high, no_event, theta > table(i, of_high)), &
+            theta < table(i, of_low))
+         z = team%y_new(i, further)
+         if (level == no_event) then
+            if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) lane%goal = at_state
+         else if (lane%goal /= at_turn) then
+            ! the further state in the instant in which the rotation has left its window
+            z = z + rates(further)*(table(i, merge(of_low, of_high, level == at_low)) - theta) &
+               /theta_dot
+            lane%goal = merge(at_state, level, max(table(i, of_least) - z, z - table(i, of_most)) &
+               > slack)
+         end if
+      end associate
+   end subroutine choose_first
 
    !> The event that a lane has come to happens.
    subroutine happen(lane, i, t, y, team)
