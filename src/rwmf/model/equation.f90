@@ -15,7 +15,7 @@ module rwmf_model_equation
    private
 
    public :: equation_t, model_t, discrete_state_t
-   public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t
+   public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t, window_t
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients
    public :: vertical_ground, has_further_effects
@@ -151,6 +151,17 @@ module rwmf_model_equation
       !! of the frame's stiffness [-]
    end type sprung_t
 
+   !> Rotations between which the branches in force hold on a side.
+   type :: window_t
+      logical :: is_known = .false.
+      real(wp) :: low = -huge(1.0_wp)
+      !! [rad]; bare frame: displacement [m]
+      real(wp) :: high = huge(1.0_wp)
+      !! [rad] or [m]
+      logical :: ends_at_peak = .false.
+      !! a spring yields, and unloads when the motion turns back
+   end type window_t
+
    !> The interval, side and branches in force, and what follows from them. Plain values: an
    !> assignment saves or restores it.
    type :: discrete_state_t
@@ -182,6 +193,10 @@ module rwmf_model_equation
       !! and up to which they do [rad]
       logical :: ends_at_peak = .false.
       !! a spring yields, and unloads when the motion turns back
+      type(window_t) :: windows(-1:1)
+      !! the last three by side, as long as no branch changes
+      logical :: uplift_is_known = .false.
+      !! what follows holds until a branch changes
       real(wp) :: uplift_acceleration(-1:1) = 0
       !! ground acceleration at which the resting wall lifts off, by side (+1: theta > 0), see
       !! `rwmf_model_lift_off` [m/s2]

@@ -167,7 +167,8 @@ contains
    !> Ground acceleration at which the resting wall lifts off on either side, and the inertia that
    !> further effects add there: from the moment about the pivot at theta = 0 without ground motion.
    !>
-   !> Scenes without further effects keep the closed form of `build_equation`.
+   !> Scenes without further effects keep the closed form of `build_equation`; where there are no
+   !> further states, it changes with the branches alone.
    subroutine find_uplift_acceleration(model, state, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -178,7 +179,7 @@ contains
       integer :: side_in_force
       integer :: side
 
-      if (.not. model%effects_act_at_rest) return
+      if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
       side_in_force = state%side
       do side = -1, 1, 2
          call enter_side(model, state, side)
@@ -188,6 +189,7 @@ contains
             -moment*model%p%R/(model%p%gamma*model%floors%excited_mass_ratio*kin%lever + kin%c)
       end do
       call enter_side(model, state, side_in_force)
+      state%uplift_is_known = model%n == 2
    end subroutine find_uplift_acceleration
 
 end module rwmf_model_lift_off
