@@ -9,7 +9,6 @@ module rwmf_model_lift_off
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: enter_side, interval_of, lift_off_drive, moment_at_rest
    use rwmf_model_equation, only: discrete_state_t, equation_t, lift_off_drives, model_t
-   use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_motion_ground_motion, only: interval_end, steep_point, turning_point
    implicit none
    private
@@ -174,7 +173,6 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states); the first two are taken as zero
-      type(kinematics_t) :: kin
       real(wp) :: moment
       integer :: side_in_force
       integer :: side
@@ -183,10 +181,10 @@ contains
       side_in_force = state%side
       do side = -1, 1, 2
          call enter_side(model, state, side)
-         kin = kinematics_of(model%geometry, side, 0.0_wp)
          call moment_at_rest(model%scene, state%coef, y, moment, state%inertia_at_rest)
-         state%uplift_acceleration(side) = &
-            -moment*model%p%R/(model%p%gamma*model%floors%excited_mass_ratio*kin%lever + kin%c)
+         ! at theta = 0 the arms of the link and of the centroid are 2 cos(alpha) and cos(alpha)
+         state%uplift_acceleration(side) = -moment*model%p%R/(model%p%gamma &
+            *model%floors%excited_mass_ratio*(2*model%cos_alpha) + model%cos_alpha)
       end do
       call enter_side(model, state, side_in_force)
       state%uplift_is_known = model%n == 2

@@ -80,9 +80,11 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
+      real(wp) :: lost
 
+      lost = state%signs%lost
       call follow_signs(model%hysteresis, y(model%hysteresis%place), state%signs)
-      call renew_coefficients(model, state)
+      if (abs(state%signs%lost - lost) > 0) call renew_coefficients(model, state)
    end subroutine follow_loading_direction
 
    !> What follows from them for one law.

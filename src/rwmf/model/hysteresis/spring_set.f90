@@ -84,6 +84,8 @@ contains
       end if
       equation%has_bilinear_springs = .true.
       equation%angle_limit = case%model%overturning_angle
+      allocate (equation%reach(2, -1:1, 0:size(equation%springs)))
+      equation%reach(:, :, :) = reach_of(equation%model_t)
       call reset_springs(equation%model_t, equation%state)
    end subroutine choose_springs
 
@@ -267,6 +269,32 @@ contains
          arm*equation%state%side*y(2))
    end function tendon_power
 
+   !> Elongations of all springs at the ends of the range of rotations, where all are monotone.
+   function reach_of(model) result(reach)
+      type(model_t), intent(in) :: model
+      real(wp) :: reach(2, -1:1, 0:size(model%springs))
+      !! by side and spring, see `rotation_at` [m]
+      integer :: number
+      integer :: side
+
+      reach = 0
+      if (.not. model%has_wall) return
+      do number = merge(0, 1, model%cable%is_tendon), size(model%springs)
+         do side = -1, 1, 2
+            reach(1, side, number) = elongation_of(model, side, number, least_angle(model))
+            reach(2, side, number) = elongation_of(model, side, number, model%angle_limit)
+         end do
+      end do
+   end function reach_of
+
+   !> Least |theta| at which the springs are asked for their elongation; of a hinged wall, whose
+   !> side never changes, the least theta [rad].
+   pure real(wp) function least_angle(model)
+      class(model_t), intent(in) :: model
+
+      least_angle = merge(0.0_wp, -model%angle_limit, model%has_impacts)
+   end function least_angle
+
    !> All springs as they were before anything happened.
    subroutine reset_springs(model, state)
       type(model_t), intent(in) :: model
@@ -382,23 +410,21 @@ contains
       !! [m]
       type(bracket_t) :: bracket
       !! of |theta|
-      real(wp) :: at_ends(2)
       integer :: direction
       !! +1 if the elongation grows with |theta|
 
       theta = x
       if (.not. model%has_wall .and. number > 0) return
-      bracket = bracket_between(merge(0.0_wp, -model%angle_limit, model%has_impacts), &
-         model%angle_limit)
-      at_ends = [elongation_of(model, side, number, bracket%low), &
-         elongation_of(model, side, number, bracket%high)]
-      direction = merge(1, -1, at_ends(2) > at_ends(1))
-      theta = direction*side*huge(x)
-      if (x >= maxval(at_ends)) return
-      theta = -theta
-      if (x <= minval(at_ends)) return
+      associate (reach => model%reach(:, side, number))
+         direction = merge(1, -1, reach(2) > reach(1))
+         theta = direction*side*huge(x)
+         if (x >= max(reach(1), reach(2))) return
+         theta = -theta
+         if (x <= min(reach(1), reach(2))) return
+      end associate
       theta = side*angle_of(model, side, number, x)
       if (abs(theta) < huge(x)) return
+      bracket = bracket_between(least_angle(model), model%angle_limit)
       do while (bracket%is_open)
          call narrow(bracket, direction*(elongation_of(model, side, number, bracket%middle) &
             - x) >= 0)
