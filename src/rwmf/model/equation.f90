@@ -18,7 +18,7 @@ module rwmf_model_equation
    public :: equation_t, model_t, discrete_state_t
    public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t, window_t
    public :: place_frame, place_left, place_right
-   public :: enter_interval, interval_of, enter_side, renew_coefficients
+   public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
    public :: frame_displacement
@@ -404,7 +404,7 @@ contains
       if (model%has_wall) call put_row(wall_coefficients, wall_row(model%geometry, state%side, &
          model%p%R, model%inertia, model%p%g), state%coef(1, first_wall))
       call renew_terms(model, state)
-      call renew_effects(model, state, is_side_alone=.false.)
+      call renew_effects(model, state)
    end subroutine renew_coefficients
 
    !> Coefficients of frame and cable.
@@ -434,14 +434,17 @@ contains
    pure subroutine renew_effects(model, state, is_side_alone)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
-      logical, intent(in) :: is_side_alone
-      !! no branch has changed
+      logical, intent(in), optional :: is_side_alone
+      !! nothing else has changed
+      logical :: has_sides_alone
       integer :: i
 
       if (.not. allocated(model%effects)) return
+      has_sides_alone = present(is_side_alone)
+      if (has_sides_alone) has_sides_alone = is_side_alone
       do i = 1, size(model%effects)
          associate (extra => model%effects(i))
-            if (is_side_alone .and. .not. extra%has_sides) cycle
+            if (has_sides_alone .and. .not. extra%has_sides) cycle
             if (associated(extra%coefficients)) call extra%coefficients(extra, model, state, &
                state%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
          end associate

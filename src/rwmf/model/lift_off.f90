@@ -200,20 +200,24 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states); the first two are taken as zero
+      real(wp) :: at_rest(model%n)
       real(wp) :: moment
-      integer :: side_in_force
       integer :: side
+      integer :: i
 
       if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
-      side_in_force = state%side
-      do side = -1, 1, 2
+      at_rest(:2) = 0
+      at_rest(3:) = y(3:)
+      ! the side in force is the last, and stays
+      side = -state%side
+      do i = 1, 2
          call enter_side(model, state, side)
-         call moment_at_rest(model%scene, state%coef, y, moment, state%inertia_at_rest)
+         call moment_at_rest(model%scene, state%coef, at_rest, moment, state%inertia_at_rest)
          ! at theta = 0 the arms of the link and of the centroid are 2 cos(alpha) and cos(alpha)
          state%uplift_acceleration(side) = -moment*model%p%R/(model%p%gamma &
             *model%floors%excited_mass_ratio*(2*model%cos_alpha) + model%cos_alpha)
+         side = -side
       end do
-      call enter_side(model, state, side_in_force)
       state%uplift_is_known = model%n == 2
    end subroutine find_uplift_acceleration
 
