@@ -99,7 +99,11 @@ contains
       integer, intent(in) :: spacings
       !! of the numbers at `high`
 
-      is_wider = bracket%is_open .and. bracket%high - bracket%low > spacings*spacing(bracket%high)
+      is_wider = bracket%is_open
+      ! a spacing is at most that, and costs two calls
+      if (.not. bracket%high - bracket%low > spacings*max(epsilon(1.0_wp)*abs(bracket%high), &
+          tiny(1.0_wp))) is_wider = is_wider .and. bracket%high - bracket%low &
+         > spacings*spacing(bracket%high)
    end function is_wider
 
    !> The point itself where it lies inside a bracket, else the middle.

@@ -207,21 +207,19 @@ contains
 
    !> Moment away from the base and inertia of the wall at theta = 0 without velocity and without
    !> motion of the ground, over m_w R**2.
-   subroutine moment_at_rest(scene, coef, y, moment, inertia)
+   subroutine moment_at_rest(scene, coef, at_rest, moment, inertia)
       type(scene_t), intent(in) :: scene
-      real(wp), intent(in) :: coef(:, :)
-      !! (1, coefficients) on the side of the pivot
-      real(wp), intent(in) :: y(:)
-      !! (states); the first two are taken as zero
+      real(wp), intent(in) :: coef(1, scene%n_coef)
+      !! on the side of the pivot
+      real(wp), intent(in) :: at_rest(scene%n)
+      !! states, of which the first two are zero
       real(wp), intent(out) :: moment
       !! [1/s2]
       real(wp), intent(out) :: inertia
       !! [-]
       type(lane_motion_t) :: motion
-      real(wp) :: at_rest(size(y)), rates(size(y))
+      real(wp) :: rates(scene%n)
 
-      at_rest = y
-      at_rest(:2) = 0
       motion%ground = 0
       motion%vertical = 0
       call lane_rates(scene, coef, at_rest, motion, rates)

@@ -4,7 +4,8 @@ module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_bilinear, only: branch_t, spring_t
-   use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, wall_row
+   use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, put_wall_side, &
+      wall_row
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
@@ -15,9 +16,9 @@ module rwmf_model_equation
    private
 
    public :: equation_t, model_t, discrete_state_t
-   public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t
+   public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t, window_t
    public :: place_frame, place_left, place_right
-   public :: enter_interval, interval_of, enter_side, renew_coefficients
+   public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
    public :: frame_displacement
@@ -151,6 +152,17 @@ module rwmf_model_equation
       !! of the frame's stiffness [-]
    end type sprung_t
 
+   !> Rotations between which the branches in force hold on a side.
+   type :: window_t
+      logical :: is_known = .false.
+      real(wp) :: low = -huge(1.0_wp)
+      !! [rad]; bare frame: displacement [m]
+      real(wp) :: high = huge(1.0_wp)
+      !! [rad] or [m]
+      logical :: ends_at_peak = .false.
+      !! a spring yields, and unloads when the motion turns back
+   end type window_t
+
    !> The interval, side and branches in force, and what follows from them. Plain values: an
    !> assignment saves or restores it.
    type :: discrete_state_t
@@ -182,6 +194,10 @@ module rwmf_model_equation
       !! and up to which they do [rad]
       logical :: ends_at_peak = .false.
       !! a spring yields, and unloads when the motion turns back
+      type(window_t) :: windows(-1:1)
+      !! the last three by side, as long as no branch changes
+      logical :: uplift_is_known = .false.
+      !! what follows holds until a branch changes
       real(wp) :: uplift_acceleration(-1:1) = 0
       !! ground acceleration at which the resting wall lifts off, by side (+1: theta > 0), see
       !! `rwmf_model_lift_off` [m/s2]
@@ -232,6 +248,9 @@ module rwmf_model_equation
       !! yielding frame, then fuses; the tendon's is in `cable`
       real(wp) :: angle_limit = 0
       !! largest |theta| at which the springs are asked for their elongation [rad]
+      real(wp), allocatable :: reach(:, :, :)
+      !! (2, side, spring) their elongations from the least |theta| up to it; spring 0 is the tendon
+      !! [m]
       logical :: has_vertical = .false.
       !! the ground moves vertically as well
       type(motion_t), pointer :: motion => null()
@@ -369,49 +388,68 @@ contains
       !! +1 or -1
 
       state%side = side
-      call renew_coefficients(model, state, is_side_alone=.true.)
+      if (.not. allocated(state%coef)) return
+      if (model%has_wall) call put_wall_side(model%geometry, side, state%coef(1, first_wall))
+      if (model%cable%is_signed) call renew_terms(model, state)
+      call renew_effects(model, state, is_side_alone=.true.)
    end subroutine enter_side
 
-   !> Let the loops over lanes follow the side and the branches in force; to be called when one of
-   !> them has changed.
-   pure subroutine renew_coefficients(model, state, is_side_alone)
+   !> Let the loops over lanes follow the side and the branches in force; to be called when a branch
+   !> has changed.
+   pure subroutine renew_coefficients(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
-      logical, intent(in), optional :: is_side_alone
-      !! no branch has changed
-      logical :: is_all
-      integer :: i
 
       if (.not. allocated(state%coef)) return
-      is_all = .true.
-      if (present(is_side_alone)) is_all = .not. is_side_alone
       if (model%has_wall) call put_row(wall_coefficients, wall_row(model%geometry, state%side, &
          model%p%R, model%inertia, model%p%g), state%coef(1, first_wall))
+      call renew_terms(model, state)
+      call renew_effects(model, state)
+   end subroutine renew_coefficients
+
+   !> Coefficients of frame and cable.
+   pure subroutine renew_terms(model, state)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      integer :: i
+
       do i = 1, size(model%scene%terms)
          associate (term => model%scene%terms(i))
             select case (term%effect)
             case (frame_term)
-               if (is_all) call put_row(frame_coefficients, [frame_mass(model), &
+               call put_row(frame_coefficients, [frame_mass(model), &
                   model%p%two_xi_omega, state%frame_slope, state%frame_offset/model%p%R], &
                   state%coef(1, term%coef))
             case (linear_cable_term, straight_cable_term)
-               if (is_all .or. model%cable%is_signed) call put_row(cable_coefficients, &
-                  cable_row(model%cable, state%tendon, state%side, model%p%g_over_R), &
-                  state%coef(1, term%coef))
+               call put_row(cable_coefficients, cable_row(model%cable, state%tendon, &
+                  state%side, model%p%g_over_R), state%coef(1, term%coef))
             case default
                ! an effect, below
             end select
          end associate
       end do
+   end subroutine renew_terms
+
+   !> Coefficients of further effects.
+   pure subroutine renew_effects(model, state, is_side_alone)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      logical, intent(in), optional :: is_side_alone
+      !! nothing else has changed
+      logical :: has_sides_alone
+      integer :: i
+
       if (.not. allocated(model%effects)) return
+      has_sides_alone = present(is_side_alone)
+      if (has_sides_alone) has_sides_alone = is_side_alone
       do i = 1, size(model%effects)
          associate (extra => model%effects(i))
-            if ((is_all .or. extra%has_sides) .and. associated(extra%coefficients)) call &
-               extra%coefficients(extra, model, state, &
+            if (has_sides_alone .and. .not. extra%has_sides) cycle
+            if (associated(extra%coefficients)) call extra%coefficients(extra, model, state, &
                state%coef(1, extra%coef:extra%coef + extra%n_coef - 1))
          end associate
       end do
-   end subroutine renew_coefficients
+   end subroutine renew_effects
 
    !> Coefficients of one loop into their columns.
    pure subroutine put_row(n, row, coef)

@@ -8,7 +8,7 @@ module rwmf_model_kinematics
    private
 
    public :: geometry_t, kinematics_t
-   public :: geometry_of, kinematics_of, wall_row, link_row
+   public :: geometry_of, kinematics_of, wall_row, put_wall_side, link_row
 
    !> Shape of the wall, and where the link holds it.
    type :: geometry_t
@@ -97,6 +97,18 @@ contains
       row(1, :) = [real(side, wp), 1/R, geometry%cos_alpha, geometry%sine_wall, &
          geometry%sine_link(side), geometry%sine_lever(side), inertia, g/R]
    end function wall_row
+
+   !> The other side in those coefficients.
+   pure subroutine put_wall_side(geometry, side, row)
+      type(geometry_t), intent(in) :: geometry
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(inout) :: row(1, wall_coefficients)
+
+      row(1, 1) = side
+      row(1, 5) = geometry%sine_link(side)
+      row(1, 6) = geometry%sine_lever(side)
+   end subroutine put_wall_side
 
    !> Coefficients of `tilt_link` on a side.
    pure function link_row(geometry, side) result(row)

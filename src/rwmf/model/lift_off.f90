@@ -9,8 +9,7 @@ module rwmf_model_lift_off
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_assembly, only: enter_side, interval_of, lift_off_drive, moment_at_rest
    use rwmf_model_equation, only: discrete_state_t, equation_t, lift_off_drives, model_t
-   use rwmf_model_kinematics, only: kinematics_of, kinematics_t
-   use rwmf_motion_ground_motion, only: interval_end, steep_point, turning_point
+   use rwmf_motion_ground_motion, only: interval_end, line_of, line_t, steep_point, turning_point
    implicit none
    private
 
@@ -85,7 +84,7 @@ contains
 
       drive = lift_off_drives(equation, interval, t)
       side = merge(1, -1, drive(2) >= drive(1))
-      if (.not. lifts(maxval(drive), equation%threshold)) side = 0
+      if (.not. lifts(max(drive(1), drive(2)), equation%threshold)) side = 0
    end function lifting_side
 
    !> Do both sides lift off at an instant? Then the base bears nothing.
@@ -117,7 +116,8 @@ contains
       side = merge(1, -1, right < left)
    end function first_side
 
-   !> Bisect to the first time at which the drive exceeds the threshold.
+   !> Bisect to the first time at which the drive exceeds the threshold; on a straight line from a
+   !> few spacings around the time at which it should.
    pure subroutine refine_lift_off(equation, interval, side, t, t_end)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -127,14 +127,40 @@ contains
       real(wp), intent(in) :: t_end
       !! a time after lift-off [s]
       type(bracket_t) :: bracket
+      type(line_t) :: line
+      real(wp) :: drive(2)
+      !! at the ends [m/s2]
+      real(wp) :: guess
+      integer :: i
 
       bracket = bracket_between(t, t_end)
+      line = line_of(equation%motion, interval)
+      if (line%is_straight) then
+         drive = [lift_off_drive(equation, side, interval, t), &
+            lift_off_drive(equation, side, interval, t_end)]
+         guess = t + (t_end - t)*(drive(1)/(drive(1) - drive(2)))
+         do i = -2, 2, 4
+            call narrow_at(equation, interval, side, guess + i*spacing(t_end), bracket)
+         end do
+      end if
       do while (is_wider(bracket, 1))
-         call narrow(bracket, &
-            lifts(lift_off_drive(equation, side, interval, bracket%middle), equation%threshold))
+         call narrow_at(equation, interval, side, bracket%middle, bracket)
       end do
       t = bracket%high
    end subroutine refine_lift_off
+
+   !> Narrow a bracket of the lift-off by a time inside it; others leave it as it is.
+   pure subroutine narrow_at(equation, interval, side, t, bracket)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: interval
+      integer, intent(in) :: side
+      real(wp), intent(in) :: t
+      !! [s]
+      type(bracket_t), intent(inout) :: bracket
+
+      if (t > bracket%low .and. t < bracket%high) call narrow(bracket, &
+         lifts(lift_off_drive(equation, side, interval, t), equation%threshold), t)
+   end subroutine narrow_at
 
    !> How long the ground motion goes on pulling the wall off its base on the side in force, within
    !> the interval in force [s]; no limit when that is to its end.
@@ -167,27 +193,32 @@ contains
    !> Ground acceleration at which the resting wall lifts off on either side, and the inertia that
    !> further effects add there: from the moment about the pivot at theta = 0 without ground motion.
    !>
-   !> Scenes without further effects keep the closed form of `build_equation`.
+   !> Scenes without further effects keep the closed form of `build_equation`; where there are no
+   !> further states, it changes with the branches alone.
    subroutine find_uplift_acceleration(model, state, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states); the first two are taken as zero
-      type(kinematics_t) :: kin
+      real(wp) :: at_rest(model%n)
       real(wp) :: moment
-      integer :: side_in_force
       integer :: side
+      integer :: i
 
-      if (.not. model%effects_act_at_rest) return
-      side_in_force = state%side
-      do side = -1, 1, 2
+      if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
+      at_rest(:2) = 0
+      at_rest(3:) = y(3:)
+      ! the side in force is the last, and stays
+      side = -state%side
+      do i = 1, 2
          call enter_side(model, state, side)
-         kin = kinematics_of(model%geometry, side, 0.0_wp)
-         call moment_at_rest(model%scene, state%coef, y, moment, state%inertia_at_rest)
-         state%uplift_acceleration(side) = &
-            -moment*model%p%R/(model%p%gamma*model%floors%excited_mass_ratio*kin%lever + kin%c)
+         call moment_at_rest(model%scene, state%coef, at_rest, moment, state%inertia_at_rest)
+         ! at theta = 0 the arms of the link and of the centroid are 2 cos(alpha) and cos(alpha)
+         state%uplift_acceleration(side) = -moment*model%p%R/(model%p%gamma &
+            *model%floors%excited_mass_ratio*(2*model%cos_alpha) + model%cos_alpha)
+         side = -side
       end do
-      call enter_side(model, state, side_in_force)
+      state%uplift_is_known = model%n == 2
    end subroutine find_uplift_acceleration
 
 end module rwmf_model_lift_off

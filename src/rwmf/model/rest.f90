@@ -41,7 +41,9 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      press = -maxval(lift_off_drives(equation, interval, t))
+      associate (drive => lift_off_drives(equation, interval, t))
+         press = -max(drive(1), drive(2))
+      end associate
    end function pressing_at
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?

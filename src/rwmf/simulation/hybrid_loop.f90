@@ -170,9 +170,11 @@ contains
       end if
       interval = interval_of(equation)
       do while (side == 0 .and. hybrid%t < t_target .and. .not. equation%moves_at_rest)
-         ! One interval at a time, because the history shows the ground motion as well.
          t_begin = hybrid%t
-         t_limit = min(t_target, interval_end(equation%motion, interval))
+         t_limit = t_target
+         ! One interval at a time, where history and reactions show the ground motion as well.
+         if (recorder%keeps_history .or. allocated(recorder%forces)) t_limit = min(t_target, &
+            interval_end(equation%motion, interval))
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
          ! A motion that begins with a jump lifts the wall at once: that is no rest.
          if (hybrid%t > t_begin) call observe_rest(recorder, equation, t_begin, hybrid%t)

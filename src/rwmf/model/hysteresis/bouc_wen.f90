@@ -13,7 +13,7 @@ module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
       frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t, model_t, &
-      motion_signs_t, renew_coefficients
+      motion_signs_t, renew_effects
    use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
@@ -80,9 +80,11 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
+      real(wp) :: lost
 
+      lost = state%signs%lost
       call follow_signs(model%hysteresis, y(model%hysteresis%place), state%signs)
-      call renew_coefficients(model, state)
+      if (abs(state%signs%lost - lost) > 0) call renew_effects(model, state)
    end subroutine follow_loading_direction
 
    !> What follows from them for one law.

@@ -9,7 +9,7 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
       frame_displacement, frame_mass, frame_velocity, model_t, place_frame, place_left, &
-      place_right, renew_coefficients, sprung_t
+      place_right, renew_coefficients, sprung_t, window_t
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, is_yielding, new_branch, &
       new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_plastic, &
@@ -32,12 +32,15 @@ module rwmf_model_hysteresis_spring_set
 
 contains
 
-   !> Straight lines of the branches that are in force; to be called when one has changed.
+   !> Straight lines of the branches that are in force; to be called when one has changed. What
+   !> followed from the others is forgotten.
    subroutine follow_branches(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
 
       if (.not. model%has_bilinear_springs) return
+      state%windows%is_known = .false.
+      state%uplift_is_known = .false.
       associate (of_frame => model%springs%place == place_frame)
          if (any(of_frame)) then
             state%frame_offset = sum(state%springs%offset, of_frame)
@@ -81,6 +84,8 @@ contains
       end if
       equation%has_bilinear_springs = .true.
       equation%angle_limit = case%model%overturning_angle
+      allocate (equation%reach(2, -1:1, 0:size(equation%springs)))
+      equation%reach(:, :, :) = reach_of(equation%model_t)
       call reset_springs(equation%model_t, equation%state)
    end subroutine choose_springs
 
@@ -264,6 +269,32 @@ contains
          arm*equation%state%side*y(2))
    end function tendon_power
 
+   !> Elongations of all springs at the ends of the range of rotations, where all are monotone.
+   function reach_of(model) result(reach)
+      type(model_t), intent(in) :: model
+      real(wp) :: reach(2, -1:1, 0:size(model%springs))
+      !! by side and spring, see `rotation_at` [m]
+      integer :: number
+      integer :: side
+
+      reach = 0
+      if (.not. model%has_wall) return
+      do number = merge(0, 1, model%cable%is_tendon), size(model%springs)
+         do side = -1, 1, 2
+            reach(1, side, number) = elongation_of(model, side, number, least_angle(model))
+            reach(2, side, number) = elongation_of(model, side, number, model%angle_limit)
+         end do
+      end do
+   end function reach_of
+
+   !> Least |theta| at which the springs are asked for their elongation; of a hinged wall, whose
+   !> side never changes, the least theta [rad].
+   pure real(wp) function least_angle(model)
+      class(model_t), intent(in) :: model
+
+      least_angle = merge(0.0_wp, -model%angle_limit, model%has_impacts)
+   end function least_angle
+
    !> All springs as they were before anything happened.
    subroutine reset_springs(model, state)
       type(model_t), intent(in) :: model
@@ -297,42 +328,54 @@ contains
       call renew_window(model, state)
    end subroutine load_to
 
-   !> Find the rotations between which the branches in force hold, and their lines.
+   !> The rotations between which the branches in force hold on the side in force.
    subroutine renew_window(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
-      integer :: i
 
-      call follow_branches(model, state)
-      state%low = -huge(1.0_wp)
-      state%high = huge(1.0_wp)
-      state%ends_at_peak = model%has_loading_direction
-      if (model%cable%is_tendon) call narrow_window(model, state, 0, model%cable%tendon, &
-         state%tendon)
-      do i = 1, size(model%springs)
-         if (moves(model%springs(i)%place, state%side)) call narrow_window(model, state, &
-            i, model%springs(i)%spring, state%springs(i))
-      end do
+      associate (window => state%windows(state%side))
+         if (.not. window%is_known) window = window_of(model, state)
+         state%low = window%low
+         state%high = window%high
+         state%ends_at_peak = window%ends_at_peak
+      end associate
    end subroutine renew_window
 
-   !> Narrow the window to that of one spring.
-   subroutine narrow_window(model, state, number, spring, branch)
+   !> The same from the limits of the springs.
+   type(window_t) function window_of(model, state) result(window)
       type(model_t), intent(in) :: model
-      type(discrete_state_t), intent(inout) :: state
+      type(discrete_state_t), intent(in) :: state
+      integer :: i
+
+      window%is_known = .true.
+      window%ends_at_peak = model%has_loading_direction
+      if (model%cable%is_tendon) call narrow_window(model, state%side, 0, model%cable%tendon, &
+         state%tendon, window)
+      do i = 1, size(model%springs)
+         if (moves(model%springs(i)%place, state%side)) call narrow_window(model, state%side, &
+            i, model%springs(i)%spring, state%springs(i), window)
+      end do
+   end function window_of
+
+   !> Narrow a window to that of one spring.
+   subroutine narrow_window(model, side, number, spring, branch, window)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
       integer, intent(in) :: number
       !! of the spring; 0 is the tendon
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
+      type(window_t), intent(inout) :: window
       real(wp) :: x(2)
       !! limits of the elongation [m]
       real(wp) :: theta(2)
 
-      if (is_yielding(branch)) state%ends_at_peak = .true.
+      if (is_yielding(branch)) window%ends_at_peak = .true.
       call spring_limits(spring, branch, x(1), x(2))
-      theta = [rotation_at(model, state%side, number, x(1)), &
-         rotation_at(model, state%side, number, x(2))]
-      state%low = max(state%low, minval(theta))
-      state%high = min(state%high, maxval(theta))
+      theta = [rotation_at(model, side, number, x(1)), rotation_at(model, side, number, x(2))]
+      window%low = max(window%low, minval(theta))
+      window%high = min(window%high, maxval(theta))
    end subroutine narrow_window
 
    !> Elongation of a spring at a rotation of the side in force [m].
@@ -367,23 +410,21 @@ contains
       !! [m]
       type(bracket_t) :: bracket
       !! of |theta|
-      real(wp) :: at_ends(2)
       integer :: direction
       !! +1 if the elongation grows with |theta|
 
       theta = x
       if (.not. model%has_wall .and. number > 0) return
-      bracket = bracket_between(merge(0.0_wp, -model%angle_limit, model%has_impacts), &
-         model%angle_limit)
-      at_ends = [elongation_of(model, side, number, bracket%low), &
-         elongation_of(model, side, number, bracket%high)]
-      direction = merge(1, -1, at_ends(2) > at_ends(1))
-      theta = direction*side*huge(x)
-      if (x >= maxval(at_ends)) return
-      theta = -theta
-      if (x <= minval(at_ends)) return
+      associate (reach => model%reach(:, side, number))
+         direction = merge(1, -1, reach(2) > reach(1))
+         theta = direction*side*huge(x)
+         if (x >= max(reach(1), reach(2))) return
+         theta = -theta
+         if (x <= min(reach(1), reach(2))) return
+      end associate
       theta = side*angle_of(model, side, number, x)
       if (abs(theta) < huge(x)) return
+      bracket = bracket_between(least_angle(model), model%angle_limit)
       do while (bracket%is_open)
          call narrow(bracket, direction*(elongation_of(model, side, number, bracket%middle) &
             - x) >= 0)
@@ -448,6 +489,7 @@ contains
                model%springs(number)%spring, state%springs(number))
          end if
       end do
+      call follow_branches(model, state)
       call renew_window(model, state)
    end subroutine pass_window
 
@@ -483,21 +525,21 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp) :: phi
+      logical :: unloads
       integer :: i
 
       if (.not. model%has_bilinear_springs) return
-      phi = state%side*theta
-      if (model%cable%is_tendon) then
-         call turn_spring(model%cable%tendon, state%tendon, &
-            elongation_of(model, state%side, 0, phi))
-      end if
+      unloads = is_yielding(state%tendon)
+      if (unloads) call turn_spring(model%cable%tendon, state%tendon, &
+         elongation_of(model, state%side, 0, state%side*theta))
       do i = 1, size(model%springs)
+         if (.not. is_yielding(state%springs(i))) cycle
          if (.not. moves(model%springs(i)%place, state%side)) cycle
          call turn_spring(model%springs(i)%spring, state%springs(i), &
-            elongation_of(model, state%side, i, phi))
+            elongation_of(model, state%side, i, state%side*theta))
+         unloads = .true.
       end do
-      call follow_branches(model, state)
+      if (unloads) call follow_branches(model, state)
    end subroutine turn_back
 
    !> Columns of the history: forces of the frame, all its springs together, and of the fuses.
