@@ -1,4 +1,4 @@
-!> A run goes on: explicit pairs as a team of one lane, other methods step by step in the hybrid loop.
+!> A run goes on: explicit pairs as a team of one lane, other methods in the hybrid loop.
 module rwmf_simulation_advance
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t

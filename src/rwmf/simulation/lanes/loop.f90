@@ -128,8 +128,8 @@ contains
             if (hybrid%mode == mode_rest) then
                call follow_rest(lane, t_limit)
                span = huge(span)
-               if (allocated(lane%error) .or. hybrid%mode /= mode_rest .or. t_limit <= hybrid%t) cycle
-               exit
+               if (hybrid%mode == mode_rest .and. t_limit > hybrid%t) exit
+               cycle
             end if
             call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
             if (t_limit > hybrid%t) exit
