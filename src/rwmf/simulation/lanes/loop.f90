@@ -28,7 +28,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
       has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, stay_at_rest
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
-      follow_curves, lane_t, line_row, longest_step, tabulate_lines, team_t
+      follow_curves, lane_t, line_row, longest_step, team_t
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
       recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -37,25 +37,12 @@ module rwmf_simulation_lanes_loop
    implicit none
    private
 
-   public :: advance_lane, begin_team, join_team, step_team
+   public :: advance_lane, join_team, step_team
 
    integer, parameter :: at_state = 3
    !! beside the events of the rotation: a further state leaves its window
 
 contains
-
-   !> Make ready a team of one lane for a run from its beginning to t_end.
-   subroutine begin_team(equation, integrator, hybrid, t_end, team)
-      type(equation_t), intent(in) :: equation
-      type(explicit_pair_t), intent(in) :: integrator
-      type(hybrid_t), intent(in) :: hybrid
-      real(wp), intent(in) :: t_end
-      !! [s]
-      type(team_t), intent(out) :: team
-
-      call create_team(equation, integrator%pair, hybrid%max_steps, 1, team)
-      call tabulate_lines(equation%motion, equation%has_vertical, t_end, team)
-   end subroutine begin_team
 
    !> Follow a single run to the time t_target, or to overturning or collapse.
    subroutine advance_lane(hybrid, equation, integrator, recorder, t_target, control, team, error)
