@@ -269,8 +269,9 @@ contains
       do i = 1, size(attempt)
          associate (current => attempt(i))
             if (found(i)%failed) then
+               is_repeated(i) = current%range < size(fit_range) &
+                  .and. shared%equation(task(i)%equation)%v_high >= fit_range(current%range)
                current%range = current%range + 1
-               is_repeated(i) = current%range <= size(fit_range)
             else if (found(i)%error > shared%rtol .and. current%stages < max_stages) then
                current%stages = max_stages
                is_repeated(i) = .true.

@@ -16,8 +16,9 @@
 module rwmf_spectrum_fast_reduced_equation
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: build_equation
+   use rwmf_model_drift_limits, only: count_drifts, drift_ratios
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_equation, only: enter_side, equation_t
+   use rwmf_model_equation, only: enter_side, equation_t, frame_motion
    use rwmf_model_lanes, only: lane_motion_t
    use rwmf_model_scene, only: frame_term, scene_t
    use rwmf_motion_ground_motion, only: motion_t
@@ -31,6 +32,8 @@ module rwmf_spectrum_fast_reduced_equation
 
    integer, parameter :: short_degree = 4
    !! of polynomials that are accurate enough with it
+   real(wp), parameter :: below_limit = 0.999_wp
+   !! part of the limit of a drift up to which there is no doubt that it is kept [-]
 
    !> The scene on one side, without spring and damping of the frame.
    type :: probe_t
@@ -49,7 +52,8 @@ module rwmf_spectrum_fast_reduced_equation
 
 contains
 
-   !> Build the equation of a case, with curves fitted on -0.3 v_high <= v <= v_high.
+   !> Build the equation of a case, with curves fitted on -0.3 v_high <= v <= v_high, or up to where
+   !> a drift comes close to its limit: what goes on to it is left to the general lanes.
    subroutine build_reduced_equation(case, motion, v_high, accuracy, reduced)
       type(case_t), intent(in) :: case
       !! supported by `rwmf_spectrum_fast_eligibility`
@@ -85,13 +89,15 @@ contains
       reduced%threshold = reduced%m3/max(reduced%m2, tiny(1.0_wp))
       reduced%e = restitution(case, equation%p%alpha)
       reduced%length = 2*equation%p%R
-      reduced%v_high = v_high
+      reduced%v_high = min(v_high, below_limit*collapsed_at(equation))
       do n = short_degree, degree, degree - short_degree
          reduced%is_short = n == short_degree
          reduced%fit_error = 0
          do side = 1, 2
             call fit_side(probe(side), side, n, at_0(:, side), reduced)
          end do
+         ! what takes stiffness from the frame lets a steady error move it farther
+         reduced%fit_error = reduced%fit_error*(1 + max(0.0_wp, -reduced%m3_1)/equation%p%g_over_R)
          if (reduced%fit_error < accuracy) exit
       end do
       reduced%is_even = all(abs(reduced%coef(:, :, 1) - reduced%coef(:, :, 2)) <= 0) &
@@ -101,12 +107,25 @@ contains
       do side = 1, 2
          call ask(probe(side), min(case%model%overturning_angle, 1.0_wp), 0.0_wp, 0.0_wp, &
             overturned)
-         if (v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
+         if (reduced%v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
       end do
       if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0) then
          reduced%fit_error = huge(1.0_wp)
       end if
    end subroutine build_reduced_equation
+
+   !> v at which a drift reaches its limit [-]; they are in proportion.
+   real(wp) function collapsed_at(equation) result(v)
+      type(equation_t), intent(in) :: equation
+      real(wp) :: ratio(count_drifts(equation)), rate(count_drifts(equation))
+      real(wp) :: u_s, u_s_dot
+
+      v = huge(v)
+      if (size(rate) == 0) return
+      call drift_ratios(equation, [0.0_wp, 1.0_wp], ratio, rate)
+      call frame_motion(equation, equation%state%side, [0.0_wp, 1.0_wp], u_s, u_s_dot)
+      v = abs(u_s_dot)/(2*equation%p%R*maxval(abs(rate)))
+   end function collapsed_at
 
    !> The scene on a side; what depends on the period is left out of it.
    subroutine set_probe(case, equation, side, probe)
