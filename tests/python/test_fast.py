@@ -140,7 +140,16 @@ def _with_p_delta(case: rwmf.Case, x: list[float]) -> rwmf.Case:
     return case.replace(p_delta={"m_g_over_m_s": ratio, "drift_limit": limit})
 
 
-@pytest.mark.parametrize("change", [_with_p_delta])
+def _with_initial(case: rwmf.Case, x: list[float]) -> rwmf.Case:
+    """A rotation of 0.01 to 0.8 of the slenderness, a velocity, or both, to either side."""
+    rotation = math.copysign(0.01 * 80 ** x[0], x[1] - 0.5)
+    state = {"theta_over_alpha": rotation, "theta_dot": 1.4 * x[2] - 0.7}
+    if x[3] < 0.6:
+        del state["theta_dot" if x[3] < 0.3 else "theta_over_alpha"]
+    return case.replace(initial=state)
+
+
+@pytest.mark.parametrize("change", [_with_p_delta, _with_initial])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
 def test_random_scenes_against_single_runs(
     change: Callable[[rwmf.Case, list[float]], rwmf.Case], rtol: float, folder: Path
@@ -237,7 +246,6 @@ def test_other_effects_fall_back() -> None:
     assert rwmf.spectrum(pinned).attrs["rhs_evaluations"] > 0
     for group, keys in (
         ("yielding", {"u_y": 0.02, "hardening": 0.05}),
-        ("initial", {"theta_over_alpha": 0.1}),
         ("solver", {"t_end": 3.0, "atol": 1e-9}),
         ("solver", {"t_end": 3.0, "verify": True}),
     ):

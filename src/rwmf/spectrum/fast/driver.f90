@@ -131,7 +131,8 @@ contains
       attempt = attempt(:n)
    end function first_attempts
 
-   !> Evaluations of N in a step for a mass ratio.
+   !> Evaluations of N in a step for a mass ratio. Of the largest motion from a given state, which
+   !> may be over within two steps, hardly anything is in the estimated error: nothing is saved there.
    pure integer function stages_for(case, gamma)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: gamma
@@ -141,7 +142,8 @@ contains
       gamma_limit(1) = gamma_one_stage*sqrt(max(1.0_wp, 1.0e-7_wp/case%solver%rtol))
       gamma_limit(2) = merge(gamma_two_stages(2), gamma_two_stages(1), &
          case%model%formulation == 'published')
-      stages_for = max_stages - count(gamma >= gamma_limit)
+      stages_for = max_stages
+      if (.not. allocated(case%initial)) stages_for = stages_for - count(gamma >= gamma_limit)
    end function stages_for
 
    !> Longest step: a fraction of the wall's time scale sqrt(h/g), or that of the pulse [s].
@@ -156,7 +158,8 @@ contains
    pure real(wp) function fineness(case)
       type(case_t), intent(in) :: case
 
-      fineness = min(2.0_wp, (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
+      fineness = min(merge(1.0_wp, 2.0_wp, allocated(case%initial)), &
+         (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
    end function fineness
 
    !> Halvings of the step for each period; `halvings` + 1 where no step is short enough.

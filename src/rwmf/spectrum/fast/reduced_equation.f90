@@ -23,7 +23,7 @@ module rwmf_spectrum_fast_reduced_equation
    use rwmf_model_scene, only: frame_term, scene_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_run, only: restitution
+   use rwmf_simulation_run, only: initial_state, restitution
    use rwmf_spectrum_fast_types, only: curves, degree, reduced_equation_t
    implicit none
    private
@@ -88,6 +88,7 @@ contains
       end do
       reduced%threshold = reduced%m3/max(reduced%m2, tiny(1.0_wp))
       reduced%e = restitution(case, equation%p%alpha)
+      call set_start(probe, initial_state(case, equation), reduced)
       reduced%length = 2*equation%p%R
       reduced%v_high = min(v_high, below_limit*collapsed_at(equation))
       do n = short_degree, degree, degree - short_degree
@@ -150,6 +151,23 @@ contains
          end associate
       end do
    end subroutine set_probe
+
+   !> The state to start with.
+   subroutine set_start(probe, y, reduced)
+      type(probe_t), intent(in) :: probe(2)
+      real(wp), intent(in) :: y(2)
+      !! theta [rad] and theta' [rad/s]
+      type(reduced_equation_t), intent(inout) :: reduced
+      type(lane_motion_t) :: motion
+      integer :: side
+
+      side = 1
+      if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) side = -1
+      call ask(probe(merge(1, 2, side > 0)), side*y(1), side*y(2), 0.0_wp, motion)
+      reduced%start_v = motion%u(1)/2
+      reduced%start_w = motion%j(1)/2*(side*y(2))
+      reduced%start_side = side
+   end subroutine set_start
 
    !> What moves the wall at a rotation, per m_w R**2.
    subroutine ask(probe, phi, rate, ground, motion)
