@@ -167,8 +167,8 @@ contains
    end subroutine take_values
 
    !> Does all that is asked for follow from the largest displacement of an ordinate that neither
-   !> overturned nor collapsed? So it is where a rotation to either side moves the frame as far and strains the
-   !> cable as much: not where the link is held at the left corner (`exact`), and not for the cable
+   !> overturned nor collapsed? So it is where a rotation to either side moves the frame as far and
+   !> strains the cable as much: not where the link is held at the left corner (`exact`), and not for the cable
    !> force of a signed rotation (`published`).
    pure logical function follow_from_displacement(asked, equation) result(follow)
       type(asked_t), intent(in) :: asked

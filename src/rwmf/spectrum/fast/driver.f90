@@ -131,8 +131,8 @@ contains
       attempt = attempt(:n)
    end function first_attempts
 
-   !> Evaluations of N in a step for a mass ratio. Of the largest motion from a given state, which
-   !> may be over within two steps, hardly anything is in the estimated error: nothing is saved there.
+   !> Evaluations of N in a step for a mass ratio. The largest motion from a given state may be over
+   !> within two steps, too soon for the estimate of its error: nothing is saved there.
    pure integer function stages_for(case, gamma)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: gamma

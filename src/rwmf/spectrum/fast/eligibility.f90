@@ -21,8 +21,8 @@ contains
       type(case_t) :: probe
       type(equation_t) :: equation
 
-      is_supported = allocated(case%frame) .and. .not. (allocated(case%solver%accuracy) .or. case%solver%verify &
-         .or. allocated(case%solver%atol) .or. allocated(case%storeys) &
+      is_supported = allocated(case%frame) .and. .not. (allocated(case%solver%accuracy) &
+         .or. case%solver%verify .or. allocated(case%solver%atol) .or. allocated(case%storeys) &
          .or. allocated(case%vertical_record))
       if (is_supported .and. allocated(case%impact)) is_supported = case%impact%rule /= 'table'
       if (.not. is_supported) return
