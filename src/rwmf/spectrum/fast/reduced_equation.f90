@@ -99,6 +99,8 @@ contains
          end do
          ! what takes stiffness from the frame lets a steady error move it farther
          reduced%fit_error = reduced%fit_error*(1 + max(0.0_wp, -reduced%m3_1)/equation%p%g_over_R)
+         ! and flights that all begin without a velocity are moved by little more than such errors
+         if (reduced%e <= 0) reduced%fit_error = 10*reduced%fit_error
          if (reduced%fit_error < accuracy) exit
       end do
       reduced%is_even = all(abs(reduced%coef(:, :, 1) - reduced%coef(:, :, 2)) <= 0) &
@@ -110,7 +112,7 @@ contains
             overturned)
          if (reduced%v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
       end do
-      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0) then
+      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0) then
          reduced%fit_error = huge(1.0_wp)
       end if
    end subroutine build_reduced_equation

@@ -235,7 +235,8 @@ contains
             call finish(i, work)
          else if (equation%start_v > 0 .or. equation%start_w > 0) then
             work%ordinate(i)%w_max = abs(equation%start_w)
-            call begin_flight(shared, 1, 0.0_wp, equation%start_side, equation%start_v, &
+            ! inside the step, where N is that of the state and not of the step before
+            call begin_flight(shared, 1, tiny(1.0_wp), equation%start_side, equation%start_v, &
                equation%start_w, i, work)
             call start_remainder(grid%step(1), i, team)
          else
@@ -253,10 +254,10 @@ contains
       !! positions between which the rate is a difference, with errors of x**2 and round-off/x [-]
       real(wp) :: v_d2
 
-      team%difference(i, 0) = remainder_at(step, 0.0_wp, 0.0_wp, i, team)
-      v_d2 = team%difference(i, 0) - team%m2(i)*team%side(i)*ground_at(step, 0.0_wp) - team%m3(i) &
+      team%now%n(i) = remainder_at(step, 0.0_wp, 0.0_wp, i, team)
+      v_d2 = team%now%n(i) - team%m2(i)*team%side(i)*ground_at(step, 0.0_wp) - team%m3(i) &
          - team%linear_damping(i)*team%now%w(i) - team%linear_stiffness(i)*team%now%v(i)
-      team%slope(i) = (remainder_at(step, x, v_d2, i, team) &
+      team%now%n_rate(i) = (remainder_at(step, x, v_d2, i, team) &
          - remainder_at(step, -x, v_d2, i, team))/(2*x*step%h)
    end subroutine start_remainder
 
@@ -497,9 +498,11 @@ contains
          ordinate%v_max = team%v_max(i)
          ordinate%negligible_velocity = velocity_share*shared%rtol*ordinate%w_max
          team%negligible_velocity(i) = ordinate%negligible_velocity
-         is_at_rest = .false.
          associate (equation => shared%equation(ordinate%equation), &
             grid => shared%grid(ordinate%grid), number => team%step(i) - ordinate%offset)
+            ! without a velocity it rests, even if only until the motion lifts it at once
+            is_at_rest = equation%e <= 0
+            if (is_at_rest) return
             if (team%may_rest(i) > 0 .or. number >= grid%motion_end_step) then
                call find_rest(equation, grid, number, team%x(i), team%f_impact(i), &
                   team%now%w(i), ordinate, is_at_rest)
