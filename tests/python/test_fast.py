@@ -132,7 +132,7 @@ def test_effects_that_depend_on_the_rotation_alone(formulation: str, folder: Pat
 
 
 def _with_p_delta(case: rwmf.Case, x: list[float]) -> rwmf.Case:
-    """Weights that take up to 1.2 times the frame's stiffness, drift limits from 0.5 to 50 %."""
+    """Take up to 1.2 times the frame's stiffness; drift limits from 0.5 to 50 %."""
     height = 2 * float(case.wall.h)
     stiffness = height / 9.81 * (2 * math.pi / float(case.frame.T_s)) ** 2
     ratio = 3 * x[0] if x[1] < 0.5 else 1.2 * x[0] * stiffness
@@ -141,7 +141,7 @@ def _with_p_delta(case: rwmf.Case, x: list[float]) -> rwmf.Case:
 
 
 def _with_initial(case: rwmf.Case, x: list[float]) -> rwmf.Case:
-    """A rotation of 0.01 to 0.8 of the slenderness, a velocity, or both, to either side."""
+    """Start with 0.01 to 0.8 of the slenderness, a velocity, or both, to either side."""
     rotation = math.copysign(0.01 * 80 ** x[0], x[1] - 0.5)
     state = {"theta_over_alpha": rotation, "theta_dot": 1.4 * x[2] - 0.7}
     if x[3] < 0.6:
