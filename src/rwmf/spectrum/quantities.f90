@@ -168,8 +168,8 @@ contains
 
    !> Does all that is asked for follow from the largest displacement of an ordinate that neither
    !> overturned nor collapsed? So it is where a rotation to either side moves the frame as far and
-   !> strains the cable as much: not where the link is held at the left corner (`exact`), and not for
-   !> the cable force of a signed rotation (`published`).
+   !> strains the cable as much: not where the link is held at the left corner (`exact`), and not
+   !> for the cable force of a signed rotation (`published`).
    pure logical function follow_from_displacement(asked, equation) result(follow)
       type(asked_t), intent(in) :: asked
       type(equation_t), intent(in) :: equation
