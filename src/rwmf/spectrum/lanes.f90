@@ -111,7 +111,7 @@ contains
          runs(1)%hybrid%max_steps, width, team)
       team%kernels = lane_kernels_of(best_level())
       call tabulate_lines(motion, runs(1)%equation%has_vertical, case%solver%t_end, team)
-      team%keeps_more = .not. asked%is_displacement
+      team%keeps_more = asked%is_watched
       do i = 1, width
          if (runs(i)%ordinate > 0) call join_team(lanes(i), i, team)
       end do

@@ -39,6 +39,8 @@ module rwmf_spectrum_quantities
       !! what a run has to keep for them; not allocated: nothing
       logical :: is_displacement = .true.
       !! the largest displacement of the frame and nothing else
+      logical :: is_watched = .false.
+      !! something among them has peaks that no event tells: the angular velocity, storeys, reactions
       logical :: has_sensitivity = .false.
       !! more runs have to be made for them, by `verify`
    end type asked_t
@@ -66,6 +68,8 @@ contains
          output%energy = output%energy .or. all_quantities(asked%place(i))%asked_by == 'energy'
       end do
       asked%is_displacement = all(asked%keys == displacement)
+      asked%is_watched = any(asked%keys == 'theta_dot_max_rad_s' .or. asked%storey > 0) &
+         .or. output%reactions .or. output%energy
       asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
          .or. asked%keys == 'estimated_relative_error')
       if (.not. (output%reactions .or. output%energy)) return

@@ -20,10 +20,10 @@ module rwmf_simulation_lanes_loop
    use rwmf_model_hysteresis_bouc_wen, only: stable_pace, will_pass_zero
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
-   use rwmf_simulation_events_event_time, only: find_event_time
+   use rwmf_simulation_events_event_time, only: find_event_time, find_reversal
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
       place_event, quartic_of, quartic_t, quintic_of
-   use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
+   use rwmf_simulation_events_step_view, only: from, step_view_t, until, view_step
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
       has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, stay_at_rest
@@ -207,6 +207,8 @@ contains
          end if
       end associate
       call load_line(lane, i, t_limit, team)
+      ! under a motion beyond all measure no first step is short enough
+      if (.not. team%table(i, of_length) > 0) call check_length(lane, i, team)
    end subroutine load_lane
 
    !> The interval of the motion that is in force.
@@ -348,7 +350,6 @@ contains
       real(wp), intent(in), contiguous, target :: y_b(:)
       !! (states)
       type(step_view_t) :: step
-      real(wp) :: t_turn, y_turn(size(y_a))
 
       call follow_interval(lane, i, team)
       associate (integrator => lane%integrator)
@@ -360,14 +361,34 @@ contains
          call view_step(step, lane%equation, integrator)
       end associate
       step = until(step, t_b, y_b)
-      if (lane%recorder%keeps_events .and. y_a(2)*y_b(2) < 0) then
-         ! where it does not matter for the motion, a turn cuts no step
-         call find_event_time(step, 2, 0.0_wp, t_turn, y_turn, lane%error)
-         if (allocated(lane%error)) return
-         call observe_event(lane%recorder, event_peak, t_turn, y_turn)
-      end if
-      call observe_piece(lane%recorder, step, lane%error)
+      if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
+      if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error)
    end subroutine observe_step
+
+   !> Put the turns inside a piece, which cut no step, into the list of events.
+   subroutine list_turns(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), target :: y(size(piece%y_a)), y_turn(size(piece%y_a))
+      real(wp) :: t, t_turn
+      logical :: turns_twice
+
+      if (piece%y_a(2)*piece%y_b(2) < 0) then
+         call find_event_time(piece, 2, 0.0_wp, t, y, error)
+         if (.not. allocated(error)) call observe_event(recorder, event_peak, t, y)
+         return
+      end if
+      call find_reversal(piece, t, y, turns_twice, error)
+      if (allocated(error) .or. .not. turns_twice) return
+      if (abs(piece%y_a(2)) > 0) then
+         call find_event_time(until(piece, t, y), 2, 0.0_wp, t_turn, y_turn, error)
+         if (allocated(error)) return
+         call observe_event(recorder, event_peak, t_turn, y_turn)
+      end if
+      call find_event_time(from(piece, t, y), 2, 0.0_wp, t_turn, y_turn, error)
+      if (.not. allocated(error)) call observe_event(recorder, event_peak, t_turn, y_turn)
+   end subroutine list_turns
 
    !> Bound on the work of one run in the team.
    subroutine bound_work(lane, i, team)
