@@ -116,7 +116,7 @@ def _compare(
         try:
             truth = _scalars(here.replace(solver=SECOND))
         except rwmf.NumericalError as error:
-            return Ordinate(number, T_s, note=f"{state}; truth: {str(error).split(" by t")[0]}")
+            return Ordinate(number, T_s, note=f"{state}; truth: {str(error).split(' by t')[0]}")
     end = "overturned" if truth.get("overturned", False) else "ok"
     if state != end:
         return Ordinate(number, T_s, math.inf, note=f"{state}; truth: {end}")

@@ -39,7 +39,7 @@ module rwmf_simulation_hybrid_loop
    private
 
    public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, apply_event, stay_at_rest
-   public :: check_work, leave_rest, may_stand_on_fuses
+   public :: check_work, leave_rest, may_stand_on_fuses, stands_on_fuses
    public :: mode_rest, mode_rocking, mode_overturned, mode_collapsed, mode_no_impacts, has_ended
 
    real(wp), parameter :: negligible = 0.01_wp

@@ -26,7 +26,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_events_step_view, only: from, step_view_t, until, view_step
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
-      has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, stay_at_rest
+      has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, &
+      stands_on_fuses, stay_at_rest
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, team_t
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
@@ -179,8 +180,9 @@ contains
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest), &
             1/max(tiny(span), table(i, of_pace)*abs(hybrid%y(2))))
          lane%is_held = hybrid%mode == mode_rest
-         lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held
-         lane%is_smooth = lane%is_held .or. .not. may_stand_on_fuses(equation)
+         lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held &
+            .or. may_stand_on_fuses(equation)
+         lane%is_smooth = .true.
          table(i, of_least) = -huge(1.0_wp)
          table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
@@ -316,7 +318,11 @@ contains
             call rates_at(lanes(i)%equation, step%t_b, y_b, rates)
             lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), rates)
          else if (lanes(i)%is_smooth) then
-            lanes(i)%is_smooth = .not. may_stand_on_fuses(lanes(i)%equation)
+            ! a step beyond the base ends with an impact
+            associate (equation => lanes(i)%equation)
+               if (may_stand_on_fuses(equation)) lanes(i)%is_smooth = .not. stands_on_fuses( &
+                  equation, equation%state%side*max(0.0_wp, equation%state%side*y_b(1)))
+            end associate
          end if
          team%table(i, of_watch) = merge(0, 1, lanes(i)%is_smooth .and. lanes(i)%goal == no_event)
       end do
