@@ -92,9 +92,14 @@ contains
             call state_at(p(1, 0), team%y, v, team%w_impact)
          else
             team%y = 1
-            team%w_impact = team%h_part*team%next%w
          end if
       end associate
+      ! Without an impact it must not depend on whether another lane has one.
+      !$omp simd
+      do i = 1, lanes
+         team%w_impact(i) = merge(team%w_impact(i), team%h_part(i)*team%next%w(i), &
+            team%has_impact(i) > 0)
+      end do
    end subroutine find_impacts
 
    !> Set up what follows: the flight after an impact (position, rate, side, length of the
