@@ -150,9 +150,9 @@ contains
       call find_next(secant)
    end subroutine close_in
 
-   !> Where the secant is zero, half the resolution or a spacing away from the ends at least, so that
-   !> a root that is known from one side is enclosed; the middle where that is no place inside, and
-   !> every eighth time.
+   !> Where the secant is zero, half the resolution or a spacing away from the ends at least, so
+   !> that a root that is known from one side is enclosed; the middle where that is no place inside,
+   !> and every eighth time.
    pure subroutine find_next(secant)
       type(secant_t), intent(inout) :: secant
       real(wp) :: width

@@ -4,8 +4,8 @@ module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_bilinear, only: branch_t, spring_t
-   use rwmf_model_kinematics, only: geometry_t, kinematics_of, kinematics_t, put_wall_side, &
-      wall_row
+   use rwmf_model_kinematics, only: displacement_of, geometry_t, kinematics_of, kinematics_t, &
+      put_wall_side, wall_row
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
@@ -571,11 +571,9 @@ contains
       !! +1 or -1
       real(wp), intent(in) :: theta
       !! [rad]; bare frame: the displacement itself [m]
-      type(kinematics_t) :: kin
 
       if (model%has_wall) then
-         kin = kinematics_of(model%geometry, side, side*theta)
-         u_s = side*model%p%R*kin%u
+         u_s = side*model%p%R*displacement_of(model%geometry, side, side*theta)
       else
          u_s = theta
       end if

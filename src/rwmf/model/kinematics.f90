@@ -2,13 +2,13 @@
 !> loop of `rwmf_model_lanes` for a single lane.
 module rwmf_model_kinematics
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: lane_motion_t, link_coefficients, move_wall, tilt_link, &
-      wall_coefficients
+   use rwmf_model_lanes, only: lane_motion_t, link_coefficients, move_wall, sine, &
+      tilt_link, wall_coefficients
    implicit none
    private
 
    public :: geometry_t, kinematics_t
-   public :: geometry_of, kinematics_of, wall_row, put_wall_side, link_row
+   public :: geometry_of, kinematics_of, displacement_of, wall_row, put_wall_side, link_row
 
    !> Shape of the wall, and where the link holds it.
    type :: geometry_t
@@ -160,5 +160,25 @@ contains
       kin%k_1 = kin%k_1 + geometry%tilt(side)*(3*(tilt_1*tilt_2 - k*j) - kin%rise*k)/root
       kin%lever_1 = kin%k
    end function kinematics_of
+
+   !> Displacement of the frame over R there, to the same digits; where a link of finite length does
+   !> not tilt, without all the rest.
+   pure real(wp) function displacement_of(geometry, side, phi) result(u)
+      type(geometry_t), intent(in) :: geometry
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: phi
+      !! [rad]
+      type(kinematics_t) :: kin
+      real(wp) :: x
+
+      if (geometry%link > 0) then
+         kin = kinematics_of(geometry, side, phi)
+         u = kin%u
+      else
+         x = sine(0.5_wp*phi)
+         u = 4*x*(geometry%sine_link(side)*x + geometry%cos_alpha*sqrt(max(1 - x*x, 0.0_wp)))
+      end if
+   end function displacement_of
 
 end module rwmf_model_kinematics

@@ -14,7 +14,8 @@ module rwmf_model_lanes
 
    public :: lane_count, lane_motion_t
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
-   public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, add_straight_cable
+   public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
+      add_straight_cable, sine
 
 #ifdef RWMF_LANES
    integer, parameter :: lane_count = RWMF_LANES

@@ -71,7 +71,7 @@ contains
       real(wp) :: chatter
 
       may_rest = .false.
-      press = pressing_acceleration(equation, t, t)
+      press = pressing_at(equation, interval_of(equation), t)
       if (press <= 0) return
       ! A flight of a few spacings of the time cannot be followed.
       gain = inverse_inertia(equation)

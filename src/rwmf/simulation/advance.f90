@@ -1,4 +1,4 @@
-!> A run goes on: explicit pairs as a team of one lane, other methods step by step in the hybrid loop.
+!> A run goes on: explicit pairs as a team of one lane, other methods in the hybrid loop.
 module rwmf_simulation_advance
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
@@ -7,8 +7,8 @@ module rwmf_simulation_advance
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: equation_t
    use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t
-   use rwmf_simulation_lanes_loop, only: advance_lane, begin_team
-   use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_lanes_loop, only: advance_lane
+   use rwmf_simulation_lanes_team, only: create_team, tabulate_lines, team_t
    use rwmf_simulation_recorder_recorder, only: recorder_t
    implicit none
    private
@@ -28,7 +28,8 @@ contains
 
       select type (integrator)
       type is (explicit_pair_t)
-         call begin_team(equation, integrator, hybrid, t_end, team)
+         call create_team(equation, integrator%pair, hybrid%max_steps, 1, team)
+         call tabulate_lines(equation%motion, equation%has_vertical, t_end, team)
       end select
    end subroutine begin_advance
 

@@ -240,8 +240,8 @@ contains
          //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
    end subroutine check_fuses
 
-   !> May the fuses lift the wall off the ground? Their forces grow with the stroke: what they are on
-   !> the base mostly says that all is well.
+   !> May the fuses lift the wall off the ground? Their forces grow with the stroke: what they are
+   !> on the base mostly says that all is well.
    pure logical function may_stand_on_fuses(equation)
       type(equation_t), intent(in) :: equation
 

@@ -107,8 +107,8 @@ contains
          call take_ordinate(case, asked, motion, control, next, ordinates, runs(i), lanes(i))
       end do
       if (all(runs%ordinate == 0)) return
-      call create_team(runs(1)%equation, pair_for(case, runs(1)%equation), runs(1)%hybrid%max_steps, &
-         width, team)
+      call create_team(runs(1)%equation, pair_for(case, runs(1)%equation), &
+         runs(1)%hybrid%max_steps, width, team)
       team%kernels = lane_kernels_of(best_level())
       call tabulate_lines(motion, runs(1)%equation%has_vertical, case%solver%t_end, team)
       team%keeps_more = .not. asked%is_displacement

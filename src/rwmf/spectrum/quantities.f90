@@ -163,10 +163,10 @@ contains
       end do
    end subroutine take_values
 
-   !> Does all that is asked for follow from the largest displacement of an ordinate that has not
-   !> overturned? So it is where a rotation to either side moves the frame as far and strains the
-   !> cable as much: not where the link is held at the left corner (`exact`), and not for the cable
-   !> force of a signed rotation (`published`).
+   !> Does all that is asked for follow from the largest displacement of an ordinate that neither
+   !> overturned nor collapsed? So it is where a rotation to either side moves the frame as far and
+   !> strains the cable as much: not where the link is held at the left corner (`exact`), and not
+   !> for the cable force of a signed rotation (`published`).
    pure logical function follow_from_displacement(asked, equation) result(follow)
       type(asked_t), intent(in) :: asked
       type(equation_t), intent(in) :: equation
@@ -177,6 +177,7 @@ contains
          follow = abs(sine(1) - sine(-1)) <= 0 .and. all(asked%keys == displacement &
             .or. asked%keys == 'theta_max_over_alpha' .or. asked%keys == 'e' &
             .or. asked%keys == 'e_max' .or. asked%keys == 'overturned' &
+            .or. asked%keys == 'collapsed' &
             .or. asked%keys == 'cable_force_increment_max_over_m_w_g')
       end associate
       if (equation%cable%is_signed) follow = follow .and. .not. any(asked%keys &

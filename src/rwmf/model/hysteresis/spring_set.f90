@@ -528,7 +528,7 @@ contains
       logical :: unloads
       integer :: i
 
-      if (.not. model%has_bilinear_springs) return
+      if (.not. (model%has_bilinear_springs .and. state%ends_at_peak)) return
       unloads = is_yielding(state%tendon)
       if (unloads) call turn_spring(model%cable%tendon, state%tendon, &
          elongation_of(model, state%side, 0, state%side*theta))

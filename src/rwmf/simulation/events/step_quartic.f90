@@ -1,12 +1,12 @@
 !> The rotation inside a step as the quartic through both ends, both velocities and the acceleration
-!> at the beginning: where something happens first. It says where to step to, not what the state is;
-!> that says the quintic with the acceleration at the end as well, where the step is short enough.
+!> at the beginning: where something happens first. The quintic with the acceleration at the end as
+!> well says it more sharply. Both say where to step to, not what the state is.
 module rwmf_simulation_events_step_quartic
    use rwmf_core_kinds, only: wp
    implicit none
    private
 
-   public :: quartic_t, quartic_of, first_event, quintic_of, place_event, state_at
+   public :: quartic_t, quartic_of, first_event, quintic_of, place_event
    public :: no_event, at_low, at_high, at_turn
 
    integer, parameter :: no_event = 0
@@ -18,8 +18,8 @@ module rwmf_simulation_events_step_quartic
    !! the velocity changes its sign
 
    integer, parameter :: most_iterations = 60
-   real(wp), parameter :: resolution = 1.0e-6_wp
-   !! of a position: below the error of the quartic [-]
+   real(wp), parameter :: resolution = 1.0e-4_wp
+   !! of a position: about the error of the quartic [-]
 
    !> theta in powers of the position in the step, from 0 to 1 [rad].
    type :: quartic_t
@@ -69,7 +69,7 @@ contains
       real(wp), intent(in) :: level
       !! of the rotation; a turn has none [rad]
       real(wp), intent(inout) :: x
-      !! its position in the step, nearly; on return to round-off [-]
+      !! its position in the step, nearly; on return more so than the quintic is [-]
       logical, intent(out) :: is_found
       real(wp) :: move
       integer :: i
@@ -85,21 +85,10 @@ contains
          end if
          x = x + move
          if (.not. (x > 0 .and. x <= 1)) return
-         is_found = abs(move) <= 1.0e-8_wp*x
+         is_found = abs(move) <= 1.0e-5_wp*x
          if (is_found) return
       end do
    end subroutine place_event
-
-   !> Rotation and its derivative by the position.
-   pure function state_at(quintic, x) result(state)
-      type(quartic_t), intent(in) :: quintic
-      real(wp), intent(in) :: x
-      !! [-]
-      real(wp) :: state(2)
-      !! [rad], [rad]
-
-      state = [value_at(quintic, x), slope_at(quintic, x)]
-   end function state_at
 
    !> First event of a step: the end of the window, or a turn that matters.
    pure subroutine first_event(quartic, window, extremes, event, x)

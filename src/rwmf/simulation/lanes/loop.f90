@@ -22,13 +22,13 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_events_drift_events, only: is_uncut
    use rwmf_simulation_events_event_time, only: find_event_time
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
-      place_event, quartic_of, quartic_t, quintic_of, state_at
+      place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
       has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, stay_at_rest
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
-      follow_curves, lane_t, line_row, longest_angle, longest_step, tabulate_lines, team_t
+      follow_curves, lane_t, line_row, longest_step, team_t
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
       recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -37,25 +37,12 @@ module rwmf_simulation_lanes_loop
    implicit none
    private
 
-   public :: advance_lane, begin_team, join_team, step_team
+   public :: advance_lane, join_team, step_team
 
    integer, parameter :: at_state = 3
    !! beside the events of the rotation: a further state leaves its window
 
 contains
-
-   !> Make ready a team of one lane for a run from its beginning to t_end.
-   subroutine begin_team(equation, integrator, hybrid, t_end, team)
-      type(equation_t), intent(in) :: equation
-      type(explicit_pair_t), intent(in) :: integrator
-      type(hybrid_t), intent(in) :: hybrid
-      real(wp), intent(in) :: t_end
-      !! [s]
-      type(team_t), intent(out) :: team
-
-      call create_team(equation, integrator%pair, hybrid%max_steps, 1, team)
-      call tabulate_lines(equation%motion, equation%has_vertical, t_end, team)
-   end subroutine begin_team
 
    !> Follow a single run to the time t_target, or to overturning or collapse.
    subroutine advance_lane(hybrid, equation, integrator, recorder, t_target, control, team, error)
@@ -128,8 +115,8 @@ contains
             if (hybrid%mode == mode_rest) then
                call follow_rest(lane, t_limit)
                span = huge(span)
-               if (allocated(lane%error) .or. hybrid%mode /= mode_rest .or. t_limit <= hybrid%t) cycle
-               exit
+               if (hybrid%mode == mode_rest .and. t_limit > hybrid%t) exit
+               cycle
             end if
             call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
             if (t_limit > hybrid%t) exit
@@ -484,7 +471,6 @@ contains
             call accept_step(lane, i, team)
             return
          end if
-         call catch_up(lane, i, team)
          x = sharpened(lane, i, quartic, x, team)
          lane%trials = 0
          table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
@@ -492,22 +478,21 @@ contains
       end associate
    end subroutine look_for_event
 
-   !> The instant of an event by the quintic through the acceleration at the end as well.
-   real(wp) function sharpened(lane, i, quartic, x, team) result(at)
+   !> The instant of an event by the quintic through the acceleration at the end as well, which the
+   !> last stage knows nearly.
+   pure real(wp) function sharpened(lane, i, quartic, x, team) result(at)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(in) :: x
       !! by the quartic [-]
       type(team_t), intent(in) :: team
-      real(wp) :: rates(lane%equation%n)
       logical :: is_found
 
       at = x
       if (lane%goal == at_state) return
       associate (h => team%table(i, of_trial))
-         call rates_at(lane%equation, team%table(i, of_time) + h, team%y_new(i, :), rates)
-         call place_event(quintic_of(quartic, h**2*rates(2)), lane%goal, &
+         call place_event(quintic_of(quartic, h**2*team%k(i, 2, team%pair%stages)), lane%goal, &
             team%table(i, merge(of_low, of_high, lane%goal == at_low)), at, is_found)
       end associate
       if (.not. is_found) at = x

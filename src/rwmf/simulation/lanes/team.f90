@@ -39,7 +39,7 @@ module rwmf_simulation_lanes_team
       logical :: is_held = .false.
       !! the wall rests while other states move
       logical :: has_limits = .false.
-      !! not so where a storey or a drift comes to a limit, or a held wall lifts off: every step is asked
+      !! not so where a storey or a drift comes to a limit, or a held wall lifts off
       integer :: goal = no_event
       !! event that the lane steps to
       integer :: trials = 0
@@ -169,9 +169,9 @@ contains
       longest = longest_angle/rate
    end function longest_step
 
-   !> Which steps have to be looked into for what no event tells? All of them for reactions, energies,
-   !> histories and lists of events; for the peak of |theta'| those
-   !> where theta'' may change its sign, by the quartic through both ends, both velocities and the
+   !> Which steps have to be looked into for what no event tells? All of them for reactions,
+   !> energies, histories and lists of events; for the peak of |theta'| those where theta'' may
+   !> change its sign, by the quartic through both ends, both velocities and the
    !> acceleration at the beginning, and where a parabola through the velocities with this way,
    !> risen twice as far, reaches what was largest so far.
    subroutine find_steps_to_watch(lanes, team)

@@ -131,7 +131,8 @@ contains
       attempt = attempt(:n)
    end function first_attempts
 
-   !> Evaluations of N in a step for a mass ratio.
+   !> Evaluations of N in a step for a mass ratio. The largest motion from a given state may be over
+   !> within two steps, too soon for the estimate of its error: nothing is saved there.
    pure integer function stages_for(case, gamma)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: gamma
@@ -141,7 +142,8 @@ contains
       gamma_limit(1) = gamma_one_stage*sqrt(max(1.0_wp, 1.0e-7_wp/case%solver%rtol))
       gamma_limit(2) = merge(gamma_two_stages(2), gamma_two_stages(1), &
          case%model%formulation == 'published')
-      stages_for = max_stages - count(gamma >= gamma_limit)
+      stages_for = max_stages
+      if (.not. allocated(case%initial)) stages_for = stages_for - count(gamma >= gamma_limit)
    end function stages_for
 
    !> Longest step: a fraction of the wall's time scale sqrt(h/g), or that of the pulse [s].
@@ -156,7 +158,8 @@ contains
    pure real(wp) function fineness(case)
       type(case_t), intent(in) :: case
 
-      fineness = min(2.0_wp, (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
+      fineness = min(merge(1.0_wp, 2.0_wp, allocated(case%initial)), &
+         (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
    end function fineness
 
    !> Halvings of the step for each period; `halvings` + 1 where no step is short enough.
@@ -269,8 +272,9 @@ contains
       do i = 1, size(attempt)
          associate (current => attempt(i))
             if (found(i)%failed) then
+               is_repeated(i) = current%range < size(fit_range) &
+                  .and. shared%equation(task(i)%equation)%v_high >= fit_range(current%range)
                current%range = current%range + 1
-               is_repeated(i) = current%range <= size(fit_range)
             else if (found(i)%error > shared%rtol .and. current%stages < max_stages) then
                current%stages = max_stages
                is_repeated(i) = .true.

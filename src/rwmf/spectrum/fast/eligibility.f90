@@ -12,8 +12,8 @@ module rwmf_spectrum_fast_eligibility
 contains
 
    !> Does the method cover a case? Its effects may add to inertia, moment, kinematics and damping
-   !> what depends on the rotation alone; they may neither have a memory, states and limits of their
-   !> own nor follow a second record. It excludes an initial state, a second run for `verify`, a
+   !> what depends on the rotation alone; they may neither have a memory or states of their own nor
+   !> follow a second record. It excludes a second run for `verify`, a
    !> requested accuracy or absolute tolerance, and factors of impacts that depend on the speed.
    logical function is_supported(case, motion)
       type(case_t), intent(in) :: case
@@ -21,9 +21,8 @@ contains
       type(case_t) :: probe
       type(equation_t) :: equation
 
-      is_supported = allocated(case%frame) .and. .not. (allocated(case%initial) &
-         .or. allocated(case%solver%accuracy) .or. case%solver%verify &
-         .or. allocated(case%solver%atol) .or. allocated(case%storeys) &
+      is_supported = allocated(case%frame) .and. .not. (allocated(case%solver%accuracy) &
+         .or. case%solver%verify .or. allocated(case%solver%atol) .or. allocated(case%storeys) &
          .or. allocated(case%vertical_record))
       if (is_supported .and. allocated(case%impact)) is_supported = case%impact%rule /= 'table'
       if (.not. is_supported) return
@@ -33,8 +32,8 @@ contains
       call build_equation(probe, motion, equation)
       is_supported = equation%n == 2 .and. .not. (equation%has_bilinear_springs &
          .or. equation%has_loading_direction) .and. (equation%has_impacts .eqv. equation%has_wall)
-      if (allocated(equation%effects)) is_supported = is_supported .and. equation%has_wall &
-         .and. all(equation%effects%drifts == 0)
+      if (allocated(equation%effects) .or. allocated(case%initial)) is_supported = is_supported &
+         .and. equation%has_wall
    end function is_supported
 
 end module rwmf_spectrum_fast_eligibility

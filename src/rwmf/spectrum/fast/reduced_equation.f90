@@ -16,13 +16,14 @@
 module rwmf_spectrum_fast_reduced_equation
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: build_equation
+   use rwmf_model_drift_limits, only: count_drifts, drift_ratios
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_equation, only: enter_side, equation_t
+   use rwmf_model_equation, only: enter_side, equation_t, frame_motion
    use rwmf_model_lanes, only: lane_motion_t
    use rwmf_model_scene, only: frame_term, scene_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_run, only: restitution
+   use rwmf_simulation_run, only: initial_state, restitution
    use rwmf_spectrum_fast_types, only: curves, degree, reduced_equation_t
    implicit none
    private
@@ -31,6 +32,8 @@ module rwmf_spectrum_fast_reduced_equation
 
    integer, parameter :: short_degree = 4
    !! of polynomials that are accurate enough with it
+   real(wp), parameter :: below_limit = 0.999_wp
+   !! part of the limit of a drift up to which there is no doubt that it is kept [-]
 
    !> The scene on one side, without spring and damping of the frame.
    type :: probe_t
@@ -49,7 +52,8 @@ module rwmf_spectrum_fast_reduced_equation
 
 contains
 
-   !> Build the equation of a case, with curves fitted on -0.3 v_high <= v <= v_high.
+   !> Build the equation of a case, with curves fitted on -0.3 v_high <= v <= v_high, or up to where
+   !> a drift comes close to its limit: what goes on to it is left to the general lanes.
    subroutine build_reduced_equation(case, motion, v_high, accuracy, reduced)
       type(case_t), intent(in) :: case
       !! supported by `rwmf_spectrum_fast_eligibility`
@@ -84,14 +88,19 @@ contains
       end do
       reduced%threshold = reduced%m3/max(reduced%m2, tiny(1.0_wp))
       reduced%e = restitution(case, equation%p%alpha)
+      call set_start(probe, initial_state(case, equation), reduced)
       reduced%length = 2*equation%p%R
-      reduced%v_high = v_high
+      reduced%v_high = min(v_high, below_limit*collapsed_at(equation))
       do n = short_degree, degree, degree - short_degree
          reduced%is_short = n == short_degree
          reduced%fit_error = 0
          do side = 1, 2
             call fit_side(probe(side), side, n, at_0(:, side), reduced)
          end do
+         ! what takes stiffness from the frame lets a steady error move it farther
+         reduced%fit_error = reduced%fit_error*(1 + max(0.0_wp, -reduced%m3_1)/equation%p%g_over_R)
+         ! and flights that all begin without a velocity are moved by little more than such errors
+         if (reduced%e <= 0) reduced%fit_error = 10*reduced%fit_error
          if (reduced%fit_error < accuracy) exit
       end do
       reduced%is_even = all(abs(reduced%coef(:, :, 1) - reduced%coef(:, :, 2)) <= 0) &
@@ -101,12 +110,25 @@ contains
       do side = 1, 2
          call ask(probe(side), min(case%model%overturning_angle, 1.0_wp), 0.0_wp, 0.0_wp, &
             overturned)
-         if (v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
+         if (reduced%v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
       end do
-      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0 .or. reduced%e <= 0) then
+      if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0) then
          reduced%fit_error = huge(1.0_wp)
       end if
    end subroutine build_reduced_equation
+
+   !> v at which a drift reaches its limit [-]; they are in proportion.
+   real(wp) function collapsed_at(equation) result(v)
+      type(equation_t), intent(in) :: equation
+      real(wp) :: ratio(count_drifts(equation)), rate(count_drifts(equation))
+      real(wp) :: u_s, u_s_dot
+
+      v = huge(v)
+      if (size(rate) == 0) return
+      call drift_ratios(equation, [0.0_wp, 1.0_wp], ratio, rate)
+      call frame_motion(equation, equation%state%side, [0.0_wp, 1.0_wp], u_s, u_s_dot)
+      v = abs(u_s_dot)/(2*equation%p%R*maxval(abs(rate)))
+   end function collapsed_at
 
    !> The scene on a side; what depends on the period is left out of it.
    subroutine set_probe(case, equation, side, probe)
@@ -131,6 +153,23 @@ contains
          end associate
       end do
    end subroutine set_probe
+
+   !> The state to start with.
+   subroutine set_start(probe, y, reduced)
+      type(probe_t), intent(in) :: probe(2)
+      real(wp), intent(in) :: y(2)
+      !! theta [rad] and theta' [rad/s]
+      type(reduced_equation_t), intent(inout) :: reduced
+      type(lane_motion_t) :: motion
+      integer :: side
+
+      side = 1
+      if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) side = -1
+      call ask(probe(merge(1, 2, side > 0)), side*y(1), side*y(2), 0.0_wp, motion)
+      reduced%start_v = motion%u(1)/2
+      reduced%start_w = motion%j(1)/2*(side*y(2))
+      reduced%start_side = side
+   end subroutine set_start
 
    !> What moves the wall at a rotation, per m_w R**2.
    subroutine ask(probe, phi, rate, ground, motion)

@@ -12,7 +12,9 @@ module rwmf_spectrum_fast_team
    use rwmf_spectrum_fast_shared_data, only: max_stages, ordinate_t, scheme_of, shared_data_t, &
       task_t
    use rwmf_spectrum_fast_taylor_oscillator, only: step_weights
-   use rwmf_spectrum_fast_types, only: c_3, curves, lanes, scheme_t, team_t, weights
+   use rwmf_spectrum_fast_time_grid, only: ground_at
+   use rwmf_spectrum_fast_types, only: c_3, curves, degree, ground_step_t, lanes, scheme_t, &
+      team_t, weights
    implicit none
    private
 
@@ -194,7 +196,7 @@ contains
          .or. result%v_max > shared%equation(ordinate%equation)%v_high
    end function result_of
 
-   !> Start a task in a lane, with the wall at rest.
+   !> Start a task in a lane.
    pure subroutine start_ordinate(shared, task, number, i, work)
       type(shared_data_t), intent(in) :: shared
       type(task_t), intent(in) :: task
@@ -222,16 +224,66 @@ contains
             .and. omega_s*grid%longest_step > wide_angle)
          team%error_estimate(i) = 0
          team%error_at_peak(i) = 0
-         team%v_max(i) = 0
+         team%v_max(i) = equation%start_v
          team%negligible_velocity(i) = 0
          team%h(i) = -1
          ! no step has this length
          team%length_change(i) = 0
          team%side(i) = 1
          call enter_side(shared, i, work)
+         if (equation%start_v > equation%v_high) then
+            work%ordinate(i)%failed = .true.
+            call finish(i, work)
+         else if (equation%start_v > 0 .or. equation%start_w > 0) then
+            work%ordinate(i)%w_max = abs(equation%start_w)
+            ! inside the step, where N is that of the state and not of the step before
+            call begin_flight(shared, 1, tiny(1.0_wp), equation%start_side, equation%start_v, &
+               equation%start_w, i, work)
+            call start_remainder(grid%step(1), i, team)
+         else
+            call put_to_rest(shared, 1, 0.0_wp, i, work)
+         end if
       end associate
-      call put_to_rest(shared, 1, 0.0_wp, i, work)
    end subroutine start_ordinate
+
+   !> N and its rate at the beginning of a step, for a flight that begins in the air.
+   pure subroutine start_remainder(step, i, team)
+      type(ground_step_t), intent(in) :: step
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      real(wp), parameter :: x = 1.0e-4_wp
+      !! positions between which the rate is a difference, with errors of x**2 and round-off/x [-]
+      real(wp) :: v_d2
+
+      team%now%n(i) = remainder_at(step, 0.0_wp, 0.0_wp, i, team)
+      v_d2 = team%now%n(i) - team%m2(i)*team%side(i)*ground_at(step, 0.0_wp) - team%m3(i) &
+         - team%linear_damping(i)*team%now%w(i) - team%linear_stiffness(i)*team%now%v(i)
+      team%now%n_rate(i) = (remainder_at(step, x, v_d2, i, team) &
+         - remainder_at(step, -x, v_d2, i, team))/(2*x*step%h)
+   end subroutine start_remainder
+
+   !> N at a position near the beginning of a step [1/s2].
+   pure real(wp) function remainder_at(step, x, v_d2, i, team) result(n)
+      type(ground_step_t), intent(in) :: step
+      real(wp), intent(in) :: x
+      !! [-]
+      real(wp), intent(in) :: v_d2
+      !! v'' at the beginning [1/s2]
+      integer, intent(in) :: i
+      type(team_t), intent(in) :: team
+      real(wp) :: c(curves)
+      real(wp) :: v, w
+      integer :: j
+
+      v = team%now%v(i) + x*step%h*team%now%w(i)
+      w = team%now%w(i) + x*step%h*v_d2
+      c = 0
+      do j = degree, 0, -1
+         c = c*v + team%coef(i, j, :)
+      end do
+      n = c(1)*w**2 - v*(c(2)*(team%damping(i)*w + team%stiffness(i)*v) &
+         + c(3)*team%side(i)*ground_at(step, x) + c(4) + c(5)*w)
+   end function remainder_at
 
    !> Lanes in which an event is possible wait until it is followed.
    pure subroutine mark_events(event_bits, team)
@@ -343,21 +395,43 @@ contains
             team%now%w(i) = 0
             if (uplift > size(grid%step)) then
                call finish(i, work)
-               return
+            else
+               call begin_flight(shared, uplift, uplift_x, side, 0.0_wp, 0.0_wp, i, work)
             end if
-            team%f(i, :) = grid%step(uplift)%f
-            team%side(i) = side
-            if (.not. equation%is_even) call enter_side(shared, i, work)
          end associate
-         team%x(i) = min(uplift_x, last_x)
+      end associate
+   end subroutine put_to_rest
+
+   !> Begin a flight inside a step.
+   pure subroutine begin_flight(shared, number, x, side, v, w, i, work)
+      type(shared_data_t), intent(in) :: shared
+      integer, intent(in) :: number
+      !! of the step in the grid
+      real(wp), intent(in) :: x
+      !! position in the step [-]
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: v
+      real(wp), intent(in) :: w
+      integer, intent(in) :: i
+      type(work_t), intent(inout) :: work
+
+      associate (team => work%team, ordinate => work%ordinate(i))
+         team%step(i) = ordinate%offset + number
+         team%f(i, :) = shared%ground(team%step(i))%f
+         team%now%v(i) = v
+         team%now%w(i) = w
+         team%side(i) = side
+         if (.not. shared%equation(ordinate%equation)%is_even) call enter_side(shared, i, work)
+         team%x(i) = min(x, last_x)
          team%span(i) = 1 - team%x(i)
-         team%w_begin(i) = 0
+         team%w_begin(i) = w
          team%ready(i) = 0
          team%waits(i) = 1
          team%is_substep(i) = 1
          call enter_step(shared, i, work)
       end associate
-   end subroutine put_to_rest
+   end subroutine begin_flight
 
    !> Follow the steps with an event, or the substeps.
    subroutine follow(are_substeps, shared, work)
@@ -425,9 +499,11 @@ contains
          ordinate%v_max = team%v_max(i)
          ordinate%negligible_velocity = velocity_share*shared%rtol*ordinate%w_max
          team%negligible_velocity(i) = ordinate%negligible_velocity
-         is_at_rest = .false.
          associate (equation => shared%equation(ordinate%equation), &
             grid => shared%grid(ordinate%grid), number => team%step(i) - ordinate%offset)
+            ! without a velocity it rests, even if only until the motion lifts it at once
+            is_at_rest = equation%e <= 0
+            if (is_at_rest) return
             if (team%may_rest(i) > 0 .or. number >= grid%motion_end_step) then
                call find_rest(equation, grid, number, team%x(i), team%f_impact(i), &
                   team%now%w(i), ordinate, is_at_rest)

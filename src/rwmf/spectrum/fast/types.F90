@@ -77,8 +77,8 @@ module rwmf_spectrum_fast_types
       !! the ground acceleration jumps later than at the beginning
    end type scheme_t
 
-   !> Equation of motion for all periods of one mass ratio and one width, from
-   !> `build_reduced_equation`. Sides: theta > 0, theta < 0.
+   !> Equation of motion for all periods of one mass ratio and one width, and the state that it
+   !> starts with, from `build_reduced_equation`. Sides: theta > 0, theta < 0.
    type :: reduced_equation_t
       real(wp) :: m1 = 1
       !! M1(0) [-]
@@ -102,6 +102,12 @@ module rwmf_spectrum_fast_types
       !! ground acceleration that lifts the resting wall towards either side, without sign [m/s2]
       real(wp) :: e = 1
       !! velocity factor at impact [-]
+      real(wp) :: start_v = 0
+      !! v at the beginning [-]
+      real(wp) :: start_w = 0
+      !! its rate [1/s]
+      integer :: start_side = 1
+      !! +1 or -1
       real(wp) :: length = 1
       !! 2R [m]
       real(wp) :: v_high = huge(1.0_wp)
