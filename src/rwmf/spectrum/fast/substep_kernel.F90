@@ -220,8 +220,8 @@ contains
             w = team%now%w(i)
             square = team%h_part(i)*team%h_part(i)
             on_base = merge(0.0_wp, team%is_substep(i), team%now%v(i) > 0)
-            ! Not of the last whole step: the team may have stepped since the substep before this one
-            ! ended, and a kink or a jump belongs to the beginning of the step.
+            ! Inside a step both are those of the state: the team may have stepped since the substep
+            ! before this one, from the state with the kink and the jump at the step's beginning.
             n(i, 0) = merge(team%now%n(i), n(i, 0), team%x(i) > 0)
             team%slope(i) = merge(team%now%n_rate(i), team%slope(i), team%x(i) > 0)
             n(i, 0) = merge(c(i, 0, 1)*w*w, n(i, 0), on_base > 0)
