@@ -1,10 +1,11 @@
-"""Ordinates of combinations that lanes did not end, or had too far off.
+"""Ordinates of combinations: those that lanes did not end, or had too far off; and their company.
 
-All were found by bench/random_ordinates.py, in scenes with smooth hysteresis.
+The former were found by bench/random_ordinates.py, in scenes with smooth hysteresis.
 """
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,15 @@ OFF = {
     1475: (1.0500883705101898,),
 }
 
+# The first scenes that the exponential scheme covers, and those in which a flight that goes on in a
+# second substep depended on whether the team had stepped since the first one.
+FIRST = "0 31 69 95 113 114 124 143 145 150 153 156 158 183 184 189 195 197 211 232 234 239 241 250"
+DEPENDED = (
+    "685 939 957 1369 1501 1516 1561 1909 2038 2318 2340 2464 2730 3274 4164 4227 4298 4570 4902"
+    " 5184 5254 5688 5852 6208 6285 6604 6857 7041 7288"
+)
+COVERED = [int(number) for number in f"{FIRST} {DEPENDED}".split()]
+
 
 @pytest.mark.parametrize(
     ("number", "periods"), (ENDLESS | OFF).items(), ids=lambda value: str(value).split(",")[0]
@@ -54,3 +64,27 @@ def test_a_motion_that_has_died_out(number: int, tmp_path: Path) -> None:
     short = case.replace(solver={"max_steps": 20_000})
     found = rwmf.spectrum(short, T_s=np.geomspace(0.1, 0.4, 48).tolist())
     assert set(np.ravel(found.status)) == {"ok"}
+
+
+def _peaks(case: rwmf.Case, periods: list[float], threads: int = 1, **grid: object) -> np.ndarray:
+    """Peaks at the case's mass ratio, or the first one of the grid."""
+    found = rwmf.spectrum(case, T_s=periods, threads=threads, **grid).u_s_max
+    return found.isel(gamma=0, b=0).values
+
+
+@pytest.mark.parametrize("number", COVERED)
+def test_same_bits_in_any_company(number: int, tmp_path: Path) -> None:
+    """Alone, beside others, in any order, with other mass ratios and in two threads."""
+    dice = random.Random(f"periods {number}")
+    periods = [0.1 * 30.0 ** dice.random() for _ in range(20)]
+    scene = combination(number).build(tmp_path)
+    masses = [scene.frame.gamma, 4.0, 30.0, 300.0]
+    for rtol in (1e-6, 1e-7):
+        case = scene.replace(solver={"rtol": rtol})
+        assert rwmf.spectrum(case, T_s=periods).attrs["rhs_evaluations"] == 0
+        alone = np.concatenate([_peaks(case, [T_s]) for T_s in periods])
+        for threads in (1, 2):
+            for n in (20, 10, 5, 2):
+                np.testing.assert_array_equal(_peaks(case, periods[:n], threads), alone[:n])
+            np.testing.assert_array_equal(_peaks(case, periods[::-1], threads)[::-1], alone)
+            np.testing.assert_array_equal(_peaks(case, periods, threads, gamma=masses), alone)

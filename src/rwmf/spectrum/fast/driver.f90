@@ -252,7 +252,7 @@ contains
 
       pairs = size(is_done, 2)
       ! With one evaluation the slope of N would oscillate after a jump of the acceleration.
-      if (any(shared%grid%has_jumps)) attempt%stages = max(2, attempt%stages)
+      where (shared%grid(attempt%level + 1)%has_jumps) attempt%stages = max(2, attempt%stages)
       kind = 2*attempt%stages + merge(0, 1, shared%equation(equation_of(attempt, pairs))%is_short)
       allocate (order(0))
       do i = 2*max_stages + 1, 2, -1

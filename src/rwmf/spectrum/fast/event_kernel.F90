@@ -123,8 +123,6 @@ contains
             team%error_at_peak(i) = merge(team%error_estimate(i), team%error_at_peak(i), &
                largest > team%v_max(i))
             team%v_max(i) = max(team%v_max(i), largest)
-            team%difference(i, 0) = merge(next%n(i), team%difference(i, 0), moved > 0)
-            team%slope(i) = merge(next%n_rate(i), team%slope(i), moved > 0)
             w = team%e(i)*team%impact_speed(i)
             now%v(i) = merge(next%v(i), merge(0.0_wp, now%v(i), hit > 0), moved > 0)
             now%w(i) = merge(next%w(i), merge(w, now%w(i), hit > 0), moved > 0)

@@ -211,19 +211,19 @@ contains
       !! v'' [1/s2]
       real(wp) :: by_v
       !! derivative of N by v [1/s2]
-      real(wp) :: w, square, reach, on_base, inside, first
+      real(wp) :: w, square, reach, on_base, first
       integer :: i
 
       associate (c => team%coef, n => team%difference)
-         !$omp simd private(a, by_v, w, square, reach, on_base, inside, first)
+         !$omp simd private(a, by_v, w, square, reach, on_base, first)
          do i = 1, lanes
             w = team%now%w(i)
             square = team%h_part(i)*team%h_part(i)
             on_base = merge(0.0_wp, team%is_substep(i), team%now%v(i) > 0)
-            ! Inside a step: what the team stepped since then is from the beginning of the step.
-            inside = min(team%is_substep(i), team%x(i))
-            n(i, 0) = merge(team%now%n(i), n(i, 0), inside > 0)
-            team%slope(i) = merge(team%now%n_rate(i), team%slope(i), inside > 0)
+            ! Inside a step both are those of the state: the team may have stepped since the substep
+            ! before this one, from the state with the kink and the jump at the step's beginning.
+            n(i, 0) = merge(team%now%n(i), n(i, 0), team%x(i) > 0)
+            team%slope(i) = merge(team%now%n_rate(i), team%slope(i), team%x(i) > 0)
             n(i, 0) = merge(c(i, 0, 1)*w*w, n(i, 0), on_base > 0)
             a = work%g(i, 0)/square + n(i, 0) - team%linear_damping(i)*w
             by_v = -c(i, 0, 2)*team%damping(i)*w - c(i, 0, 3)*team%side(i)*work%f(i, 0) &

@@ -163,7 +163,8 @@ contains
                if (number > size(task)) exit
                scheme = scheme_of(shared, task(number))
                if (any(work%ordinate%task > 0) .and. (scheme%stages /= work%scheme%stages &
-                   .or. (scheme%is_short .neqv. work%scheme%is_short))) then
+                   .or. (scheme%is_short .neqv. work%scheme%is_short) &
+                   .or. (scheme%is_damped .neqv. work%scheme%is_damped))) then
                   work%held = number
                   exit
                end if
