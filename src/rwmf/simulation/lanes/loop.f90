@@ -154,8 +154,7 @@ contains
       type(team_t), intent(inout) :: team
       integer :: j
 
-      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
-                 recorder => lane%recorder)
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
          if (hybrid%must_restart) then
             if (lane%integrator%h > 0) then
                lane%integrator%h = min(lane%integrator%h, span)
@@ -173,7 +172,7 @@ contains
          end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
          table(i, of_time) = hybrid%t
-         table(i, of_fastest) = recorder%theta_dot_ends
+         table(i, of_fastest) = lane%recorder%theta_dot_ends
          table(i, of_rejected) = 0
          table(i, of_pace) = 0
          if (equation%has_loading_direction) table(i, of_pace) = stable_pace(equation)
@@ -183,6 +182,24 @@ contains
          lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held &
             .or. may_stand_on_fuses(equation)
          lane%is_smooth = .true.
+         lane%goal = no_event
+         table(i, of_goal) = 0
+         table(i, of_watch) = merge(0, 1, lane%is_smooth)
+      end associate
+      call load_window(lane, i, team)
+      call load_line(lane, i, t_limit, team)
+      ! under a motion beyond all measure no first step is short enough
+      if (.not. team%table(i, of_length) > 0) call check_length(lane, i, team)
+   end subroutine load_lane
+
+   !> Between which states nothing happens.
+   subroutine load_window(lane, i, team)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
+                 recorder => lane%recorder)
          table(i, of_least) = -huge(1.0_wp)
          table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
@@ -190,9 +207,6 @@ contains
             if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
                equation%state%signs%loading_direction > 0)) = 0
          end if
-         lane%goal = no_event
-         table(i, of_goal) = 0
-         table(i, of_watch) = merge(0, 1, lane%is_smooth)
          table(i, of_low) = merge(-hybrid%overturning_angle, -huge(1.0_wp), equation%has_wall)
          table(i, of_high) = -table(i, of_low)
          if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, &
@@ -208,10 +222,7 @@ contains
             table(i, [of_high, of_top, of_most]) = huge(1.0_wp)
          end if
       end associate
-      call load_line(lane, i, t_limit, team)
-      ! under a motion beyond all measure no first step is short enough
-      if (.not. team%table(i, of_length) > 0) call check_length(lane, i, team)
-   end subroutine load_lane
+   end subroutine load_window
 
    !> The interval of the motion that is in force.
    subroutine load_line(lane, i, t_limit, team)
@@ -267,6 +278,7 @@ contains
       end associate
       do i = 1, team%width
          if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
+         call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)
             if (.not. lanes(i)%is_smooth) then
@@ -433,6 +445,26 @@ contains
       end associate
    end subroutine follow_interval
 
+   !> However round-off leads a lane, it may not look at the same instant for ever.
+   subroutine check_progress(lane, i, team)
+      type(lane_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      integer, parameter :: most_looks = 1000
+
+      lane%idle = lane%idle + 1
+      ! a new run begins before the last one has ended
+      if (abs(team%table(i, of_time) - lane%t_last) > 0) lane%idle = 0
+      lane%t_last = team%table(i, of_time)
+      if (lane%idle <= most_looks) return
+      call catch_up(lane, i, team)
+      team%table(i, of_length) = 0
+      team%mark(i) = is_done
+      call fail(lane%error, err_numerical, 'no step leads on from t = ' &
+         //trim(real_to_text(team%table(i, of_time)))//' s: the motion is lost in round-off; raise rtol', &
+         'too_many_steps')
+   end subroutine check_progress
+
    !> A step that is too short for the clock.
    subroutine check_length(lane, i, team)
       type(lane_t), intent(inout) :: lane
@@ -499,6 +531,7 @@ contains
             return
          end if
          x = sharpened(lane, i, quartic, x, team)
+         lane%seen_within = table(i, of_trial)
          lane%trials = 0
          table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
          table(i, of_watch) = 1
@@ -648,8 +681,10 @@ contains
             ! it comes after the knot
             call accept_step(lane, i, team)
          else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
-                  .or. .not. abs(rest) < table(i, of_length)) then
-            ! back to the beginning leads what began there, the last turn or impact, not the next
+                  .or. .not. abs(rest) < table(i, of_length) &
+                  .or. table(i, of_trial) + rest > lane%seen_within) then
+            ! back to the beginning leads what began there, the last turn or impact, not the next; out
+            ! of the step where it was seen a turn in the round-off of a motion that has died out
             call look_at_step(lane, i, team)
          else
             table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &

@@ -42,8 +42,14 @@ module rwmf_simulation_lanes_team
       !! not so where a storey or a drift comes to a limit, or a held wall lifts off
       integer :: goal = no_event
       !! event that the lane steps to
+      real(wp) :: seen_within = 0
+      !! length of the step that has shown it [s]
       integer :: trials = 0
       !! steps that it has taken for that
+      integer :: idle = 0
+      !! looks since the clock has moved last
+      real(wp) :: t_last = -huge(1.0_wp)
+      !! time of the last look [s]
    end type lane_t
 
    !> Lanes that step together.
