@@ -1,7 +1,8 @@
 """Method `fast`: processor time, what falls back, a second thread, errors of the figures.
 
     .venv/bin/python bench/fast_ratios.py                all
-    .venv/bin/python bench/fast_ratios.py fallbacks      one part: costs, fallbacks, scaling, errors
+    .venv/bin/python bench/fast_ratios.py fallbacks      one part: costs, fallbacks, quantities,
+                                                         scaling, errors
 
 The cost of an ordinate is the processor time of a spectrum less that of the same spectrum under a
 motion too small to lift the wall (which leaves reading, fits and tables out), the smallest of five.
@@ -59,6 +60,11 @@ SCENES: tuple[tuple[str, float, dict[str, dict[str, object]]], ...] = (
     ("initial rotation", 5.0, {"initial": {"theta_over_alpha": 0.2}}),
     ("b = 1.05 m", 5.0, {"wall": {"b": 1.05}}),
 )
+QUANTITIES = {
+    "theta, theta', counts": ["u_s_max", "theta_max_over_alpha", "theta_dot_max", "impacts"],
+    "reactions": ["u_s_max", "base_shear_max_over_weight", "friction_demand_max"],
+    "energies": ["u_s_max", "energy_input_J_per_kg"],
+}
 
 Array = npt.NDArray[np.float64]
 
@@ -117,9 +123,26 @@ def _print_fallbacks() -> None:
         )
 
 
-def _seconds(case: rwmf.Case, T_s: Array | None, threads: int) -> float:
+def _print_quantities() -> None:
+    """Print what quantities cost beside u_s,max alone, in general lanes."""
+    print("\n| scene, 100 periods from 0.1 to 3 s | " + " | ".join(QUANTITIES) + " |")
+    print("|---|" + "---|" * len(QUANTITIES))
+    T_s = np.linspace(0.1, 3.0, 100)
+    for name, gamma, groups in SCENES:
+        if name not in ("gamma = 5", "the same, yielding frame", "fuses"):
+            continue
+        scene = case(read_record(RECORD), "dop853", 1e-7).replace(frame={"gamma": gamma}, **groups)
+        alone = _seconds(scene, T_s, 1)
+        ratios = [_seconds(scene, T_s, 1, keys) / alone for keys in QUANTITIES.values()]
+        print(f"| {name} | " + " | ".join(f"{ratio:.2f}" for ratio in ratios) + " |")
+
+
+def _seconds(
+    case: rwmf.Case, T_s: Array | None, threads: int, quantities: list[str] | None = None
+) -> float:
     """Smallest wall-clock time of the kernel for a spectrum [s]."""
-    found = [rwmf.spectrum(case, T_s=T_s, threads=threads) for _ in range(5)]
+    asked = {} if quantities is None else {"quantities": quantities}
+    found = [rwmf.spectrum(case, T_s=T_s, threads=threads, **asked) for _ in range(5)]
     return min(float(one.attrs["seconds"]) for one in found)
 
 
@@ -168,6 +191,7 @@ if __name__ == "__main__":
     parts = {
         "costs": _print_costs,
         "fallbacks": _print_fallbacks,
+        "quantities": _print_quantities,
         "scaling": _print_scaling,
         "errors": _print_errors,
     }

@@ -40,7 +40,7 @@ module rwmf_spectrum_quantities
       logical :: is_displacement = .true.
       !! the largest displacement of the frame and nothing else
       logical :: is_watched = .false.
-      !! something among them has peaks that no event tells: the angular velocity, storeys, reactions
+      !! some of them have peaks that no event tells: angular velocity, storeys, reactions
       logical :: has_sensitivity = .false.
       !! more runs have to be made for them, by `verify`
    end type asked_t

@@ -461,8 +461,8 @@ contains
       team%table(i, of_length) = 0
       team%mark(i) = is_done
       call fail(lane%error, err_numerical, 'no step leads on from t = ' &
-         //trim(real_to_text(team%table(i, of_time)))//' s: the motion is lost in round-off; raise rtol', &
-         'too_many_steps')
+         //trim(real_to_text(team%table(i, of_time))) &
+         //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')
    end subroutine check_progress
 
    !> A step that is too short for the clock.
@@ -683,8 +683,8 @@ contains
          else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
                   .or. .not. abs(rest) < table(i, of_length) &
                   .or. table(i, of_trial) + rest > lane%seen_within) then
-            ! back to the beginning leads what began there, the last turn or impact, not the next; out
-            ! of the step where it was seen a turn in the round-off of a motion that has died out
+            ! back to the beginning leads what began there, the last turn or impact, not the next;
+            ! out of the step where it was seen a turn in round-off of a motion that has died out
             call look_at_step(lane, i, team)
          else
             table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
