@@ -19,8 +19,8 @@ module rwmf_simulation_lanes_team
    public :: lane_t, team_t, create_team, tabulate_lines, line_row, caution
    public :: longest_angle, longest_step, find_steps_to_watch, follow_curves
 
-   real(wp), parameter :: longest_angle = 0.7_wp
-   !! of the frame's vibration in a step, so that its events can be seen [rad]
+   real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
+   !! of the vibration in a step, so that its events can be seen; where it only turns [rad]
    real(wp), parameter :: no_limit = -1
    !! of an interval that no lane steps into without a look [s]
 
@@ -172,7 +172,10 @@ contains
       rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate( &
          equation%motion))
       if (equation%has_wall) rate = max(rate, sqrt(equation%p%g_over_R))
-      longest = longest_angle/rate
+      longest = longest_angle(1)/rate
+      if (.not. (equation%has_wall .or. equation%has_bilinear_springs &
+          .or. equation%has_loading_direction .or. equation%floors%yields)) longest = &
+         longest_angle(2)/rate
    end function longest_step
 
    !> Which steps have to be looked into for what no event tells? All of them for reactions,
