@@ -12,7 +12,7 @@ module rwmf_simulation_held_wall
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_equation, only: discrete_state_t
-   use rwmf_model_lift_off, only: find_uplift_acceleration, lifts
+   use rwmf_model_lift_off, only: drive_turns, find_uplift_acceleration, lifts
    use rwmf_model_rest, only: inverse_inertia, pressing_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
    use rwmf_simulation_events_drift_events, only: cut_step
@@ -121,7 +121,7 @@ contains
    !> What it bears follows the other states, along a cubic inside the polygon of its Bezier points.
    logical function stays_down(step, rates_a, rates_b)
       type(step_view_t), intent(in) :: step
-      !! without an integrator, in which the motion of the ground does not turn
+      !! without an integrator
       real(wp), intent(in) :: rates_a(:), rates_b(:)
       !! (states) at both ends
       real(wp), parameter :: margin = 0.1_wp
@@ -131,6 +131,9 @@ contains
       real(wp) :: borne(2, 4)
       !! points of what is borne [m/s2]
 
+      ! the push of the ground is largest at an end, if it does not turn in between
+      stays_down = drive_turns(step%equation, interval_of(step%equation), step%t_a) >= step%t_b
+      if (.not. stays_down) return
       associate (equation => step%equation, h => step%t_b - step%t_a)
          borne(:, 2) = borne_at(equation, step%y_a + h/3*rates_a)
          borne(:, 1) = borne_at(equation, step%y_a)

@@ -351,6 +351,7 @@ contains
          if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
          call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
             team%table(i, of_time), team%y_new(i, :))
+         team%has_ended = team%has_ended .or. allocated(lanes(i)%error)
       end do
    end subroutine observe_steps
 
@@ -358,7 +359,7 @@ contains
    subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(in) :: team
+      type(team_t), intent(inout) :: team
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: y_a(:)
@@ -369,6 +370,7 @@ contains
       !! (states)
       type(step_view_t) :: step
 
+      if (allocated(lane%error)) return
       call follow_interval(lane, i, team)
       associate (integrator => lane%integrator)
          integrator%t0 = t_a
@@ -381,6 +383,7 @@ contains
       step = until(step, t_b, y_b)
       if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
       if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error)
+      if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step
 
    !> Put the turns inside a piece, which cut no step, into the list of events.
@@ -628,6 +631,7 @@ contains
          table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
          if (team%is_watched(i)) call observe_step(lane, i, team, table(i, of_time), &
             team%y(i, :), table(i, of_time) + table(i, of_trial), team%y_new(i, :))
+         if (allocated(lane%error)) return
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
          if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
@@ -757,6 +761,7 @@ contains
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
             call observe_event(lane%recorder, event_peak, hybrid%t, hybrid%y)
          end if
+         if (allocated(lane%error)) return
          if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
             equation, lane%recorder, event, lane%error)
       end associate

@@ -17,7 +17,7 @@ module rwmf_simulation_lanes_team
    private
 
    public :: lane_t, team_t, create_team, tabulate_lines, line_row, caution
-   public :: longest_angle, longest_step, find_steps_to_watch, follow_curves
+   public :: longest_step, find_steps_to_watch, follow_curves
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! of the vibration in a step, so that its events can be seen; where it only turns [rad]
