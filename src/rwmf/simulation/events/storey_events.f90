@@ -258,10 +258,34 @@ contains
          if (.not. allocated(error)) call move_end(span, 1, t, error)
          if (allocated(error)) return
       end if
+      if (abs(span%motion(of_rate, 1)) <= 0) call leave_turn(span, outward*limit(k), outward, error)
+      if (allocated(error)) return
       ending = storey_end_t(span%storey, span%t(1), turns=.false., is_rising=outward > 0)
       if (outward*(span%motion(of_drift, 1) - limit(k)) >= 0) return
       call find_root(span, of_drift, limit(k), ending%t, error)
    end subroutine pass_limit
+
+   !> A storey that turns at its limit without a rate goes inside before it comes back: let the span
+   !> begin there, if there is such a place.
+   subroutine leave_turn(span, limit, outward, error)
+      type(storey_span_t), intent(inout) :: span
+      real(wp), intent(in) :: limit
+      !! in the direction outward [m]
+      integer, intent(in) :: outward
+      !! +1 or -1
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most = 10
+      type(storey_span_t) :: part
+      integer :: i
+
+      do i = 1, most
+         part = span
+         call move_end(part, 1, span%t(1) + (span%t(2) - span%t(1))/2**i, error)
+         if (allocated(error)) return
+         if (outward*part%motion(of_drift, 1) < limit) exit
+      end do
+      if (i <= most) span = part
+   end subroutine leave_turn
 
    !> Let a span end at the turn of the storey, if that may lie outside of two limits.
    subroutine end_at_turn(span, limit, error)
