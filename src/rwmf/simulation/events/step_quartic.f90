@@ -6,7 +6,7 @@ module rwmf_simulation_events_step_quartic
    implicit none
    private
 
-   public :: quartic_t, quartic_of, first_event, quintic_of, place_event
+   public :: quartic_t, quartic_of, first_event, quintic_of, cubic_of, place_event
    public :: no_event, at_low, at_high, at_turn
 
    integer, parameter :: no_event = 0
@@ -18,8 +18,9 @@ module rwmf_simulation_events_step_quartic
    !! the velocity changes its sign
 
    integer, parameter :: most_iterations = 60
-   real(wp), parameter :: resolution = 1.0e-4_wp
-   !! of a position: about the error of the quartic [-]
+   real(wp), parameter :: resolution = 1.0e-2_wp
+   !! last move of Newton's method that need not be checked: what is left is about its square, the
+   !! error of the quartic [-]
 
    !> theta in powers of the position in the step, from 0 to 1 [rad].
    type :: quartic_t
@@ -44,7 +45,13 @@ contains
       associate (v => h*theta_dot, a => h**2*acceleration)
          rest = theta(2) - theta(1) - v(1) - a/2
          slope = v(2) - v(1) - a
-         quartic%c = [theta(1), v(1), a/2, 4*rest - slope, slope - 3*rest, 0.0_wp]
+         ! one by one: as an array they would wait in memory to be copied
+         quartic%c(0) = theta(1)
+         quartic%c(1) = v(1)
+         quartic%c(2) = a/2
+         quartic%c(3) = 4*rest - slope
+         quartic%c(4) = slope - 3*rest
+         quartic%c(5) = 0
       end associate
    end function quartic_of
 
@@ -57,9 +64,29 @@ contains
 
       associate (c => quartic%c)
          rest = (end - (2*c(2) + 6*c(3) + 12*c(4)))/2
-         quintic%c = [c(0), c(1), c(2), c(3) + rest, c(4) - 2*rest, rest]
+         quintic%c(0) = c(0)
+         quintic%c(1) = c(1)
+         quintic%c(2) = c(2)
+         quintic%c(3) = c(3) + rest
+         quintic%c(4) = c(4) - 2*rest
+         quintic%c(5) = rest
       end associate
    end function quintic_of
+
+   !> Another state in the step as the cubic through both ends and its rates there.
+   pure type(quartic_t) function cubic_of(y, way) result(cubic)
+      real(wp), intent(in) :: y(2)
+      !! at both ends
+      real(wp), intent(in) :: way(2)
+      !! its rates times the length of the step
+
+      cubic%c(0) = y(1)
+      cubic%c(1) = way(1)
+      cubic%c(2) = 3*(y(2) - y(1)) - 2*way(1) - way(2)
+      cubic%c(3) = way(1) + way(2) - 2*(y(2) - y(1))
+      cubic%c(4) = 0
+      cubic%c(5) = 0
+   end function cubic_of
 
    !> Where the quintic has the event that its quartic has shown.
    pure subroutine place_event(quintic, event, level, x, is_found)
@@ -78,14 +105,14 @@ contains
       do i = 1, 6
          if (event == at_turn) then
             associate (c => quintic%c)
-               move = -slope_at(quintic, x)/(2*c(2) + x*(6*c(3) + x*(12*c(4) + x*20*c(5))))
+               move = -slope_at(c, x)/(2*c(2) + x*(6*c(3) + x*(12*c(4) + x*20*c(5))))
             end associate
          else
-            move = (level - value_at(quintic, x))/slope_at(quintic, x)
+            move = (level - value_at(quintic%c, x))/slope_at(quintic%c, x)
          end if
          x = x + move
          if (.not. (x > 0 .and. x <= 1)) return
-         is_found = abs(move) <= 1.0e-5_wp*x
+         is_found = abs(move) <= 1.0e-3_wp*x
          if (is_found) return
       end do
    end subroutine place_event
@@ -103,20 +130,23 @@ contains
       !! its position in the step [-]
       real(wp) :: turn(0:4)
       !! ends of the monotone pieces [-]
-      real(wp) :: value, margin
+      real(wp) :: value, before, margin
       integer :: i, n
 
       call find_turns(quartic, turn, n)
       event = no_event
+      value = quartic%c(0)
       do i = 1, n
-         value = value_at(quartic, turn(i))
-         if (value <= window(1) .and. value < value_at(quartic, turn(i - 1))) then
+         before = value
+         value = value_at(quartic%c, turn(i))
+         if (value <= window(1) .and. value < before) then
             event = at_low
-            x = crossing(quartic, window(1), turn(i - 1), turn(i))
-            return
-         else if (value >= window(2) .and. value > value_at(quartic, turn(i - 1))) then
+         else if (value >= window(2) .and. value > before) then
             event = at_high
-            x = crossing(quartic, window(2), turn(i - 1), turn(i))
+         end if
+         if (event /= no_event) then
+            x = place_between(quartic%c, window(merge(1, 2, event == at_low)), turn(i - 1), &
+               turn(i))
             return
          end if
          if (i == n) return
@@ -137,14 +167,61 @@ contains
       real(wp), intent(out) :: turn(0:4)
       integer, intent(out) :: n
       !! number of monotone pieces
+      real(wp) :: v(0:5)
+      !! velocity in powers of the position
+      real(wp) :: b(0:3)
+      !! the same as a sum of Bernstein's polynomials, of which it has at most as many zeros as
+      !! changes of sign
       real(wp) :: edge(0:3)
       !! ends of the pieces in which the velocity is monotone
-      real(wp) :: root
       integer :: i, m
+
+      associate (c => quartic%c)
+         b(0) = c(1)
+         b(1) = c(1) + 2*c(2)/3
+         b(2) = c(1) + 4*c(2)/3 + c(3)
+         b(3) = c(1) + 2*c(2) + 3*c(3) + 4*c(4)
+         turn(0) = 0
+         n = 1
+         if (min(b(0)*b(1), b(0)*b(2), b(0)*b(3)) > 0) then
+            turn(1) = 1
+            return
+         end if
+         v(0) = c(1)
+         v(1) = 2*c(2)
+         v(2) = 3*c(3)
+         v(3) = 4*c(4)
+         v(4) = 0
+         v(5) = 0
+      end associate
+      m = 1
+      edge(0) = 0
+      edge(1) = 1
+      if (.not. (b(0)*b(3) < 0 .and. max(b(0)*b(1), b(2)*b(3)) >= 0)) call find_edges(v, edge, m)
+      n = 0
+      do i = 1, m
+         associate (at_begin => value_at(v, edge(i - 1)), at_end => value_at(v, edge(i)))
+            if (at_begin*at_end >= 0 .and. .not. (i == m .and. abs(at_end) <= 0)) cycle
+         end associate
+         n = n + 1
+         turn(n) = place_between(v, 0.0_wp, edge(i - 1), edge(i))
+      end do
+      n = n + 1
+      turn(n) = 1
+   end subroutine find_turns
+
+   !> Ends of the pieces of the step in which its velocity is monotone.
+   pure subroutine find_edges(v, edge, m)
+      real(wp), intent(in) :: v(0:5)
+      !! of the third degree, in powers of the position
+      real(wp), intent(out) :: edge(0:3)
+      integer, intent(out) :: m
+      !! number of pieces
+      real(wp) :: root
 
       edge(0) = 0
       m = 0
-      associate (a => 12*quartic%c(4), b => 6*quartic%c(3), c => 2*quartic%c(2))
+      associate (a => 3*v(3), b => 2*v(2), c => v(1))
          root = b**2 - 4*a*c
          if (root > 0) then
             root = -(b + sign(sqrt(root), b))/2
@@ -158,50 +235,14 @@ contains
             end if
          end if
       end associate
-      if (m == 2) then
-         if (edge(2) < edge(1)) edge(1:2) = edge([2, 1])
-      end if
+      if (m == 2) edge(1:2) = [minval(edge(1:2)), maxval(edge(1:2))]
       m = m + 1
       edge(m) = 1
-      turn(0) = 0
-      n = 0
-      do i = 1, m
-         associate (at_begin => slope_at(quartic, edge(i - 1)), &
-            at_end => slope_at(quartic, edge(i)))
-            if (at_begin*at_end >= 0 .and. .not. (i == m .and. abs(at_end) <= 0)) cycle
-         end associate
-         n = n + 1
-         turn(n) = stationary(quartic, edge(i - 1), edge(i))
-      end do
-      n = n + 1
-      turn(n) = 1
-   end subroutine find_turns
+   end subroutine find_edges
 
-   !> Where the velocity is zero between two positions at which it has different signs.
-   pure real(wp) function stationary(quartic, begin, end) result(x)
-      type(quartic_t), intent(in) :: quartic
-      real(wp), intent(in) :: begin, end
-      real(wp) :: low, high, value, bend
-      logical :: rises
-      integer :: i
-
-      low = begin
-      high = end
-      rises = slope_at(quartic, end) > slope_at(quartic, begin)
-      x = low + (high - low)*slope_at(quartic, begin)/(slope_at(quartic, begin) &
-         - slope_at(quartic, end))
-      do i = 1, most_iterations
-         value = slope_at(quartic, x)
-         if (abs(value) <= 0) exit
-         bend = 2*quartic%c(2) + x*(6*quartic%c(3) + x*12*quartic%c(4))
-         call improve(value, bend, rises, low, high, x)
-         if (high - low <= resolution .or. abs(value) <= resolution*abs(bend)) exit
-      end do
-   end function stationary
-
-   !> Where the rotation passes a level in a monotone piece.
-   pure real(wp) function crossing(quartic, level, begin, end) result(x)
-      type(quartic_t), intent(in) :: quartic
+   !> Where a polynomial passes a level between two positions in which it is monotone.
+   pure real(wp) function place_between(p, level, begin, end) result(x)
+      real(wp), intent(in) :: p(0:5)
       real(wp), intent(in) :: level
       real(wp), intent(in) :: begin, end
       real(wp) :: low, high, value, slope
@@ -210,53 +251,44 @@ contains
 
       low = begin
       high = end
-      associate (at_begin => value_at(quartic, begin) - level, &
-                 at_end => value_at(quartic, end) - level)
+      associate (at_begin => value_at(p, begin) - level, at_end => value_at(p, end) - level)
          rises = at_end > at_begin
          x = begin + (end - begin)*max(0.0_wp, min(1.0_wp, at_begin/(at_begin - at_end)))
       end associate
       do i = 1, most_iterations
-         value = value_at(quartic, x) - level
-         if (abs(value) <= 0) exit
-         slope = slope_at(quartic, x)
-         call improve(value, slope, rises, low, high, x)
-         if (high - low <= resolution .or. abs(value) <= resolution*abs(slope)) exit
+         value = value_at(p, x) - level
+         if (abs(value) <= 0) return
+         slope = slope_at(p, x)
+         if ((value > 0) .eqv. rises) then
+            high = x
+         else
+            low = x
+         end if
+         ! Newton's method inside the bracket
+         if (abs(slope) > 0) x = x - value/slope
+         if (abs(value) <= resolution*abs(slope)) then
+            x = min(high, max(low, x))
+            return
+         end if
+         if (.not. (x > low .and. x < high)) x = low + (high - low)/2
+         if (high - low <= resolution) return
       end do
-   end function crossing
+   end function place_between
 
-   !> One step of Newton's method inside a bracket.
-   pure subroutine improve(value, slope, rises, low, high, x)
-      real(wp), intent(in) :: value, slope
-      logical, intent(in) :: rises
-      real(wp), intent(inout) :: low, high
-      real(wp), intent(inout) :: x
-
-      if ((value > 0) .eqv. rises) then
-         high = x
-      else
-         low = x
-      end if
-      if (abs(slope) > 0) x = x - value/slope
-      if (.not. (x > low .and. x < high)) x = low + (high - low)/2
-   end subroutine improve
-
-   pure real(wp) function value_at(quartic, x)
-      type(quartic_t), intent(in) :: quartic
+   !> Value of a polynomial.
+   pure real(wp) function value_at(p, x)
+      real(wp), intent(in) :: p(0:5)
       real(wp), intent(in) :: x
 
-      associate (c => quartic%c)
-         value_at = c(0) + x*(c(1) + x*(c(2) + x*(c(3) + x*(c(4) + x*c(5)))))
-      end associate
+      value_at = p(0) + x*(p(1) + x*(p(2) + x*(p(3) + x*(p(4) + x*p(5)))))
    end function value_at
 
-   !> Its derivative by the position.
-   pure real(wp) function slope_at(quartic, x)
-      type(quartic_t), intent(in) :: quartic
+   !> Its derivative.
+   pure real(wp) function slope_at(p, x)
+      real(wp), intent(in) :: p(0:5)
       real(wp), intent(in) :: x
 
-      associate (c => quartic%c)
-         slope_at = c(1) + x*(2*c(2) + x*(3*c(3) + x*(4*c(4) + x*5*c(5))))
-      end associate
+      slope_at = p(1) + x*(2*p(2) + x*(3*p(3) + x*(4*p(4) + x*5*p(5))))
    end function slope_at
 
 end module rwmf_simulation_events_step_quartic

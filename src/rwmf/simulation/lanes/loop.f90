@@ -21,8 +21,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
    use rwmf_simulation_events_event_time, only: find_event_time, find_reversal
-   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, first_event, no_event, &
-      place_event, quartic_of, quartic_t, quintic_of
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cubic_of, first_event, &
+      no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: from, step_view_t, until, view_step
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
@@ -171,6 +171,7 @@ contains
             team%coef(i, j) = equation%state%coef(1, j)
          end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
+         team%steps_left = min(team%steps_left, team%max_steps - table(i, of_steps))
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = lane%recorder%theta_dot_ends
          table(i, of_rejected) = 0
@@ -181,6 +182,7 @@ contains
          lane%is_held = hybrid%mode == mode_rest
          lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held &
             .or. may_stand_on_fuses(equation)
+         team%has_limits = team%has_limits .or. lane%has_limits
          lane%is_smooth = .true.
          lane%goal = no_event
          table(i, of_goal) = 0
@@ -298,10 +300,12 @@ contains
          end select
          team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
       end do
-      if (any(team%table(:, of_steps) > team%max_steps)) then
+      team%steps_left = team%steps_left - 1
+      if (team%steps_left < 0) then
          do i = 1, team%width
             if (team%is_busy(i)) call bound_work(lanes(i), i, team)
          end do
+         team%steps_left = team%max_steps - maxval(team%table(:, of_steps), team%is_busy)
          team%has_ended = .true.
       end if
    end subroutine step_team
@@ -315,8 +319,11 @@ contains
       real(wp) :: rates(size(y_a))
       integer :: i
 
+      if (.not. team%has_limits) return
+      team%has_limits = .false.
       do i = 1, team%width
          if (.not. (team%is_busy(i) .and. lanes(i)%has_limits)) cycle
+         team%has_limits = .true.
          call follow_interval(lanes(i), i, team)
          y_a = team%y(i, :)
          y_b = team%y_new(i, :)
@@ -533,6 +540,13 @@ contains
             call accept_step(lane, i, team)
             return
          end if
+         if (abs(lane%goal) == 1 .and. lane%goal*y(i, 2) > 0 &
+             .and. x*table(i, of_trial) <= 4*epsilon(x)*table(i, of_time)) then
+            ! within round-off of the clock: a branch may end where the next one or the base begins
+            call catch_up(lane, i, team)
+            call happen(lane, i, (table(i, of_time)), (y(i, :)), team)
+            return
+         end if
          x = sharpened(lane, i, quartic, x, team)
          lane%seen_within = table(i, of_trial)
          lane%trials = 0
@@ -541,8 +555,8 @@ contains
       end associate
    end subroutine look_for_event
 
-   !> The instant of an event by the quintic through the acceleration at the end as well, which the
-   !> last stage knows nearly.
+   !> The instant of an event by what also knows the rates at the end, which the last stage knows
+   !> nearly: the quintic of the rotation, the cubic of the further state.
    pure real(wp) function sharpened(lane, i, quartic, x, team) result(at)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
@@ -553,10 +567,15 @@ contains
       logical :: is_found
 
       at = x
-      if (lane%goal == at_state) return
-      associate (h => team%table(i, of_trial))
-         call place_event(quintic_of(quartic, h**2*team%k(i, 2, team%pair%stages)), lane%goal, &
-            team%table(i, merge(of_low, of_high, lane%goal == at_low)), at, is_found)
+      associate (h => team%table(i, of_trial), last => team%pair%stages, &
+                 z => further_state(lane%equation))
+         if (lane%goal == at_state) then
+            call place_event(cubic_of([team%y(i, z), team%y_new(i, z)], [h*team%k(i, z, 1), &
+               h*team%k(i, z, last)]), at_high, 0.0_wp, at, is_found)
+         else
+            call place_event(quintic_of(quartic, h**2*team%k(i, 2, last)), lane%goal, &
+               team%table(i, merge(of_low, of_high, lane%goal == at_low)), at, is_found)
+         end if
       end associate
       if (.not. is_found) at = x
    end function sharpened
@@ -673,11 +692,14 @@ contains
          else
             rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
          end if
-         short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-6_wp, &
+         short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
-            call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/2*(rates &
-               - team%k(i, :, 1))/table(i, of_trial)), team)
+            ! the rates grow as those of the cubic through both ends
+            associate (h => table(i, of_trial))
+               call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/h*(3*(team%y(i, :) &
+                  - y_new(i, :))/h + team%k(i, :, 1) + 2*rates)), team)
+            end associate
             return
          end if
          lane%trials = lane%trials + 1
@@ -754,8 +776,8 @@ contains
          hybrid%is_rising = lane%goal == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
-         if (team%is_watched(i)) call observe_step(lane, i, team, table(i, of_time), &
-            team%y(i, :), hybrid%t, hybrid%y)
+         if (team%is_watched(i) .and. hybrid%t > table(i, of_time)) call observe_step(lane, i, &
+            team, table(i, of_time), team%y(i, :), hybrid%t, hybrid%y)
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)

@@ -78,6 +78,10 @@ module rwmf_simulation_lanes_team
       real(wp), allocatable :: lines(:, :)
       !! (columns of a line, intervals of the motion from 0, and one more that nobody enters)
       real(wp) :: max_steps
+      real(wp) :: steps_left = 0
+      !! no run can have taken more than its steps before so many of the team
+      logical :: has_limits = .false.
+      !! a lane may have: it is asked in every step
       logical :: has_ended = .true.
       !! a lane has no length of a step: its run is over, or it has none
       logical, allocatable :: is_busy(:)
