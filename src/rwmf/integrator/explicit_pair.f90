@@ -4,7 +4,9 @@ module rwmf_integrator_explicit_pair
    use rwmf_integrator_lane_step, only: attempt_step
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
+   use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_lanes, only: power_count
    implicit none
    private
 
@@ -13,11 +15,43 @@ module rwmf_integrator_explicit_pair
    !> An explicit pair.
    type, extends(one_step_t) :: explicit_pair_t
       type(pair_t) :: pair
+      real(wp) :: work(power_count) = 0
+      !! of the ground motion, dampers and smooth plastic flow over the last step, where whoever
+      !! takes the steps asks for it [J/kg]
+      real(wp) :: t_work = 0
+      !! end of that step, which may be cut short later [s]
    contains
+      procedure :: find_work
       procedure :: attempt => attempt_explicit_pair
    end type explicit_pair_t
 
 contains
+
+   !> Work from the beginning of the last step to another time: that of the step, and close to its
+   !> end the mean power of the way from there; else that of a repeated step.
+   subroutine find_work(self, t, y, work)
+      class(explicit_pair_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) at t
+      real(wp), intent(out) :: work(power_count)
+      !! as the component [J/kg]
+      real(wp), parameter :: close = 1.0e-4_wp
+      !! part of the step whose third power is negligible [-]
+      real(wp) :: power(power_count)
+      real(wp) :: y_new(size(y))
+      real(wp) :: ignored
+
+      work = self%work
+      if (abs(t - self%t_work) <= 4*epsilon(t)*abs(t)) return
+      if (max(abs(t - self%t1), abs(t - self%t_work)) <= close*(self%t_work - self%t0)) then
+         call powers_at(self%equation, (self%t_work + t)/2, (self%y1 + y)/2, power)
+         work = work + (t - self%t_work)*power
+      else
+         call attempt_pair(self, self%t0, self%y0, self%f0, t - self%t0, y_new, ignored, work)
+      end if
+   end subroutine find_work
 
    subroutine attempt_explicit_pair(self, t, y, f, h, y_new, error)
       class(explicit_pair_t), intent(inout) :: self
@@ -27,6 +61,20 @@ contains
       real(wp), intent(in) :: h
       real(wp), intent(out), contiguous :: y_new(:)
       real(wp), intent(out) :: error
+
+      call attempt_pair(self, t, y, f, h, y_new, error)
+   end subroutine attempt_explicit_pair
+
+   !> The same, and the work in it on request.
+   subroutine attempt_pair(self, t, y, f, h, y_new, error, work)
+      class(explicit_pair_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in), contiguous :: y(:)
+      real(wp), intent(in), contiguous :: f(:)
+      real(wp), intent(in) :: h
+      real(wp), intent(out), contiguous :: y_new(:)
+      real(wp), intent(out) :: error
+      real(wp), intent(out), optional :: work(power_count)
       real(wp) :: acceleration(1, most_stages, 2)
       real(wp) :: k(1, size(y), most_stages)
       real(wp) :: tolerance(1, 0:size(y))
@@ -36,7 +84,7 @@ contains
       self%error_order = self%pair%error_order
       associate (equation => self%equation, pair => self%pair)
          acceleration(:, :, 2) = 0
-         do i = 2, pair%stages
+         do i = 1, pair%stages
             acceleration(1, i, 1) = ground(equation, t + pair%c(i)*h)
             if (equation%has_vertical) acceleration(1, i, 2) = vertical_ground(equation, t &
                + pair%c(i)*h)
@@ -46,10 +94,10 @@ contains
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
          call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
-            tolerance, y, .true., k, y_new, norm)
+            tolerance, y, .true., k, y_new, norm, work)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
       error = norm(1)
-   end subroutine attempt_explicit_pair
+   end subroutine attempt_pair
 
 end module rwmf_integrator_explicit_pair

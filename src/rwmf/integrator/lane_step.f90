@@ -1,9 +1,9 @@
 !> One step of the lanes by an explicit pair: stages, solution and the estimate of its error.
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t
-   use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t, weight_of
+   use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, power_count
    use rwmf_model_scene, only: scene_t
    implicit none
    private
@@ -16,7 +16,7 @@ contains
    !>
    !> The local error is Hairer's combination of two estimators, or the root mean square of one.
    subroutine attempt_step(scene, pair, coef, ground, h, tolerance, y, has_rates, k, y_new, &
-      error)
+      error, work)
       type(scene_t), intent(in) :: scene
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
@@ -35,24 +35,76 @@ contains
       real(wp), intent(out) :: y_new(lane_count, scene%n)
       real(wp), intent(out) :: error(lane_count)
       !! norm of the local error over the tolerance [-]
+      real(wp), intent(out), optional :: work(lane_count, power_count)
+      !! of the ground motion, dampers and smooth plastic flow, to the order of the pair [J/kg]
       type(lane_motion_t) :: motion
       real(wp) :: stage(lane_count, scene%n)
       integer :: s
 
+      motion%ground = ground(:, 1, 1)
+      motion%vertical = ground(:, 1, 2)
       if (.not. has_rates) then
-         motion%ground = ground(:, 1, 1)
-         motion%vertical = ground(:, 1, 2)
          call lane_rates(scene, coef, y, motion, k(:, :, 1))
+      else if (present(work)) then
+         ! the motion alone
+         call lane_rates(scene, coef, y, motion, stage)
+      end if
+      if (present(work)) then
+         work = 0
+         call add_power(scene, coef, weight_of(pair%b, 1), y, k(:, :, 1), motion, work)
       end if
       do s = 2, pair%stages
          call advance(scene%n, pair%a(s), h, y, k, stage)
          motion%ground = ground(:, s, 1)
          motion%vertical = ground(:, s, 2)
          call lane_rates(scene, coef, stage, motion, k(:, :, s))
+         if (present(work)) call add_power(scene, coef, weight_of(pair%b, s), stage, k(:, :, s), &
+            motion, work)
       end do
+      if (present(work)) call scale_work(scene, coef, h, work)
       call advance(scene%n, pair%b, h, y, k, y_new)
       call estimate_error(scene%n, pair, h, tolerance, y, y_new, k, error)
    end subroutine attempt_step
+
+   !> Add the powers of a stage with its weight, if it has one.
+   subroutine add_power(scene, coef, weight, y, y_dot, motion, total)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: weight
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      real(wp), intent(in) :: y_dot(lane_count, scene%n)
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      real(wp) :: power(lane_count, power_count)
+      integer :: i, m
+
+      if (abs(weight) <= 0) return
+      call lane_powers(scene, coef, y, y_dot, motion, power)
+      do m = 1, power_count
+         !$omp simd
+         do i = 1, lane_count
+            total(i, m) = total(i, m) + weight*power(i, m)
+         end do
+      end do
+   end subroutine add_power
+
+   !> From the mean of the powers over a step to work.
+   subroutine scale_work(scene, coef, h, work)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: h(lane_count)
+      real(wp), intent(inout) :: work(lane_count, power_count)
+      real(wp) :: unit(lane_count)
+      integer :: i, m
+
+      call power_unit(scene, coef, unit)
+      do m = 1, power_count
+         !$omp simd
+         do i = 1, lane_count
+            work(i, m) = h(i)*unit(i)*work(i, m)
+         end do
+      end do
+   end subroutine scale_work
 
    !> y + h times a weighted sum of stages.
    pure subroutine advance(n, weights, h, y, k, y_new)

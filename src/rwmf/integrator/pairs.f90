@@ -4,7 +4,8 @@ module rwmf_integrator_pairs
    implicit none
    private
 
-   public :: pair_t, sum_t, most_stages, most_terms, sum_of, dormand_prince_853, verner_65
+   public :: pair_t, sum_t, most_stages, most_terms, sum_of, weight_of
+   public :: dormand_prince_853, verner_65
 
    integer, parameter :: most_stages = 12
    integer, parameter :: most_terms = 9
@@ -51,6 +52,15 @@ contains
       end do
       total%terms = n
    end function sum_of
+
+   !> Weight of a stage in a sum.
+   pure real(wp) function weight_of(total, stage) result(weight)
+      type(sum_t), intent(in) :: total
+      integer, intent(in) :: stage
+      !! its number
+
+      weight = sum(total%weight(:total%terms), total%stage(:total%terms) == stage)
+   end function weight_of
 
    !> Dormand and Prince's method of order 8 with error estimators of orders 5 and 3 (Hairer,
    !> Norsett, Wanner, Solving Ordinary Differential Equations I, II.5).

@@ -16,6 +16,8 @@ module rwmf_model_lanes
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
       add_straight_cable, sine
+   public :: wall_power, add_frame_power
+   public :: power_count, of_input, of_viscous, of_plastic
 
 #ifdef RWMF_LANES
    integer, parameter :: lane_count = RWMF_LANES
@@ -27,6 +29,14 @@ module rwmf_model_lanes
    integer, parameter :: frame_coefficients = 4
    integer, parameter :: cable_coefficients = 4
    integer, parameter :: link_coefficients = 4
+
+   integer, parameter :: power_count = 3
+   integer, parameter :: of_input = 1
+   !! power of the ground motion
+   integer, parameter :: of_viscous = 2
+   !! that dampers take
+   integer, parameter :: of_plastic = 3
+   !! that smooth hysteresis takes
 
    !> Motion of the lanes at one instant, and the equation inertia*phi'' = moment that effects add
    !> to, per m_w R**2. A bare frame is the same with u in place of phi, R = 1 and m_s in place of
@@ -174,6 +184,39 @@ contains
          motion%moment(i) = motion%moment(i) - coef(i, 1)*(motion%lever(i)*force)
       end do
    end subroutine add_frame
+
+   !> Powers of a wall: that of the ground motion on its own mass. A bare frame has none of it.
+   pure subroutine wall_power(motion, power)
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(out) :: power(lane_count, power_count)
+      !! over m_w R**2 [1/s3]
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         power(i, of_input) = -motion%c(i)*motion%push(i)*motion%rate(i)
+         power(i, of_viscous) = 0
+         power(i, of_plastic) = 0
+      end do
+   end subroutine wall_power
+
+   !> Powers of the ground motion on the frame's mass, and of its damper.
+   pure subroutine add_frame_power(coef, motion, power)
+      real(wp), intent(in) :: coef(lane_count, frame_coefficients)
+      !! those of `add_frame`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: power(lane_count, power_count)
+      !! over m_w R**2 [1/s3]
+      real(wp) :: rate
+      integer :: i
+
+      !$omp simd private(rate)
+      do i = 1, lane_count
+         rate = motion%j(i)*motion%rate(i)
+         power(i, of_input) = power(i, of_input) - coef(i, 1)*motion%push(i)*rate
+         power(i, of_viscous) = power(i, of_viscous) + coef(i, 1)*coef(i, 2)*rate*rate
+      end do
+   end subroutine add_frame_power
 
    !> Cable of Eq. (1): force and moment are linear in the rotation.
    pure subroutine add_linear_cable(coef, motion)
