@@ -5,12 +5,12 @@ module rwmf_integrator_explicit_pair
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_energy, only: powers_at
-   use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_model_lanes, only: power_count
    implicit none
    private
 
-   public :: explicit_pair_t
+   public :: explicit_pair_t, extend_work
 
    !> An explicit pair.
    type, extends(one_step_t) :: explicit_pair_t
@@ -37,21 +37,35 @@ contains
       !! (states) at t
       real(wp), intent(out) :: work(power_count)
       !! as the component [J/kg]
-      real(wp), parameter :: close = 1.0e-4_wp
+      real(wp), parameter :: close = 2.0e-4_wp
       !! part of the step whose third power is negligible [-]
-      real(wp) :: power(power_count)
       real(wp) :: y_new(size(y))
       real(wp) :: ignored
 
       work = self%work
-      if (abs(t - self%t_work) <= 4*epsilon(t)*abs(t)) return
-      if (max(abs(t - self%t1), abs(t - self%t_work)) <= close*(self%t_work - self%t0)) then
-         call powers_at(self%equation, (self%t_work + t)/2, (self%y1 + y)/2, power)
-         work = work + (t - self%t_work)*power
+      if (max(abs(t - self%t1), abs(t - self%t_work)) <= max(close*(self%t_work - self%t0), &
+         4*epsilon(t)*abs(t))) then
+         call extend_work(self%equation, self%t_work, self%y1, t, y, work)
       else
          call attempt_pair(self, self%t0, self%y0, self%f0, t - self%t0, y_new, ignored, work)
       end if
    end subroutine find_work
+
+   !> Add the work on a way so short that the powers in its middle are its mean.
+   subroutine extend_work(equation, t_a, y_a, t_b, y_b, work)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_a, t_b
+      !! [s]
+      real(wp), intent(in) :: y_a(:), y_b(:)
+      !! (states)
+      real(wp), intent(inout) :: work(power_count)
+      !! [J/kg]
+      real(wp) :: power(power_count)
+
+      if (abs(t_b - t_a) <= 4*epsilon(t_b)*abs(t_b)) return
+      call powers_at(equation, (t_a + t_b)/2, (y_a + y_b)/2, power)
+      work = work + (t_b - t_a)*power
+   end subroutine extend_work
 
    subroutine attempt_explicit_pair(self, t, y, f, h, y_new, error)
       class(explicit_pair_t), intent(inout) :: self

@@ -1,7 +1,7 @@
 !> One step of the lanes by an explicit pair: stages, solution and the estimate of its error.
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t, weight_of
+   use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t
    use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
    use rwmf_model_lanes, only: lane_count, lane_motion_t, power_count
    use rwmf_model_scene, only: scene_t
@@ -51,42 +51,21 @@ contains
       end if
       if (present(work)) then
          work = 0
-         call add_power(scene, coef, weight_of(pair%b, 1), y, k(:, :, 1), motion, work)
+         call lane_powers(scene, pair%weight(1), coef, y, k(:, :, 1), motion, work)
       end if
       do s = 2, pair%stages
          call advance(scene%n, pair%a(s), h, y, k, stage)
          motion%ground = ground(:, s, 1)
          motion%vertical = ground(:, s, 2)
          call lane_rates(scene, coef, stage, motion, k(:, :, s))
-         if (present(work)) call add_power(scene, coef, weight_of(pair%b, s), stage, k(:, :, s), &
-            motion, work)
+         if (.not. present(work)) cycle
+         if (abs(pair%weight(s)) > 0) call lane_powers(scene, pair%weight(s), coef, stage, &
+            k(:, :, s), motion, work)
       end do
       if (present(work)) call scale_work(scene, coef, h, work)
       call advance(scene%n, pair%b, h, y, k, y_new)
       call estimate_error(scene%n, pair, h, tolerance, y, y_new, k, error)
    end subroutine attempt_step
-
-   !> Add the powers of a stage with its weight, if it has one.
-   subroutine add_power(scene, coef, weight, y, y_dot, motion, total)
-      type(scene_t), intent(in) :: scene
-      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      real(wp), intent(in) :: weight
-      real(wp), intent(in) :: y(lane_count, scene%n)
-      real(wp), intent(in) :: y_dot(lane_count, scene%n)
-      type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: total(lane_count, power_count)
-      real(wp) :: power(lane_count, power_count)
-      integer :: i, m
-
-      if (abs(weight) <= 0) return
-      call lane_powers(scene, coef, y, y_dot, motion, power)
-      do m = 1, power_count
-         !$omp simd
-         do i = 1, lane_count
-            total(i, m) = total(i, m) + weight*power(i, m)
-         end do
-      end do
-   end subroutine add_power
 
    !> From the mean of the powers over a step to work.
    subroutine scale_work(scene, coef, h, work)

@@ -4,8 +4,7 @@ module rwmf_integrator_pairs
    implicit none
    private
 
-   public :: pair_t, sum_t, most_stages, most_terms, sum_of, weight_of
-   public :: dormand_prince_853, verner_65
+   public :: pair_t, sum_t, most_stages, most_terms, sum_of, dormand_prince_853, verner_65
 
    integer, parameter :: most_stages = 12
    integer, parameter :: most_terms = 9
@@ -29,6 +28,8 @@ module rwmf_integrator_pairs
       !! weights of the stages before in each stage
       type(sum_t) :: b
       !! weights of the solution
+      real(wp) :: weight(most_stages) = 0
+      !! the same stage by stage
       type(sum_t) :: e
       !! difference of an embedded solution from it
       type(sum_t) :: e_low
@@ -52,15 +53,6 @@ contains
       end do
       total%terms = n
    end function sum_of
-
-   !> Weight of a stage in a sum.
-   pure real(wp) function weight_of(total, stage) result(weight)
-      type(sum_t), intent(in) :: total
-      integer, intent(in) :: stage
-      !! its number
-
-      weight = sum(total%weight(:total%terms), total%stage(:total%terms) == stage)
-   end function weight_of
 
    !> Dormand and Prince's method of order 8 with error estimators of orders 5 and 3 (Hairer,
    !> Norsett, Wanner, Solving Ordinary Differential Equations I, II.5).
@@ -114,6 +106,7 @@ contains
          pair%a(i) = sum_of(a((i - 1)*(i - 2)/2 + 1:i*(i - 1)/2))
       end do
       pair%b = sum_of(b)
+      pair%weight(:s) = b
       pair%e = sum_of(e5)
       pair%e_low = sum_of(e3)
    end function dormand_prince_853
@@ -140,6 +133,7 @@ contains
       b = [3/40.0_wp, 0.0_wp, 875/2244.0_wp, 23/72.0_wp, 264/1955.0_wp, 0.0_wp, &
          125/11592.0_wp, 43/616.0_wp]
       pair%b = sum_of(b)
+      pair%weight(:s) = b
       pair%e = sum_of(b - [13/160.0_wp, 0.0_wp, 2375/5984.0_wp, 5/16.0_wp, 12/85.0_wp, &
          3/44.0_wp, 0.0_wp, 0.0_wp])
    end function verner_65

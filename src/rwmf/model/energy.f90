@@ -90,7 +90,8 @@ contains
       call ground_at(equation, t, motion)
       associate (scene => equation%scene, coef => equation%state%coef)
          call lane_rates(scene, coef, y, motion, y_dot)
-         call lane_powers(scene, coef, y, y_dot, motion, power)
+         power = 0
+         call lane_powers(scene, 1.0_wp, coef, y, y_dot, motion, power)
          call power_unit(scene, coef, unit)
       end associate
       power = unit(1)*power

@@ -16,7 +16,7 @@ module rwmf_model_lanes
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
       add_straight_cable, sine
-   public :: wall_power, add_frame_power
+   public :: add_wall_power, add_frame_power
    public :: power_count, of_input, of_viscous, of_plastic
 
 #ifdef RWMF_LANES
@@ -185,36 +185,40 @@ contains
       end do
    end subroutine add_frame
 
-   !> Powers of a wall: that of the ground motion on its own mass. A bare frame has none of it.
-   pure subroutine wall_power(motion, power)
+   !> Power of the ground motion on the wall's own mass.
+   pure subroutine add_wall_power(weight, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(out) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
       integer :: i
 
       !$omp simd
       do i = 1, lane_count
-         power(i, of_input) = -motion%c(i)*motion%push(i)*motion%rate(i)
-         power(i, of_viscous) = 0
-         power(i, of_plastic) = 0
+         total(i, of_input) = total(i, of_input) - weight*(motion%c(i)*motion%push(i) &
+            *motion%rate(i))
       end do
-   end subroutine wall_power
+   end subroutine add_wall_power
 
    !> Powers of the ground motion on the frame's mass, and of its damper.
-   pure subroutine add_frame_power(coef, motion, power)
+   pure subroutine add_frame_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       real(wp), intent(in) :: coef(lane_count, frame_coefficients)
       !! those of `add_frame`
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
-      real(wp) :: rate
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      real(wp) :: rate, share
       integer :: i
 
-      !$omp simd private(rate)
+      !$omp simd private(rate, share)
       do i = 1, lane_count
          rate = motion%j(i)*motion%rate(i)
-         power(i, of_input) = power(i, of_input) - coef(i, 1)*motion%push(i)*rate
-         power(i, of_viscous) = power(i, of_viscous) + coef(i, 1)*coef(i, 2)*rate*rate
+         share = weight*coef(i, 1)*rate
+         total(i, of_input) = total(i, of_input) - share*motion%push(i)
+         total(i, of_viscous) = total(i, of_viscous) + share*(coef(i, 2)*rate)
       end do
    end subroutine add_frame_power
 

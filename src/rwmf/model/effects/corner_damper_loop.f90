@@ -24,19 +24,21 @@ contains
    end subroutine add_damper
 
    !> Power that it takes.
-   pure subroutine add_damper_power(coef, motion, power)
+   pure subroutine add_damper_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       real(wp), intent(in) :: coef(lane_count)
       !! that of `add_damper`
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
       real(wp) :: rate
       integer :: i
 
       !$omp simd private(rate)
       do i = 1, lane_count
          rate = motion%half_cosine(i)*motion%rate(i)
-         power(i, of_viscous) = power(i, of_viscous) + coef(i)*rate*rate
+         total(i, of_viscous) = total(i, of_viscous) + weight*(coef(i)*rate*rate)
       end do
    end subroutine add_damper_power
 

@@ -10,7 +10,7 @@ module rwmf_model_effects_loops
    use rwmf_model_effects_vertical_motion_loop, only: add_vertical, add_vertical_power
    use rwmf_model_effects_yielding_loop, only: add_bouc_wen, add_bouc_wen_power
    use rwmf_model_lanes, only: add_frame, add_frame_power, add_linear_cable, add_straight_cable, &
-      lane_count, lane_motion_t, move_bare_frame, move_wall, power_count, tilt_link, wall_power
+      add_wall_power, lane_count, lane_motion_t, move_bare_frame, move_wall, power_count, tilt_link
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term
    implicit none
@@ -82,10 +82,12 @@ contains
       end do
    end subroutine lane_rates
 
-   !> Powers of the ground motion, of dampers, and of plastic flow where that is smooth; what
+   !> Add the powers of the ground motion, of dampers, and of smooth plastic flow to a sum; what
    !> springs on straight lines dissipate follows from their elongations.
-   subroutine lane_powers(scene, coef, y, y_dot, motion, power)
+   subroutine lane_powers(scene, weight, coef, y, y_dot, motion, total)
       type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: weight
+      !! of the powers in the sum
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! states
@@ -93,30 +95,30 @@ contains
       !! their rates
       type(lane_motion_t), intent(in) :: motion
       !! as `lane_rates` leaves it
-      real(wp), intent(out) :: power(lane_count, power_count)
-      !! over `power_unit` [W/kg]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over `power_unit` [W/kg]
       integer :: i
 
-      call wall_power(motion, power)
+      if (scene%has_wall) call add_wall_power(weight, motion, total)
       do i = 1, size(scene%terms)
          associate (term => scene%terms(i), own => scene%terms(i)%coef)
             select case (term%effect)
             case (frame_term)
-               call add_frame_power(coef(1, own), motion, power)
+               call add_frame_power(weight, coef(1, own), motion, total)
             case (1)
                if (term%n > 0) then
-                  call add_floor_power(term%n, term%law, coef(1, own), y(1, term%state), &
-                     y_dot(1, term%state), motion, power)
+                  call add_floor_power(term%n, term%law, weight, coef(1, own), &
+                     y(1, term%state), y_dot(1, term%state), motion, total)
                else
-                  call add_excited_mass_power(coef(1, own), motion, power)
+                  call add_excited_mass_power(weight, coef(1, own), motion, total)
                end if
             case (3)
-               call add_damper_power(coef(1, own), motion, power)
+               call add_damper_power(weight, coef(1, own), motion, total)
             case (6)
-               call add_bouc_wen_power(coef(1, own), y(1, term%state), y_dot(1, term%state), &
-                  motion, power)
+               call add_bouc_wen_power(weight, coef(1, own), y(1, term%state), &
+                  y_dot(1, term%state), motion, total)
             case (7)
-               call add_vertical_power(coef(1, own), motion, power)
+               call add_vertical_power(weight, coef(1, own), motion, total)
             case default
                ! stores all that it takes, or dissipates on straight lines
             end select

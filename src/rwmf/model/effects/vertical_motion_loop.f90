@@ -23,18 +23,20 @@ contains
    end subroutine add_vertical
 
    !> Power that it puts in while the wall's centroid rises.
-   pure subroutine add_vertical_power(coef, motion, power)
+   pure subroutine add_vertical_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       real(wp), intent(in) :: coef(lane_count)
       !! that of `add_vertical`
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
       integer :: i
 
       !$omp simd
       do i = 1, lane_count
-         power(i, of_input) = power(i, of_input) - coef(i)*motion%vertical(i)*motion%s(i) &
-            *motion%rate(i)
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%vertical(i)*motion%s(i) &
+            *motion%rate(i))
       end do
    end subroutine add_vertical_power
 

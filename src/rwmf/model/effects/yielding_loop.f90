@@ -34,7 +34,9 @@ contains
    end subroutine add_bouc_wen
 
    !> Power that plastic flow takes: of the velocity, what z does not follow.
-   pure subroutine add_bouc_wen_power(coef, z, z_dot, motion, power)
+   pure subroutine add_bouc_wen_power(weight, coef, z, z_dot, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       real(wp), intent(in) :: coef(lane_count, 4)
       !! those of `add_bouc_wen`
       real(wp), intent(in) :: z(lane_count)
@@ -42,14 +44,14 @@ contains
       real(wp), intent(in) :: z_dot(lane_count)
       !! [1/s]
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
       integer :: i
 
       !$omp simd
       do i = 1, lane_count
-         power(i, of_plastic) = power(i, of_plastic) + coef(i, 1)*z(i)*(motion%side(i)*motion%j(i) &
-            *motion%rate(i) - z_dot(i)/coef(i, 2))
+         total(i, of_plastic) = total(i, of_plastic) + weight*(coef(i, 1)*z(i)*(motion%side(i) &
+            *motion%j(i)*motion%rate(i) - z_dot(i)/coef(i, 2)))
       end do
    end subroutine add_bouc_wen_power
 

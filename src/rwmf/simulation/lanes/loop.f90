@@ -7,7 +7,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t, extend_work
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
@@ -31,7 +31,7 @@ module rwmf_simulation_lanes_loop
       stands_on_fuses, stay_at_rest
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, team_t
-   use rwmf_simulation_recorder_energy_balance, only: add_work, integrate_powers
+   use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
       recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -348,6 +348,7 @@ contains
    subroutine observe_steps(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
       type(team_t), intent(inout) :: team
+      real(wp) :: work(power_count)
       integer :: i
 
       do i = 1, team%width
@@ -357,13 +358,36 @@ contains
                team%table(i, of_time), team%y_new(i, :))
             team%has_ended = team%has_ended .or. allocated(lanes(i)%error)
          else if (team%is_busy(i) .and. allocated(team%work)) then
-            call add_work(lanes(i)%recorder%energy, team%work(i, :))
+            work = team%work(i, :)
+            call add_work(lanes(i)%recorder%energy, work)
          end if
       end do
    end subroutine observe_steps
 
-   !> Let what is asked for be seen in a step of a lane, or in a part of it; of one that nobody
-   !> watches the work alone.
+   !> Let what is asked for be seen in a step of a lane that is accepted after a look, or up to
+   !> nearly its end, where an event happens; of one that nobody watches the work.
+   subroutine pass_step(lane, i, team, t, y)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in), contiguous, target :: y(:)
+      !! (states) at t
+      real(wp) :: work(power_count)
+
+      if (team%is_watched(i)) then
+         call observe_step(lane, i, team, team%table(i, of_time), team%y(i, :), t, y)
+      else if (allocated(team%work)) then
+         call follow_interval(lane, i, team)
+         work = team%work(i, :)
+         call extend_work(lane%equation, team%table(i, of_time) + team%table(i, of_trial), &
+            team%y_new(i, :), t, y, work)
+         call add_work(lane%recorder%energy, work)
+      end if
+   end subroutine pass_step
+
+   !> Let what is asked for be seen in a step of a lane, or in a part of it.
    subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -391,12 +415,8 @@ contains
          call view_step(step, lane%equation, integrator)
       end associate
       step = until(step, t_b, y_b)
-      if (.not. team%is_watched(i)) then
-         call integrate_powers(lane%recorder%energy, step, lane%error)
-      else
-         if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
-         if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error)
-      end if
+      if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
+      if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error)
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step
 
@@ -643,9 +663,7 @@ contains
       call forget_goal(lane, i, team)
       associate (table => team%table)
          table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
-         if (team%is_watched(i) .or. allocated(team%work)) call observe_step(lane, i, team, &
-            table(i, of_time), team%y(i, :), table(i, of_time) + table(i, of_trial), &
-            team%y_new(i, :))
+         call pass_step(lane, i, team, table(i, of_time) + table(i, of_trial), team%y_new(i, :))
          if (allocated(lane%error)) return
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
@@ -769,8 +787,7 @@ contains
          hybrid%is_rising = lane%goal == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
-         if (team%is_watched(i) .or. allocated(team%work)) call observe_step(lane, i, team, &
-            table(i, of_time), team%y(i, :), hybrid%t, hybrid%y)
+         call pass_step(lane, i, team, hybrid%t, hybrid%y)
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)

@@ -172,33 +172,38 @@ contains
    end subroutine add_excited_mass
 
    !> Power of that push.
-   pure subroutine add_excited_mass_power(coef, motion, power)
+   pure subroutine add_excited_mass_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       real(wp), intent(in) :: coef(lane_count)
       !! that of `add_excited_mass`
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
       integer :: i
 
       !$omp simd
       do i = 1, lane_count
-         power(i, of_input) = power(i, of_input) - coef(i)*motion%push(i)*motion%j(i)*motion%rate(i)
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%push(i)*motion%j(i) &
+            *motion%rate(i))
       end do
    end subroutine add_excited_mass_power
 
    !> Powers of the ground motion on the floors below the roof, of the frame's dampers, and of the
    !> plastic flow of smooth storeys.
-   pure subroutine add_floor_power(n, law, coef, y, y_dot, motion, power)
+   pure subroutine add_floor_power(n, law, weight, coef, y, y_dot, motion, total)
       integer, intent(in) :: n
       integer, intent(in) :: law
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
       !! those of `add_floors`, as the others
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
       real(wp), intent(in) :: y_dot(lane_count, floor_states(n, law))
       !! their rates
       type(lane_motion_t), intent(in) :: motion
-      real(wp), intent(inout) :: power(lane_count, power_count)
-      !! over m_w R**2 [1/s3]
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
       real(wp) :: own(lane_count, power_count)
       !! over m_w [W/kg]
       real(wp) :: v(lane_count, 0:n)
@@ -237,7 +242,7 @@ contains
       do m = 1, power_count
          !$omp simd
          do i = 1, lane_count
-            power(i, m) = power(i, m) + own(i, m)/(coef(i, 1)*coef(i, 1))
+            total(i, m) = total(i, m) + weight*(own(i, m)/(coef(i, 1)*coef(i, 1)))
          end do
       end do
    end subroutine add_floor_power
