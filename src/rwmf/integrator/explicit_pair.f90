@@ -108,7 +108,7 @@ contains
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
          call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
-            tolerance, y, .true., k, y_new, norm, work)
+            tolerance, y, .not. present(work), k, y_new, norm, work)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
       error = norm(1)

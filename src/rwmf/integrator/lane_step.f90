@@ -29,7 +29,7 @@ contains
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! (states)
       logical, intent(in) :: has_rates
-      !! those at the beginning are known
+      !! those at the beginning are known; no work is then asked for
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
       !! rates at the nodes
       real(wp), intent(out) :: y_new(lane_count, scene%n)
@@ -41,13 +41,10 @@ contains
       real(wp) :: stage(lane_count, scene%n)
       integer :: s
 
-      motion%ground = ground(:, 1, 1)
-      motion%vertical = ground(:, 1, 2)
       if (.not. has_rates) then
+         motion%ground = ground(:, 1, 1)
+         motion%vertical = ground(:, 1, 2)
          call lane_rates(scene, coef, y, motion, k(:, :, 1))
-      else if (present(work)) then
-         ! the motion alone
-         call lane_rates(scene, coef, y, motion, stage)
       end if
       if (present(work)) then
          work = 0
