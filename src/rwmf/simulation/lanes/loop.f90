@@ -378,7 +378,7 @@ contains
 
       if (team%is_watched(i)) then
          call observe_step(lane, i, team, team%table(i, of_time), team%y(i, :), t, y)
-      else if (allocated(team%work)) then
+      else
          call follow_interval(lane, i, team)
          work = team%work(i, :)
          call extend_work(lane%equation, team%table(i, of_time) + team%table(i, of_trial), &
@@ -663,7 +663,8 @@ contains
       call forget_goal(lane, i, team)
       associate (table => team%table)
          table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
-         call pass_step(lane, i, team, table(i, of_time) + table(i, of_trial), team%y_new(i, :))
+         if (team%is_watched(i) .or. allocated(team%work)) call pass_step(lane, i, team, &
+            table(i, of_time) + table(i, of_trial), team%y_new(i, :))
          if (allocated(lane%error)) return
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
@@ -787,7 +788,8 @@ contains
          hybrid%is_rising = lane%goal == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
-         call pass_step(lane, i, team, hybrid%t, hybrid%y)
+         if (team%is_watched(i) .or. allocated(team%work)) call pass_step(lane, i, team, &
+            hybrid%t, hybrid%y)
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
