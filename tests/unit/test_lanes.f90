@@ -9,6 +9,8 @@ program test_lanes
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_model_energy, only: mechanical_energy
+   use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: ending_name, result_t
@@ -33,6 +35,8 @@ program test_lanes
 
    call check_order(verner_65(), 6, 'Verner 6(5)')
    call check_order(dormand_prince_853(), 8, 'Dormand-Prince 8')
+   call check_work(verner_65(), 6, 'Verner 6(5)')
+   call check_work(dormand_prince_853(), 8, 'Dormand-Prince 8')
    call check_bits(wall//cable//loss//pulses//devices//fuse, 'devices')
    call check_bits(wall//cable//loss//pulses//yielding//", law='bouc_wen', exponent=1.7 /", &
       'smooth hysteresis')
@@ -93,6 +97,41 @@ contains
          atol=0.3_wp)
    end subroutine check_order
 
+   !> The work of the dampers has the order of the pair: it is what a free oscillator loses.
+   subroutine check_work(pair, order, name)
+      type(pair_t), intent(in) :: pair
+      integer, intent(in) :: order
+      character(*), intent(in) :: name
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp) :: y(1, 2), y_new(1, 2), k(1, 2, most_stages), ground(1, most_stages, 2), norm(1)
+      real(wp) :: work(1, power_count), missing(2), lost
+      integer :: i, j, steps
+
+      call read_scene('&frame T_s=1.0, xi_s=0.1 / &solver t_end=1.0 /', case)
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      ground = 0
+      do j = 1, 2
+         steps = 4*2**j
+         y(1, :) = [1.0_wp, 0.0_wp]
+         lost = mechanical_energy(equation, y(1, :))
+         missing(j) = lost
+         do i = 1, steps
+            call attempt_one(equation%scene, pair, equation%state%coef, ground, [1.0_wp/steps], &
+               reshape([1.0_wp, 1.0_wp, 1.0_wp], [1, 3]), y, .false., k, y_new, norm, work)
+            y = y_new
+            missing(j) = missing(j) - work(1, of_viscous)
+         end do
+         missing(j) = abs(missing(j) - mechanical_energy(equation, y(1, :)))
+      end do
+      call checks%that(missing(1) > 2.0_wp**(order - 0.5_wp)*missing(2), 'order of the work, ' &
+         //name)
+      call checks%that(missing(2) < 2.0e-5_wp*lost, 'work, '//name)
+      call checks%that(all(abs(work(1, [of_input, of_plastic])) <= 0), 'no other work, '//name)
+   end subroutine check_work
+
    !> A step of sixteen lanes is that of each alone, for every instruction set.
    subroutine check_bits(text, name)
       character(*), intent(in) :: text
@@ -106,6 +145,7 @@ contains
       real(wp), allocatable :: coef(:, :), y(:, :), y_new(:, :), k(:, :, :), tolerance(:, :)
       real(wp), allocatable :: alone(:, :), k_alone(:, :, :)
       real(wp) :: ground(team_width, most_stages, 2), h(team_width), norm(team_width), one(1)
+      real(wp) :: work(team_width, power_count), work_alone(1, power_count)
       integer :: i, level, n
 
       call read_scene(text//' &solver t_end=4.0 /', case)
@@ -127,10 +167,12 @@ contains
          if (levels(level) > best_level()) cycle
          kernels = lane_kernels_of(levels(level))
          call kernels%attempt_step(equation%scene, pair, coef, ground, h, tolerance, y, .false., &
-            k, y_new, norm)
+            k, y_new, norm, work)
          do i = 1, team_width
             call attempt_one(equation%scene, pair, equation%state%coef, ground(i:i, :, :), h(i:i), &
-               tolerance(i:i, :), y(i:i, :), .false., k_alone, alone, one)
+               tolerance(i:i, :), y(i:i, :), .false., k_alone, alone, one, work_alone)
+            call checks%that(all(abs(work_alone(1, :) - work(i, :)) <= 0) &
+               .and. sum(abs(work(i, :))) > 0, 'bits of its work, '//name)
             call checks%that(all(abs(alone(1, :) - y_new(i, :)) <= 0) &
                .and. abs(one(1) - norm(i)) <= 0, 'bits of a lane, '//name)
          end do

@@ -8,7 +8,7 @@ program test_memory
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       second_derivative
    use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, new_spring, pass_limit, &
-      spring_energy, spring_force, spring_limits, spring_plastic, spring_power, spring_t, &
+      spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, spring_t, &
       turn_spring
    use rwmf_model_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
@@ -60,22 +60,23 @@ contains
       real(wp) :: limits(2)
 
       call turn_spring(spring, branch, a)
+      dissipated = dissipated - spring_loss(spring, branch, a)
       x = a
       do
          call spring_limits(spring, branch, limits(1), limits(2))
          to = max(limits(1), min(b, limits(2)))
          if (b > a) to = max(x, to)
          if (b < a) to = min(x, to)
-         dissipated = dissipated + spring_power(spring, branch, to - x)
          x = to
          if (b > a .and. b > limits(2)) then
             call pass_limit(spring, branch, is_rising=.true.)
          else if (b < a .and. b < limits(1)) then
             call pass_limit(spring, branch, is_rising=.false.)
          else
-            return
+            exit
          end if
       end do
+      dissipated = dissipated + spring_loss(spring, branch, x)
    end subroutine move
 
    !> A cycle between -x_max and x_max encloses 4 F_y (x_max - x_y) (1 - hardening).

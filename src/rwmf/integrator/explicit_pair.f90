@@ -4,20 +4,68 @@ module rwmf_integrator_explicit_pair
    use rwmf_integrator_lane_step, only: attempt_step
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
-   use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_energy, only: powers_at
+   use rwmf_model_equation, only: equation_t, ground, vertical_ground
+   use rwmf_model_lanes, only: power_count
    implicit none
    private
 
-   public :: explicit_pair_t
+   public :: explicit_pair_t, extend_work
 
    !> An explicit pair.
    type, extends(one_step_t) :: explicit_pair_t
       type(pair_t) :: pair
+      real(wp) :: work(power_count) = 0
+      !! of the ground motion, dampers and smooth plastic flow over the last step, where whoever
+      !! takes the steps asks for it [J/kg]
+      real(wp) :: t_work = 0
+      !! end of that step, which may be cut short later [s]
    contains
+      procedure :: find_work
       procedure :: attempt => attempt_explicit_pair
    end type explicit_pair_t
 
 contains
+
+   !> Work from the beginning of the last step to another time: that of the step, and close to its
+   !> end the mean power of the way from there; else that of a repeated step.
+   subroutine find_work(self, t, y, work)
+      class(explicit_pair_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) at t
+      real(wp), intent(out) :: work(power_count)
+      !! as the component [J/kg]
+      real(wp), parameter :: close = 2.0e-4_wp
+      !! part of the step whose third power is negligible [-]
+      real(wp) :: y_new(size(y))
+      real(wp) :: ignored
+
+      work = self%work
+      if (max(abs(t - self%t1), abs(t - self%t_work)) <= max(close*(self%t_work - self%t0), &
+         4*epsilon(t)*abs(t))) then
+         call extend_work(self%equation, self%t_work, self%y1, t, y, work)
+      else
+         call attempt_pair(self, self%t0, self%y0, self%f0, t - self%t0, y_new, ignored, work)
+      end if
+   end subroutine find_work
+
+   !> Add the work on a way so short that the powers in its middle are its mean.
+   subroutine extend_work(equation, t_a, y_a, t_b, y_b, work)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_a, t_b
+      !! [s]
+      real(wp), intent(in) :: y_a(:), y_b(:)
+      !! (states)
+      real(wp), intent(inout) :: work(power_count)
+      !! [J/kg]
+      real(wp) :: power(power_count)
+
+      if (abs(t_b - t_a) <= 4*epsilon(t_b)*abs(t_b)) return
+      call powers_at(equation, (t_a + t_b)/2, (y_a + y_b)/2, power)
+      work = work + (t_b - t_a)*power
+   end subroutine extend_work
 
    subroutine attempt_explicit_pair(self, t, y, f, h, y_new, error)
       class(explicit_pair_t), intent(inout) :: self
@@ -27,6 +75,20 @@ contains
       real(wp), intent(in) :: h
       real(wp), intent(out), contiguous :: y_new(:)
       real(wp), intent(out) :: error
+
+      call attempt_pair(self, t, y, f, h, y_new, error)
+   end subroutine attempt_explicit_pair
+
+   !> The same, and the work in it on request.
+   subroutine attempt_pair(self, t, y, f, h, y_new, error, work)
+      class(explicit_pair_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in), contiguous :: y(:)
+      real(wp), intent(in), contiguous :: f(:)
+      real(wp), intent(in) :: h
+      real(wp), intent(out), contiguous :: y_new(:)
+      real(wp), intent(out) :: error
+      real(wp), intent(out), optional :: work(power_count)
       real(wp) :: acceleration(1, most_stages, 2)
       real(wp) :: k(1, size(y), most_stages)
       real(wp) :: tolerance(1, 0:size(y))
@@ -36,7 +98,7 @@ contains
       self%error_order = self%pair%error_order
       associate (equation => self%equation, pair => self%pair)
          acceleration(:, :, 2) = 0
-         do i = 2, pair%stages
+         do i = 1, pair%stages
             acceleration(1, i, 1) = ground(equation, t + pair%c(i)*h)
             if (equation%has_vertical) acceleration(1, i, 2) = vertical_ground(equation, t &
                + pair%c(i)*h)
@@ -46,10 +108,10 @@ contains
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
          call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
-            tolerance, y, .true., k, y_new, norm)
+            tolerance, y, .not. present(work), k, y_new, norm, work)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
       error = norm(1)
-   end subroutine attempt_explicit_pair
+   end subroutine attempt_pair
 
 end module rwmf_integrator_explicit_pair

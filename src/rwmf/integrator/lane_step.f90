@@ -2,8 +2,8 @@
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t
-   use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, power_count
    use rwmf_model_scene, only: scene_t
    implicit none
    private
@@ -16,7 +16,7 @@ contains
    !>
    !> The local error is Hairer's combination of two estimators, or the root mean square of one.
    subroutine attempt_step(scene, pair, coef, ground, h, tolerance, y, has_rates, k, y_new, &
-      error)
+      error, work)
       type(scene_t), intent(in) :: scene
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
@@ -29,12 +29,14 @@ contains
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! (states)
       logical, intent(in) :: has_rates
-      !! those at the beginning are known
+      !! those at the beginning are known; no work is then asked for
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
       !! rates at the nodes
       real(wp), intent(out) :: y_new(lane_count, scene%n)
       real(wp), intent(out) :: error(lane_count)
       !! norm of the local error over the tolerance [-]
+      real(wp), intent(out), optional :: work(lane_count, power_count)
+      !! of the ground motion, dampers and smooth plastic flow, to the order of the pair [J/kg]
       type(lane_motion_t) :: motion
       real(wp) :: stage(lane_count, scene%n)
       integer :: s
@@ -44,15 +46,41 @@ contains
          motion%vertical = ground(:, 1, 2)
          call lane_rates(scene, coef, y, motion, k(:, :, 1))
       end if
+      if (present(work)) then
+         work = 0
+         call lane_powers(scene, pair%weight(1), coef, y, k(:, :, 1), motion, work)
+      end if
       do s = 2, pair%stages
          call advance(scene%n, pair%a(s), h, y, k, stage)
          motion%ground = ground(:, s, 1)
          motion%vertical = ground(:, s, 2)
          call lane_rates(scene, coef, stage, motion, k(:, :, s))
+         if (.not. present(work)) cycle
+         if (abs(pair%weight(s)) > 0) call lane_powers(scene, pair%weight(s), coef, stage, &
+            k(:, :, s), motion, work)
       end do
+      if (present(work)) call scale_work(scene, coef, h, work)
       call advance(scene%n, pair%b, h, y, k, y_new)
       call estimate_error(scene%n, pair, h, tolerance, y, y_new, k, error)
    end subroutine attempt_step
+
+   !> From the mean of the powers over a step to work.
+   subroutine scale_work(scene, coef, h, work)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: h(lane_count)
+      real(wp), intent(inout) :: work(lane_count, power_count)
+      real(wp) :: unit(lane_count)
+      integer :: i, m
+
+      call power_unit(scene, coef, unit)
+      do m = 1, power_count
+         !$omp simd
+         do i = 1, lane_count
+            work(i, m) = h(i)*unit(i)*work(i, m)
+         end do
+      end do
+   end subroutine scale_work
 
    !> y + h times a weighted sum of stages.
    pure subroutine advance(n, weights, h, y, k, y_new)

@@ -28,6 +28,8 @@ module rwmf_integrator_pairs
       !! weights of the stages before in each stage
       type(sum_t) :: b
       !! weights of the solution
+      real(wp) :: weight(most_stages) = 0
+      !! the same stage by stage
       type(sum_t) :: e
       !! difference of an embedded solution from it
       type(sum_t) :: e_low
@@ -104,6 +106,7 @@ contains
          pair%a(i) = sum_of(a((i - 1)*(i - 2)/2 + 1:i*(i - 1)/2))
       end do
       pair%b = sum_of(b)
+      pair%weight(:s) = b
       pair%e = sum_of(e5)
       pair%e_low = sum_of(e3)
    end function dormand_prince_853
@@ -130,6 +133,7 @@ contains
       b = [3/40.0_wp, 0.0_wp, 875/2244.0_wp, 23/72.0_wp, 264/1955.0_wp, 0.0_wp, &
          125/11592.0_wp, 43/616.0_wp]
       pair%b = sum_of(b)
+      pair%weight(:s) = b
       pair%e = sum_of(b - [13/160.0_wp, 0.0_wp, 2375/5984.0_wp, 5/16.0_wp, 12/85.0_wp, &
          3/44.0_wp, 0.0_wp, 0.0_wp])
    end function verner_65

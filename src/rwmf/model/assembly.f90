@@ -29,7 +29,7 @@ module rwmf_model_assembly
    private
 
    public :: equation_t, build_equation, enter_interval, enter_side, interval_of
-   public :: rhs, rates_at, moment_at_rest, second_derivative, kinematics_at, cable_at
+   public :: rhs, rates_at, ground_at, moment_at_rest, second_derivative, kinematics_at, cable_at
    public :: lift_off_drive, frame_displacement
 
 contains
@@ -199,11 +199,21 @@ contains
 
       type(lane_motion_t) :: motion
 
+      call ground_at(equation, t, motion)
+      call lane_rates(equation%scene, equation%state%coef, y, motion, y_dot)
+   end subroutine rates_at
+
+   !> Motion of the ground alone, for the loops of one lane.
+   subroutine ground_at(equation, t, motion)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      type(lane_motion_t), intent(inout) :: motion
+
       motion%ground = ground(equation, t)
       motion%vertical = 0
       if (equation%has_vertical) motion%vertical = vertical_ground(equation, t)
-      call lane_rates(equation%scene, equation%state%coef, y, motion, y_dot)
-   end subroutine rates_at
+   end subroutine ground_at
 
    !> Moment away from the base and inertia of the wall at theta = 0 without velocity and without
    !> motion of the ground, over m_w R**2.

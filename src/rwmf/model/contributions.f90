@@ -11,7 +11,7 @@ module rwmf_model_contributions
    private
 
    public :: choose_contributions
-   public :: state_sizes, effects_energy, effects_power, effects_input, effects_frame_force
+   public :: state_sizes, effects_energy, effects_frame_force
 
 contains
 
@@ -108,49 +108,6 @@ contains
          end if
       end do
    end function effects_energy
-
-   !> Power that further effects dissipate [W/kg].
-   real(wp) function effects_power(equation, t, y, is_hysteretic) result(power)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      logical, intent(in) :: is_hysteretic
-      !! by yielding, or else by the others
-      integer :: i
-
-      power = 0
-      if (.not. allocated(equation%effects)) return
-      do i = 1, size(equation%effects)
-         associate (extra => equation%effects(i))
-            if (is_hysteretic) then
-               if (associated(extra%plastic_power)) power = power &
-                  + extra%plastic_power(extra, equation, t, y)
-            else
-               if (associated(extra%power)) power = power + extra%power(extra, equation, t, y)
-            end if
-         end associate
-      end do
-   end function effects_power
-
-   !> Power of the ground motion on masses of further effects [W/kg].
-   real(wp) function effects_input(equation, t, y) result(power)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      integer :: i
-
-      power = 0
-      if (.not. allocated(equation%effects)) return
-      do i = 1, size(equation%effects)
-         if (associated(equation%effects(i)%input)) then
-            power = power + equation%effects(i)%input(equation%effects(i), equation, t, y)
-         end if
-      end do
-   end function effects_input
 
    !> Forces with which further effects resist the displaced frame: that the links to the wall pull
    !> against; on floors that have states, together [m/s2].

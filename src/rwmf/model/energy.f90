@@ -4,18 +4,19 @@
 !> for theta < 0; its ledger therefore does not close, and the residual shows by how much.
 module rwmf_model_energy
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: cable_at, equation_t, interval_of, kinematics_at
+   use rwmf_model_assembly, only: cable_at, equation_t, ground_at, kinematics_at
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_contributions, only: effects_energy, effects_input, effects_power
-   use rwmf_model_effects_vertical_motion, only: vertical_power
-   use rwmf_model_hysteresis_spring_set, only: tendon_power
+   use rwmf_model_contributions, only: effects_energy
+   use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
+   use rwmf_model_effects_storeys_yielding_storeys, only: storeys_loss
+   use rwmf_model_hysteresis_spring_set, only: springs_loss
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_motion_ground_motion, only: acceleration
+   use rwmf_model_lanes, only: lane_motion_t, power_count
    implicit none
    private
 
-   public :: stored_energy_t, stored_energy, mechanical_energy, input_power, impact_loss
-   public :: viscous_power, hysteretic_power, dissipates_hysteretically
+   public :: stored_energy_t, stored_energy, mechanical_energy, impact_loss
+   public :: powers_at, yielding_loss, dissipates_hysteretically
 
    !> What a state holds [J/kg].
    type :: stored_energy_t
@@ -75,65 +76,44 @@ contains
       end associate
    end function stored_energy
 
-   !> Power of the ground motion [W/kg].
-   real(wp) function input_power(equation, t, y) result(power)
+   !> Powers of the ground motion, of dampers, and of smooth plastic flow [W/kg].
+   subroutine powers_at(equation, t, y, power)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(equation%n)
       !! (states)
-      type(kinematics_t) :: kin
+      real(wp), intent(out) :: power(power_count)
+      type(lane_motion_t) :: motion
+      real(wp) :: y_dot(equation%n), unit(1)
 
-      power = -acceleration(equation%motion, interval_of(equation), t)*y(2)
-      if (equation%has_wall) then
-         kin = kinematics_at(equation, y(1))
-         power = power*equation%p%R*(equation%p%gamma*kin%j + kin%c)
-         if (equation%has_vertical) power = power + vertical_power(equation, t, y)
-      end if
-      power = power + effects_input(equation, t, y)
-   end function input_power
-
-   !> Power that the frame's damper and further viscous effects take [W/kg].
-   real(wp) function viscous_power(equation, t, y) result(power)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      type(kinematics_t) :: kin
-
-      associate (p => equation%p)
-         power = 2*p%xi_s*p%omega_s*y(2)**2
-         if (equation%has_wall) then
-            kin = kinematics_at(equation, y(1))
-            power = power*p%gamma*(p%R*kin%j)**2
-         end if
+      call ground_at(equation, t, motion)
+      associate (scene => equation%scene, coef => equation%state%coef)
+         call lane_rates(scene, coef, y, motion, y_dot)
+         power = 0
+         call lane_powers(scene, 1.0_wp, coef, y, y_dot, motion, power)
+         call power_unit(scene, coef, unit)
       end associate
-      power = power + effects_power(equation, t, y, is_hysteretic=.false.)
-   end function viscous_power
+      power = unit(1)*power
+   end subroutine powers_at
 
-   !> Power that effects take which yield [W/kg].
-   real(wp) function hysteretic_power(equation, t, y) result(power)
+   !> Energy that yielding on straight lines has taken since t = 0 [J/kg].
+   real(wp) function yielding_loss(equation, y) result(loss)
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      power = effects_power(equation, t, y, is_hysteretic=.true.)
-      if (equation%cable%is_tendon) power = power + tendon_power(equation, y)
-   end function hysteretic_power
+      loss = 0
+      if (equation%has_bilinear_springs) loss = springs_loss(equation, y(1))
+      if (equation%floors%yields) loss = loss + storeys_loss(equation, y)
+   end function yielding_loss
 
    !> Has the scene effects that yield?
    pure logical function dissipates_hysteretically(equation) result(does)
       type(equation_t), intent(in) :: equation
-      integer :: i
 
-      does = equation%cable%is_tendon
-      if (.not. allocated(equation%effects)) return
-      do i = 1, size(equation%effects)
-         does = does .or. associated(equation%effects(i)%plastic_power)
-      end do
+      does = equation%has_bilinear_springs .or. equation%has_loading_direction &
+         .or. equation%floors%yields
    end function dissipates_hysteretically
 
    !> Kinetic energy that an impact takes [J/kg].

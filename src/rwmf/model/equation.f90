@@ -22,7 +22,7 @@ module rwmf_model_equation
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
    public :: frame_displacement
-   public :: frame_velocity, frame_motion, frame_travel, frame_mass, corner_share
+   public :: frame_motion, frame_travel, frame_mass, corner_share
 
    !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
    !> force on the wall that belong to it (docs/effects.md).
@@ -45,18 +45,12 @@ module rwmf_model_equation
       !! its coefficients follow the side of the motion
       logical :: is_kinematic = .false.
       !! it changes the kinematics that the loops of others read
-      procedure(power_i), pointer, nopass :: power => null()
-      !! that viscous parts dissipate; not associated: nothing
-      procedure(power_i), pointer, nopass :: plastic_power => null()
-      !! that yielding dissipates; not associated: nothing
       procedure(energy_i), pointer, nopass :: energy => null()
       !! not associated: stores nothing
       procedure(force_i), pointer, nopass :: force => null()
       !! asked only for reactions; not associated: no force on the wall
       procedure(frame_force_i), pointer, nopass :: frame_force => null()
       !! asked only for reactions; not associated: no force on the frame
-      procedure(power_i), pointer, nopass :: input => null()
-      !! of the ground motion on masses that theta alone does not move; not associated: none
       integer :: states = 0
       !! number of states of its own, whose rates `add` puts in their places
       procedure(sizes_i), pointer, nopass :: sizes => null()
@@ -313,18 +307,6 @@ module rwmf_model_equation
          !! (states of the effect)
       end subroutine sizes_i
 
-      !> Power that an effect dissipates [W/kg].
-      real(wp) function power_i(effect, equation, t, y)
-         import :: contribution_t, equation_t, wp
-         implicit none
-         type(contribution_t), intent(in) :: effect
-         type(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states)
-      end function power_i
-
       !> Add the force on the wall.
       subroutine force_i(effect, equation, t, y, y_ddot, force)
          import :: contribution_t, equation_t, wp
@@ -579,19 +561,7 @@ contains
       end if
    end function frame_displacement
 
-   !> Velocity of the frame u_s' on a side [m/s].
-   pure real(wp) function frame_velocity(model, side, y) result(u_s_dot)
-      class(model_t), intent(in) :: model
-      integer, intent(in) :: side
-      !! +1 or -1
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: u_s
-
-      call frame_motion(model, side, y, u_s, u_s_dot)
-   end function frame_velocity
-
-   !> Both.
+   !> Displacement and velocity of the frame on a side.
    pure subroutine frame_motion(model, side, y, u_s, u_s_dot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side

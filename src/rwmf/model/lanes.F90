@@ -16,6 +16,8 @@ module rwmf_model_lanes
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
       add_straight_cable, sine
+   public :: add_wall_power, add_frame_power
+   public :: power_count, of_input, of_viscous, of_plastic
 
 #ifdef RWMF_LANES
    integer, parameter :: lane_count = RWMF_LANES
@@ -27,6 +29,14 @@ module rwmf_model_lanes
    integer, parameter :: frame_coefficients = 4
    integer, parameter :: cable_coefficients = 4
    integer, parameter :: link_coefficients = 4
+
+   integer, parameter :: power_count = 3
+   integer, parameter :: of_input = 1
+   !! power of the ground motion
+   integer, parameter :: of_viscous = 2
+   !! that dampers take
+   integer, parameter :: of_plastic = 3
+   !! that smooth hysteresis takes
 
    !> Motion of the lanes at one instant, and the equation inertia*phi'' = moment that effects add
    !> to, per m_w R**2. A bare frame is the same with u in place of phi, R = 1 and m_s in place of
@@ -174,6 +184,43 @@ contains
          motion%moment(i) = motion%moment(i) - coef(i, 1)*(motion%lever(i)*force)
       end do
    end subroutine add_frame
+
+   !> Power of the ground motion on the wall's own mass.
+   pure subroutine add_wall_power(weight, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         total(i, of_input) = total(i, of_input) - weight*(motion%c(i)*motion%push(i) &
+            *motion%rate(i))
+      end do
+   end subroutine add_wall_power
+
+   !> Powers of the ground motion on the frame's mass, and of its damper.
+   pure subroutine add_frame_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      real(wp), intent(in) :: coef(lane_count, frame_coefficients)
+      !! those of `add_frame`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      real(wp) :: rate, share
+      integer :: i
+
+      !$omp simd private(rate, share)
+      do i = 1, lane_count
+         rate = motion%j(i)*motion%rate(i)
+         share = weight*coef(i, 1)*rate
+         total(i, of_input) = total(i, of_input) - share*motion%push(i)
+         total(i, of_viscous) = total(i, of_viscous) + share*(coef(i, 2)*rate)
+      end do
+   end subroutine add_frame_power
 
    !> Cable of Eq. (1): force and moment are linear in the rotation.
    pure subroutine add_linear_cable(coef, motion)

@@ -58,7 +58,9 @@ module rwmf_simulation_result
       real(wp) :: impact
       !! dissipated by impacts
       real(wp) :: hysteretic = 0
-      !! dissipated by yielding and rupture
+      !! dissipated by yielding and rupture in the end
+      real(wp) :: flow = 0
+      !! part of it that no state tells: of smooth hysteresis and of rupture
       character(32), allocatable :: names(:)
       !! of the parts that apply to the scene
       real(wp), allocatable :: values(:)

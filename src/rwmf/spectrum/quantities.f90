@@ -69,7 +69,7 @@ contains
       end do
       asked%is_displacement = all(asked%keys == displacement)
       asked%is_watched = any(asked%keys == 'theta_dot_max_rad_s' .or. asked%storey > 0) &
-         .or. output%reactions .or. output%energy
+         .or. output%reactions
       asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
          .or. asked%keys == 'estimated_relative_error')
       if (.not. (output%reactions .or. output%energy)) return

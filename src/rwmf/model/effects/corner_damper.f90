@@ -53,7 +53,6 @@ contains
       damper%constants = [corner_share(equation)*case%damper%c_over_m_w]
       damper%n_coef = 1
       damper%coefficients => damper_coefficients
-      damper%power => damper_power
       damper%force => damper_force
    end subroutine prepare_damper
 
@@ -65,16 +64,6 @@ contains
 
       coef(1) = effect%constants(1)*(2*model%sin_alpha)**2
    end subroutine damper_coefficients
-
-   !> Power that it takes [W/kg].
-   real(wp) function damper_power(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-
-      power = equation%p%R**2*(effect%constants(1)*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2
-   end function damper_power
 
    !> Force on the lifting corner, against its velocity along the chord.
    subroutine damper_force(effect, equation, t, y, y_ddot, force)

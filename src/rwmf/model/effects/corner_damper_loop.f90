@@ -1,11 +1,11 @@
 !> Loop over lanes of the corner dampers.
 module rwmf_model_effects_corner_damper_loop
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_viscous, power_count
    implicit none
    private
 
-   public :: add_damper
+   public :: add_damper, add_damper_power
 
 contains
 
@@ -22,5 +22,24 @@ contains
             *motion%rate(i)
       end do
    end subroutine add_damper
+
+   !> Power that it takes.
+   pure subroutine add_damper_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      real(wp), intent(in) :: coef(lane_count)
+      !! that of `add_damper`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      real(wp) :: rate
+      integer :: i
+
+      !$omp simd private(rate)
+      do i = 1, lane_count
+         rate = motion%half_cosine(i)*motion%rate(i)
+         total(i, of_viscous) = total(i, of_viscous) + weight*(coef(i)*rate*rate)
+      end do
+   end subroutine add_damper_power
 
 end module rwmf_model_effects_corner_damper_loop

@@ -3,7 +3,7 @@ module rwmf_model_effects_fuse
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, place_left
-   use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force, fuses_power
+   use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: group_values_t, real_of
@@ -70,7 +70,6 @@ contains
       fuse%n_coef = 2
       fuse%coefficients => fuse_coefficients
       fuse%has_sides = .true.
-      fuse%plastic_power => fuses_power
       fuse%energy => fuses_energy
       fuse%force => fuses_force
    end subroutine prepare_fuse

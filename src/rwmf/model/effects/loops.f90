@@ -1,21 +1,22 @@
 !> The equation of motion of the lanes: kinematics, and the loops of a scene one after the other.
 module rwmf_model_effects_loops
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_corner_damper_loop, only: add_damper
+   use rwmf_model_effects_corner_damper_loop, only: add_damper, add_damper_power
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
    use rwmf_model_effects_fuse_loop, only: add_fuse
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
-   use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_floors
-   use rwmf_model_effects_vertical_motion_loop, only: add_vertical
-   use rwmf_model_effects_yielding_loop, only: add_bouc_wen
-   use rwmf_model_lanes, only: add_frame, add_linear_cable, add_straight_cable, lane_count, &
-      lane_motion_t, move_bare_frame, move_wall, tilt_link
+   use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
+      add_floor_power, add_floors
+   use rwmf_model_effects_vertical_motion_loop, only: add_vertical, add_vertical_power
+   use rwmf_model_effects_yielding_loop, only: add_bouc_wen, add_bouc_wen_power
+   use rwmf_model_lanes, only: add_frame, add_frame_power, add_linear_cable, add_straight_cable, &
+      add_wall_power, lane_count, lane_motion_t, move_bare_frame, move_wall, power_count, tilt_link
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term
    implicit none
    private
 
-   public :: lane_rates
+   public :: lane_rates, lane_powers, power_unit
 
 contains
 
@@ -80,5 +81,67 @@ contains
          y_dot(i, 2) = coef(i, 1)*(motion%side(i)*motion%moment(i)/motion%inertia(i))
       end do
    end subroutine lane_rates
+
+   !> Add the powers of the ground motion, of dampers, and of smooth plastic flow to a sum; what
+   !> springs on straight lines dissipate follows from their elongations.
+   subroutine lane_powers(scene, weight, coef, y, y_dot, motion, total)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: weight
+      !! of the powers in the sum
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      !! states
+      real(wp), intent(in) :: y_dot(lane_count, scene%n)
+      !! their rates
+      type(lane_motion_t), intent(in) :: motion
+      !! as `lane_rates` leaves it
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over `power_unit` [W/kg]
+      integer :: i
+
+      if (scene%has_wall) call add_wall_power(weight, motion, total)
+      do i = 1, size(scene%terms)
+         associate (term => scene%terms(i), own => scene%terms(i)%coef)
+            select case (term%effect)
+            case (frame_term)
+               call add_frame_power(weight, coef(1, own), motion, total)
+            case (1)
+               if (term%n > 0) then
+                  call add_floor_power(term%n, term%law, weight, coef(1, own), &
+                     y(1, term%state), y_dot(1, term%state), motion, total)
+               else
+                  call add_excited_mass_power(weight, coef(1, own), motion, total)
+               end if
+            case (3)
+               call add_damper_power(weight, coef(1, own), motion, total)
+            case (6)
+               call add_bouc_wen_power(weight, coef(1, own), y(1, term%state), &
+                  y_dot(1, term%state), motion, total)
+            case (7)
+               call add_vertical_power(weight, coef(1, own), motion, total)
+            case default
+               ! stores all that it takes, or dissipates on straight lines
+            end select
+         end associate
+      end do
+   end subroutine lane_powers
+
+   !> Unit of these powers: R**2; 1 of a bare frame [m2].
+   pure subroutine power_unit(scene, coef, unit)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(out) :: unit(lane_count)
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         unit(i) = 1
+      end do
+      if (.not. scene%has_wall) return
+      !$omp simd
+      do i = 1, lane_count
+         unit(i) = 1/(coef(i, first_wall + 1)*coef(i, first_wall + 1))
+      end do
+   end subroutine power_unit
 
 end module rwmf_model_effects_loops

@@ -5,9 +5,7 @@
 module rwmf_model_effects_vertical_motion
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, kinematics_at, &
-      model_t, vertical_ground
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
    use rwmf_problem_case, only: case_t
@@ -20,7 +18,7 @@ module rwmf_model_effects_vertical_motion
    private
 
    public :: vertical_group
-   public :: prepare_vertical, vertical_power, lowest_vertical
+   public :: prepare_vertical, lowest_vertical
 
 contains
 
@@ -114,19 +112,6 @@ contains
 
       coef(1) = 1/model%p%R
    end subroutine vertical_coefficients
-
-   !> Power that it puts in while the wall's centroid rises [W/kg].
-   real(wp) function vertical_power(equation, t, y) result(power)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      type(kinematics_t) :: kin
-
-      kin = kinematics_at(equation, y(1))
-      power = -vertical_ground(equation, t)*equation%p%R*kin%s*equation%state%side*y(2)
-   end function vertical_power
 
    !> Lowest vertical acceleration of all times, at most zero [m/s2].
    pure real(wp) function lowest_vertical(motion) result(lowest)

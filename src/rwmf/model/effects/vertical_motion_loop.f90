@@ -1,11 +1,11 @@
 !> Loop over lanes of the vertical ground motion.
 module rwmf_model_effects_vertical_motion_loop
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_input, power_count
    implicit none
    private
 
-   public :: add_vertical
+   public :: add_vertical, add_vertical_power
 
 contains
 
@@ -21,5 +21,23 @@ contains
          motion%moment(i) = motion%moment(i) - coef(i)*motion%vertical(i)*motion%s(i)
       end do
    end subroutine add_vertical
+
+   !> Power that it puts in while the wall's centroid rises.
+   pure subroutine add_vertical_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      real(wp), intent(in) :: coef(lane_count)
+      !! that of `add_vertical`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%vertical(i)*motion%s(i) &
+            *motion%rate(i))
+      end do
+   end subroutine add_vertical_power
 
 end module rwmf_model_effects_vertical_motion_loop

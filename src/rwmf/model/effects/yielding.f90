@@ -4,9 +4,9 @@ module rwmf_model_effects_yielding
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, model_t
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_power, bouc_wen_sizes, &
+   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
-   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, yielding_energy, yielding_power
+   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, yielding_energy
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
@@ -232,14 +232,12 @@ contains
       if (.not. yielding%is_present) return
       if (equation%floors%n > 0) return
       if (is_elastic_plastic(case%yielding)) then
-         yielding%plastic_power => yielding_power
          yielding%energy => yielding_energy
       else
          call prepare_bouc_wen(case, equation)
          yielding%n_coef = 4
          yielding%law = equation%hysteresis%factors
          yielding%coefficients => bouc_wen_coefficients
-         yielding%plastic_power => bouc_wen_power
          yielding%energy => bouc_wen_energy
          yielding%states = 1
          yielding%sizes => bouc_wen_sizes

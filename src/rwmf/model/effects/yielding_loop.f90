@@ -2,11 +2,11 @@
 module rwmf_model_effects_yielding_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_plastic, power_count
    implicit none
    private
 
-   public :: add_bouc_wen
+   public :: add_bouc_wen, add_bouc_wen_power
 
 contains
 
@@ -32,5 +32,27 @@ contains
          z_dot(i) = motion%side(i)*coef(i, 2)*motion%j(i)*motion%rate(i)*(1 - coef(i, 3)*power(i))
       end do
    end subroutine add_bouc_wen
+
+   !> Power that plastic flow takes: of the velocity, what z does not follow.
+   pure subroutine add_bouc_wen_power(weight, coef, z, z_dot, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      real(wp), intent(in) :: coef(lane_count, 4)
+      !! those of `add_bouc_wen`
+      real(wp), intent(in) :: z(lane_count)
+      !! [-]
+      real(wp), intent(in) :: z_dot(lane_count)
+      !! [1/s]
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         total(i, of_plastic) = total(i, of_plastic) + weight*(coef(i, 1)*z(i)*(motion%side(i) &
+            *motion%j(i)*motion%rate(i) - z_dot(i)/coef(i, 2)))
+      end do
+   end subroutine add_bouc_wen_power
 
 end module rwmf_model_effects_yielding_loop

@@ -14,8 +14,8 @@ module rwmf_model_hysteresis_bilinear
    private
 
    public :: spring_t, branch_t, new_spring, new_branch
-   public :: spring_force, spring_tangent, spring_plastic, spring_energy, spring_power
-   public :: spring_limits, pass_limit, turn_spring, is_yielding, is_broken
+   public :: spring_force, spring_tangent, spring_plastic, spring_energy, spring_loss, forget_loss
+   public :: spring_limits, pass_limit, turn_spring, yield_direction, is_yielding, is_broken
 
    integer, parameter :: elastic = 0
    integer, parameter :: yields_up = 1
@@ -45,6 +45,8 @@ module rwmf_model_hysteresis_bilinear
       integer, private :: kind = elastic
       real(wp), private :: plastic = 0
       !! plastic elongation p when it began
+      real(wp), private :: lost = 0
+      !! energy that plastic flow has taken before it began
       real(wp) :: offset = 0
       !! force at the elongation zero: a branch is a straight line
       real(wp) :: slope = 0
@@ -154,17 +156,24 @@ contains
          + spring%modulus*plastic**2/2
    end function spring_energy
 
-   !> Power that plastic flow takes when x changes at the rate x_dot.
-   elemental real(wp) function spring_power(spring, branch, x_dot) result(power)
+   !> Energy that plastic flow has taken up to the elongation x: F_y |dp|, summed over all branches.
+   elemental real(wp) function spring_loss(spring, branch, x) result(loss)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
-      real(wp), intent(in) :: x_dot
+      real(wp), intent(in) :: x
 
-      power = 0
-      if (.not. is_yielding(branch)) return
-      power = branch%kind*spring%yield*x_dot*spring%stiffness &
-         /(spring%stiffness + spring%modulus)
-   end function spring_power
+      loss = branch%lost
+      if (is_yielding(branch)) loss = loss + branch%kind*spring%yield*(spring_plastic(spring, &
+         branch, x) - branch%plastic)
+   end function spring_loss
+
+   !> Count what plastic flow takes from here on.
+   elemental subroutine forget_loss(branch)
+      type(branch_t), intent(inout) :: branch
+      !! that does not yield
+
+      branch%lost = 0
+   end subroutine forget_loss
 
    !> Elongations between which the branch in force holds.
    !>
@@ -232,6 +241,7 @@ contains
          end if
       case (yields_up)
          if (is_rising) then
+            branch%lost = spring_loss(spring, branch, spring%rupture)
             branch%plastic = spring_plastic(spring, branch, spring%rupture)
             branch%kind = broken
          else
@@ -252,10 +262,19 @@ contains
       real(wp), intent(in) :: x
 
       if (.not. is_yielding(branch)) return
+      branch%lost = spring_loss(spring, branch, x)
       branch%plastic = spring_plastic(spring, branch, x)
       branch%kind = elastic
       call draw_line(spring, branch)
    end subroutine turn_spring
+
+   !> Direction in which a spring yields, +1 or -1; 0 on other branches.
+   elemental integer function yield_direction(branch)
+      type(branch_t), intent(in) :: branch
+
+      yield_direction = 0
+      if (is_yielding(branch)) yield_direction = branch%kind
+   end function yield_direction
 
    elemental logical function is_yielding(branch)
       type(branch_t), intent(in) :: branch

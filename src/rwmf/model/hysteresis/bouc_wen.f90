@@ -12,7 +12,7 @@
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
-      frame_displacement, frame_mass, frame_travel, frame_velocity, hysteresis_t, model_t, &
+      frame_displacement, frame_mass, frame_travel, hysteresis_t, model_t, &
       motion_signs_t, renew_effects
    use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
@@ -22,8 +22,8 @@ module rwmf_model_hysteresis_bouc_wen
    private
 
    public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
-   public :: will_pass_zero, stable_pace, load_bouc_wen, bouc_wen_sizes, kept_part
-   public :: bouc_wen_power, bouc_wen_energy, bouc_wen_residual, bouc_wen_force
+   public :: will_pass_zero, stable_pace, load_bouc_wen, bouc_wen_sizes
+   public :: bouc_wen_energy, bouc_wen_residual, bouc_wen_force
 
 contains
 
@@ -124,18 +124,6 @@ contains
       end associate
    end function stable_pace
 
-   !> Part of the velocity that does not go into plastic flow [-].
-   elemental real(wp) function kept_part(law, signs, z)
-      type(hysteresis_t), intent(in) :: law
-      type(motion_signs_t), intent(in) :: signs
-      real(wp), intent(in) :: z
-      !! [-]
-      real(wp) :: power(1)
-
-      call raise_state(law%factors, [law%exponent], [z], power)
-      kept_part = 1 - signs%lost*power(1)
-   end function kept_part
-
    !> z is below 1, and u/u_y while the frame is elastic.
    subroutine bouc_wen_sizes(effect, equation, size_guess, sizes)
       type(contribution_t), intent(in) :: effect
@@ -145,19 +133,6 @@ contains
 
       sizes = min(1.0_wp, frame_travel(equation)*size_guess(1)/equation%hysteresis%u_y)
    end subroutine bouc_wen_sizes
-
-   !> Power that plastic flow takes [W/kg].
-   real(wp) function bouc_wen_power(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-
-      associate (law => equation%hysteresis)
-         power = frame_mass(equation)*law%force_at_z1*y(law%place)*frame_velocity(equation, &
-            equation%state%side, y)*(1 - kept_part(law, equation%state%signs, y(law%place)))
-      end associate
-   end function bouc_wen_power
 
    !> Energy stored beyond that of the elastic frame, which the ledger has [J/kg].
    real(wp) function bouc_wen_energy(effect, equation, y) result(energy)

@@ -8,19 +8,18 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
-      frame_displacement, frame_mass, frame_velocity, model_t, place_frame, place_left, &
-      place_right, renew_coefficients, sprung_t, window_t
+      frame_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
+      renew_coefficients, sprung_t, window_t
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, is_yielding, new_branch, &
-      new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_plastic, &
-      spring_power, spring_t, turn_spring
+   use rwmf_model_hysteresis_bilinear, only: branch_t, forget_loss, is_broken, is_yielding, &
+      new_branch, new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
+      spring_plastic, spring_t, turn_spring
    use rwmf_problem_case, only: case_t, yielding_t
    implicit none
    private
 
    public :: is_elastic_plastic, choose_springs
-   public :: fuses_power, fuses_energy, fuses_force, yielding_power, yielding_energy
-   public :: tendon_power
+   public :: fuses_energy, fuses_force, yielding_energy, springs_loss
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
@@ -156,36 +155,29 @@ contains
       moves = place == place_frame .or. place == side
    end function moves
 
-   !> Power that the fuses dissipate by yielding [W/kg].
-   real(wp) function fuses_power(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
+   !> Energy that all springs have dissipated by yielding since t = 0 [J/kg].
+   real(wp) function springs_loss(equation, theta) result(loss)
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
+      !! with springs
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp) :: x
       integer :: i
 
-      power = 0
-      do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
-                    branch => equation%state%springs(i))
-            if (place == equation%state%side) power = power + spring_power(spring, branch, &
-               2*equation%p%R*equation%sin_alpha*cos(y(1)/2)*equation%state%side*y(2))
-         end associate
-      end do
-   end function fuses_power
-
-   !> Power that the frame dissipates by yielding [W/kg].
-   real(wp) function yielding_power(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-
-      associate (springs => equation%springs)
-         power = frame_mass(equation)*sum(spring_power(springs%spring, equation%state%springs, &
-            frame_velocity(equation, equation%state%side, y)), springs%place == place_frame)
+      loss = 0
+      associate (side => equation%state%side)
+         if (equation%cable%is_tendon) loss = equation%p%g*spring_loss(equation%cable%tendon, &
+            equation%state%tendon, elongation_of(equation, side, 0, side*theta))
+         do i = 1, size(equation%springs)
+            associate (place => equation%springs(i)%place)
+               x = 0
+               if (moves(place, side)) x = elongation_of(equation, side, i, side*theta)
+               loss = loss + merge(frame_mass(equation), 1.0_wp, place == place_frame) &
+                  *spring_loss(equation%springs(i)%spring, equation%state%springs(i), x)
+            end associate
+         end do
       end associate
-   end function yielding_power
+   end function springs_loss
 
    !> Energy in the fuses [J/kg].
    real(wp) function fuses_energy(effect, equation, y) result(energy)
@@ -256,19 +248,6 @@ contains
       end do
    end subroutine fuses_force
 
-   !> Power that yielding of the tendon dissipates [W/kg].
-   real(wp) function tendon_power(equation, y) result(power)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: x
-      real(wp) :: arm
-
-      call cable_elongation(equation%cable, equation%state%side*y(1), x, arm)
-      power = equation%p%g*spring_power(equation%cable%tendon, equation%state%tendon, &
-         arm*equation%state%side*y(2))
-   end function tendon_power
-
    !> Elongations of all springs at the ends of the range of rotations, where all are monotone.
    function reach_of(model) result(reach)
       type(model_t), intent(in) :: model
@@ -326,6 +305,8 @@ contains
       ! What has yielded on the way may unload from here on.
       call turn_back(model, state, theta)
       call renew_window(model, state)
+      call forget_loss(state%tendon)
+      call forget_loss(state%springs)
    end subroutine load_to
 
    !> The rotations between which the branches in force hold on the side in force.

@@ -7,7 +7,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t, extend_work
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
@@ -18,6 +18,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_hysteresis_bouc_wen, only: stable_pace, will_pass_zero
+   use rwmf_model_lanes, only: power_count
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
    use rwmf_simulation_events_event_time, only: find_event_time, find_reversal
@@ -30,6 +31,7 @@ module rwmf_simulation_lanes_loop
       stands_on_fuses, stay_at_rest
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, team_t
+   use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
       recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -91,6 +93,8 @@ contains
          associate (tolerance => lane%integrator%tolerance)
             team%tolerance(i, :) = caution(team%pair)*[tolerance%rtol, tolerance%atol]
          end associate
+         if (lane%recorder%keeps_energy .and. .not. allocated(team%work)) allocate ( &
+            team%work(team%width, power_count))
          team%table(i, of_longest) = longest_step(lane%equation)
       end if
       call enter_team(lane, i, team)
@@ -257,24 +261,24 @@ contains
             call plan_one(team%pair, team%table, team%ground)
             call follow_curves(lanes, team)
             call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
-               team%tolerance, team%y, .false., team%k, team%y_new, team%error)
+               team%tolerance, team%y, .false., team%k, team%y_new, team%error, team%work)
             call ask_limits(lanes, team)
             if (team%keeps_more) call find_steps_to_watch(lanes, team)
             call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
-            if (team%keeps_more) call observe_steps(lanes, team)
+            if (team%keeps_more .or. allocated(team%work)) call observe_steps(lanes, team)
             call pass_one(intervals, team%lines, team%table, team%mark)
          else
             call team%kernels%plan_step(team%pair, team%table, team%ground)
             call follow_curves(lanes, team)
             call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
                team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
-               team%error)
+               team%error, team%work)
             call ask_limits(lanes, team)
             if (team%keeps_more) call find_steps_to_watch(lanes, team)
             call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
-            if (team%keeps_more) call observe_steps(lanes, team)
+            if (team%keeps_more .or. allocated(team%work)) call observe_steps(lanes, team)
             call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
          end if
       end associate
@@ -351,16 +355,44 @@ contains
    subroutine observe_steps(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
       type(team_t), intent(inout) :: team
+      real(wp) :: work(power_count)
       integer :: i
 
       do i = 1, team%width
-         if (.not. team%is_watched(i)) cycle
          if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
-         call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
-            team%table(i, of_time), team%y_new(i, :))
-         team%has_ended = team%has_ended .or. allocated(lanes(i)%error)
+         if (team%is_watched(i)) then
+            call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
+               team%table(i, of_time), team%y_new(i, :))
+            team%has_ended = team%has_ended .or. allocated(lanes(i)%error)
+         else if (team%is_busy(i) .and. allocated(team%work)) then
+            work = team%work(i, :)
+            call add_work(lanes(i)%recorder%energy, work)
+         end if
       end do
    end subroutine observe_steps
+
+   !> Let what is asked for be seen in a step of a lane that is accepted after a look, or up to
+   !> nearly its end, where an event happens; of one that nobody watches the work.
+   subroutine pass_step(lane, i, team, t, y)
+      type(lane_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in), contiguous, target :: y(:)
+      !! (states) at t
+      real(wp) :: work(power_count)
+
+      if (team%is_watched(i)) then
+         call observe_step(lane, i, team, team%table(i, of_time), team%y(i, :), t, y)
+      else
+         call follow_interval(lane, i, team)
+         work = team%work(i, :)
+         call extend_work(lane%equation, team%table(i, of_time) + team%table(i, of_trial), &
+            team%y_new(i, :), t, y, work)
+         call add_work(lane%recorder%energy, work)
+      end if
+   end subroutine pass_step
 
    !> Let what is asked for be seen in a step of a lane, or in a part of it.
    subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
@@ -385,6 +417,8 @@ contains
          integrator%f0(:) = team%k(i, :, 1)
          integrator%t1 = t_a + team%table(i, of_trial)
          integrator%y1(:) = team%y_new(i, :)
+         if (allocated(team%work)) integrator%work = team%work(i, :)
+         integrator%t_work = integrator%t1
          call view_step(step, lane%equation, integrator)
       end associate
       step = until(step, t_b, y_b)
@@ -648,8 +682,8 @@ contains
       call forget_goal(lane, i, team)
       associate (table => team%table)
          table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
-         if (team%is_watched(i)) call observe_step(lane, i, team, table(i, of_time), &
-            team%y(i, :), table(i, of_time) + table(i, of_trial), team%y_new(i, :))
+         if (team%is_watched(i) .or. allocated(team%work)) call pass_step(lane, i, team, &
+            table(i, of_time) + table(i, of_trial), team%y_new(i, :))
          if (allocated(lane%error)) return
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
@@ -776,8 +810,8 @@ contains
          hybrid%is_rising = lane%goal == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
-         if (team%is_watched(i) .and. hybrid%t > table(i, of_time)) call observe_step(lane, i, &
-            team, table(i, of_time), team%y(i, :), hybrid%t, hybrid%y)
+         if ((team%is_watched(i) .or. allocated(team%work)) .and. hybrid%t > table(i, of_time)) &
+            call pass_step(lane, i, team, hybrid%t, hybrid%y)
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
@@ -823,6 +857,8 @@ contains
          if (team%table(i, of_trial) >= team%table(i, of_limit) - step%t0) step%t1 = &
             team%table(i, of_limit)
          step%y1(:) = team%y_new(i, :)
+         if (allocated(team%work)) step%work = team%work(i, :)
+         step%t_work = step%t1
       end associate
       if (lane%is_held) then
          call end_held_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, side, &

@@ -71,6 +71,8 @@ module rwmf_simulation_lanes_team
       !! (width, states, stages)
       real(wp), allocatable :: error(:)
       !! (width)
+      real(wp), allocatable :: work(:, :)
+      !! (width, powers) in the last step [J/kg]; not allocated: nobody asks for energies
       integer, allocatable :: mark(:)
       !! (width)
       logical :: has_curves
@@ -183,7 +185,7 @@ contains
    end function longest_step
 
    !> Which steps have to be looked into for what no event tells? All of them for reactions,
-   !> energies, histories and lists of events; for the peak of |theta'| those where theta'' may
+   !> histories and lists of events; for the peak of |theta'| those where theta'' may
    !> change its sign, by the quartic through both ends, both velocities and the
    !> acceleration at the beginning, and where a parabola through the velocities with this way,
    !> risen twice as far, reaches what was largest so far.

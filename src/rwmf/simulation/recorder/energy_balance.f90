@@ -1,50 +1,81 @@
 !> Energy ledger of a run: work done over each piece of motion, and the parts that are shown.
+!>
+!> Explicit pairs sum the powers of their own stages, to their own order, as if the work were a
+!> further state; other methods are asked for states inside the piece.
 module rwmf_simulation_recorder_energy_balance
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_model_assembly, only: equation_t
-   use rwmf_model_energy, only: dissipates_hysteretically, hysteretic_power, input_power, &
-      stored_energy, stored_energy_t, viscous_power
+   use rwmf_model_energy, only: dissipates_hysteretically, powers_at, stored_energy, &
+      stored_energy_t, yielding_loss
    use rwmf_model_equation, only: has_further_effects
    use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_result, only: energy_t
    implicit none
    private
 
-   public :: integrate_powers, put_energies
+   public :: integrate_powers, add_work, put_energies
 
 contains
 
-   !> Add the work of ground and dissipation over a piece of the last step, by the Gauss rule with
-   !> five points.
-   subroutine integrate_powers(energy, step, error)
+   !> Add the work of the ground motion and what is dissipated over a piece that begins with the
+   !> last step.
+   subroutine integrate_powers(energy, piece, error)
       type(energy_t), intent(inout) :: energy
-      type(step_view_t), intent(in) :: step
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: work(power_count)
+
+      select type (integrator => piece%integrator)
+      type is (explicit_pair_t)
+         call integrator%find_work(piece%t_b, piece%y_b, work)
+      class default
+         call apply_gauss_rule(piece, work, error)
+         if (allocated(error)) return
+      end select
+      call add_work(energy, work)
+   end subroutine integrate_powers
+
+   !> Add the work over a piece.
+   pure subroutine add_work(energy, work)
+      type(energy_t), intent(inout) :: energy
+      real(wp), intent(in) :: work(power_count)
+      !! of the ground motion, dampers and smooth plastic flow [J/kg]
+
+      energy%input = energy%input + work(of_input)
+      energy%viscous = energy%viscous + work(of_viscous)
+      energy%flow = energy%flow + work(of_plastic)
+      energy%input_max = max(energy%input_max, abs(energy%input))
+   end subroutine add_work
+
+   !> Work over a piece by five states inside it.
+   subroutine apply_gauss_rule(piece, work, error)
+      type(step_view_t), intent(in) :: piece
+      real(wp), intent(out) :: work(power_count)
+      !! [J/kg]
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: inner = sqrt(5 - 2*sqrt(10.0_wp/7))/3
       real(wp), parameter :: outer = sqrt(5 + 2*sqrt(10.0_wp/7))/3
       real(wp), parameter :: node(5) = [-outer, -inner, 0.0_wp, inner, outer]
       real(wp), parameter :: weight(5) = [322 - 13*sqrt(70.0_wp), 322 + 13*sqrt(70.0_wp), &
          512.0_wp, 322 + 13*sqrt(70.0_wp), 322 - 13*sqrt(70.0_wp)]/900
-      real(wp) :: y(step%equation%n)
-      real(wp) :: t, h, share
+      real(wp) :: y(piece%equation%n), power(power_count)
+      real(wp) :: t, h
       integer :: i
 
-      h = step%t_b - step%t_a
-      associate (equation => step%equation)
-         do i = 1, size(node)
-            t = step%t_a + h*(1 + node(i))/2
-            call step%integrator%state_at(t, y, error)
-            if (allocated(error)) return
-            share = weight(i)*h/2
-            energy%input = energy%input + share*input_power(equation, t, y)
-            energy%viscous = energy%viscous + share*viscous_power(equation, t, y)
-            energy%hysteretic = energy%hysteretic + share*hysteretic_power(equation, t, y)
-         end do
-      end associate
-      energy%input_max = max(energy%input_max, abs(energy%input))
-   end subroutine integrate_powers
+      work = 0
+      h = piece%t_b - piece%t_a
+      do i = 1, size(node)
+         t = piece%t_a + h*(1 + node(i))/2
+         call piece%integrator%state_at(t, y, error)
+         if (allocated(error)) return
+         call powers_at(piece%equation, t, y, power)
+         work = work + weight(i)*h/2*power
+      end do
+   end subroutine apply_gauss_rule
 
    !> Parts of the ledger that apply to the scene, with a state: work since t = 0, and what is
    !> stored. Columns of the history and scalars.
@@ -67,7 +98,8 @@ contains
          call put(row, 'energy_viscous_J_per_kg', energy%viscous)
       end if
       if (dissipates_hysteretically(equation)) then
-         call put(row, 'energy_hysteretic_J_per_kg', energy%hysteretic)
+         call put(row, 'energy_hysteretic_J_per_kg', energy%flow &
+            + yielding_loss(equation, y))
       end if
       if (equation%has_impacts) call put(row, 'energy_impact_J_per_kg', energy%impact)
    end subroutine put_energies

@@ -10,7 +10,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_storeys_shear_building, only: put_floors
    use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
-   use rwmf_model_energy, only: impact_loss, mechanical_energy
+   use rwmf_model_energy, only: impact_loss, mechanical_energy, yielding_loss
    use rwmf_model_equation, only: frame_motion
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
@@ -183,7 +183,7 @@ contains
    pure logical function needs_all_steps(recorder) result(needs_all)
       type(recorder_t), intent(in) :: recorder
 
-      needs_all = recorder%keeps_history .or. recorder%keeps_energy .or. recorder%keeps_events &
+      needs_all = recorder%keeps_history .or. recorder%keeps_events &
          .or. allocated(recorder%forces) .or. allocated(recorder%drifts)
    end function needs_all_steps
 
@@ -291,24 +291,17 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(energy_t) :: energy
       !! up to the row; that of the run is summed up over whole pieces, whatever the rows
-      type(step_view_t) :: part
-      !! between two rows
-      real(wp) :: y(size(piece%y_b))
+      real(wp), target :: y(size(piece%y_b))
       real(wp) :: t
 
-      energy = recorder%energy
-      part = piece
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt
          if (t > piece%t_b) exit
          call piece%integrator%state_at(t, y, error)
          if (allocated(error)) return
-         if (recorder%keeps_energy) then
-            part%t_b = t
-            call integrate_powers(energy, part, error)
-            if (allocated(error)) return
-            part%t_a = t
-         end if
+         energy = recorder%energy
+         if (recorder%keeps_energy) call integrate_powers(energy, until(piece, t, y), error)
+         if (allocated(error)) return
          call write_row(recorder, piece%equation, t, y, second_derivative(piece%equation, t, y), &
             energy)
       end do
@@ -426,7 +419,7 @@ contains
       !! +1 before the change, -1 after it
 
       if (.not. recorder%keeps_energy) return
-      recorder%energy%hysteretic = recorder%energy%hysteretic + part*mechanical_energy(equation, y)
+      recorder%energy%flow = recorder%energy%flow + part*mechanical_energy(equation, y)
    end subroutine observe_branch
 
    !> Keep an event for the list when there is one.
@@ -463,6 +456,7 @@ contains
       if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
       if (recorder%keeps_energy) then
          recorder%energy%final = mechanical_energy(equation, y)
+         recorder%energy%hysteretic = recorder%energy%flow + yielding_loss(equation, y)
          call create_row(parts)
          call put_energies(parts, recorder%energy, equation, y)
          call move_alloc(parts%names, recorder%energy%names)

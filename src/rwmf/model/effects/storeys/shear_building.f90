@@ -11,7 +11,7 @@
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
-      frame_mass, frame_motion, frame_travel, frame_velocity, ground, model_t
+      frame_mass, frame_motion, frame_travel, ground, model_t
    use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy
@@ -20,8 +20,8 @@ module rwmf_model_effects_storeys_shear_building
    implicit none
    private
 
-   public :: set_storeys, storey_coefficients, excited_mass_coefficients, excited_mass_input
-   public :: storey_sizes, storey_power, storey_energy, storey_input, resistance, floor_inertia
+   public :: set_storeys, storey_coefficients, excited_mass_coefficients
+   public :: storey_sizes, storey_energy, resistance, floor_inertia
    public :: put_floors
 
 contains
@@ -98,17 +98,6 @@ contains
 
       coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
-
-   !> Power of that push [W/kg].
-   real(wp) function excited_mass_input(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-
-      power = -frame_mass(equation)*(equation%floors%excited_mass_ratio - 1)*ground(equation, t) &
-         *frame_velocity(equation, equation%state%side, y)
-   end function excited_mass_input
 
    !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
    !> roof [m/s2].
@@ -210,19 +199,6 @@ contains
       end associate
    end subroutine storey_sizes
 
-   !> Power that the frame's dampers take [W/kg].
-   real(wp) function storey_power(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp) :: u(0:size(equation%floors%m))
-      real(wp) :: v(size(equation%floors%m))
-
-      call floor_motion(equation, equation%state%side, y, u, v)
-      power = dot_product(v, matmul(equation%floors%c, v))
-   end function storey_power
-
    !> Energy of the floors and storeys; the roof by itself is counted elsewhere [J/kg].
    real(wp) function storey_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
@@ -247,19 +223,5 @@ contains
          energy = energy + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
       end if
    end function storey_energy
-
-   !> Power of the ground motion on the floors below the roof [W/kg].
-   real(wp) function storey_input(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      integer :: n
-
-      n = size(equation%floors%m)
-      associate (first => equation%floors%first + n - 1)
-         power = -ground(equation, t)*dot_product(equation%floors%m(:n - 1), y(first:first + n - 2))
-      end associate
-   end function storey_input
 
 end module rwmf_model_effects_storeys_shear_building

@@ -5,10 +5,8 @@ module rwmf_model_effects_storeys_storeys
    use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
       no_hysteresis
    use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
-      excited_mass_input, set_storeys, storey_coefficients, storey_energy, storey_input, &
-      storey_power, storey_sizes
-   use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs, &
-      storeys_plastic_power
+      set_storeys, storey_coefficients, storey_energy, storey_sizes
+   use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -141,22 +139,18 @@ contains
       if (case%storeys%coupling /= 'full') then
          storeys%n_coef = 1
          storeys%coefficients => excited_mass_coefficients
-         storeys%input => excited_mass_input
          return
       end if
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
       if (allocated(case%yielding)) then
          call choose_storey_springs(case, equation)
-         storeys%plastic_power => storeys_plastic_power
          if (allocated(equation%floors%laws)) storeys%law = equation%floors%laws(1)%factors
       end if
       storeys%states = floor_states(storeys%n, storeys%law)
       storeys%n_coef = floor_coefficients(storeys%n, storeys%law)
       storeys%coefficients => storey_coefficients
-      storeys%power => storey_power
       storeys%energy => storey_energy
-      storeys%input => storey_input
       storeys%sizes => storey_sizes
    end subroutine prepare_storeys
 

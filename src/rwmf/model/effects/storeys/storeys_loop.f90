@@ -3,11 +3,12 @@
 module rwmf_model_effects_storeys_storeys_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_input, of_plastic, of_viscous, &
+      power_count
    implicit none
    private
 
-   public :: add_floors, add_excited_mass
+   public :: add_floors, add_excited_mass, add_floor_power, add_excited_mass_power
    public :: no_hysteresis, floor_coefficients, floor_states
 
    integer, parameter :: no_hysteresis = -1
@@ -169,5 +170,105 @@ contains
          motion%moment(i) = motion%moment(i) - coef(i)*motion%lever(i)*motion%push(i)
       end do
    end subroutine add_excited_mass
+
+   !> Power of that push.
+   pure subroutine add_excited_mass_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      real(wp), intent(in) :: coef(lane_count)
+      !! that of `add_excited_mass`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%push(i)*motion%j(i) &
+            *motion%rate(i))
+      end do
+   end subroutine add_excited_mass_power
+
+   !> Powers of the ground motion on the floors below the roof, of the frame's dampers, and of the
+   !> plastic flow of smooth storeys.
+   pure subroutine add_floor_power(n, law, weight, coef, y, y_dot, motion, total)
+      integer, intent(in) :: n
+      integer, intent(in) :: law
+      real(wp), intent(in) :: weight
+      !! of the power in the sum
+      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
+      !! those of `add_floors`, as the others
+      real(wp), intent(in) :: y(lane_count, floor_states(n, law))
+      real(wp), intent(in) :: y_dot(lane_count, floor_states(n, law))
+      !! their rates
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      real(wp) :: own(lane_count, power_count)
+      !! over m_w [W/kg]
+      real(wp) :: v(lane_count, 0:n)
+      !! velocities from the ground to the roof [m/s]
+      real(wp) :: force(lane_count)
+      !! of the dampers on a floor [m/s2]
+      integer :: i, j, k, m
+
+      own = 0
+      v(:, 0) = 0
+      v(:, 1:n - 1) = y(:, n:2*n - 2)
+      !$omp simd
+      do i = 1, lane_count
+         v(i, n) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
+      end do
+      do j = 1, n
+         force = 0
+         do k = 1, n
+            !$omp simd
+            do i = 1, lane_count
+               force(i) = force(i) + coef(i, 3*n + 1 + (j - 1)*n + k)*v(i, k)
+            end do
+         end do
+         !$omp simd
+         do i = 1, lane_count
+            own(i, of_viscous) = own(i, of_viscous) + force(i)*v(i, j)
+         end do
+         if (j == n) exit
+         !$omp simd
+         do i = 1, lane_count
+            own(i, of_input) = own(i, of_input) - motion%ground(i)*v(i, j)/coef(i, 2*n + 1 + j)
+         end do
+      end do
+      if (law /= no_hysteresis) call add_smooth_power(n, coef(1, 3*n + 2 + n**2), v, &
+         y(1, 2*n - 1), y_dot(1, 2*n - 1), own(1, of_plastic))
+      do m = 1, power_count
+         !$omp simd
+         do i = 1, lane_count
+            total(i, m) = total(i, m) + weight*(own(i, m)/(coef(i, 1)*coef(i, 1)))
+         end do
+      end do
+   end subroutine add_floor_power
+
+   !> Power that plastic flow of smooth storeys takes.
+   pure subroutine add_smooth_power(n, coef, v, z, z_dot, power)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count, 4*n)
+      !! of smooth storeys, as `add_floors` says
+      real(wp), intent(in) :: v(lane_count, 0:n)
+      !! velocities from the ground to the roof [m/s]
+      real(wp), intent(in) :: z(lane_count, n)
+      !! [-]
+      real(wp), intent(in) :: z_dot(lane_count, n)
+      !! [1/s]
+      real(wp), intent(inout) :: power(lane_count)
+      !! over m_w [W/kg]
+      integer :: i, j
+
+      do j = 1, n
+         !$omp simd
+         do i = 1, lane_count
+            power(i) = power(i) + coef(i, j)*z(i, j)*(v(i, j) - v(i, j - 1) &
+               - z_dot(i, j)/coef(i, n + j))
+         end do
+      end do
+   end subroutine add_smooth_power
 
 end module rwmf_model_effects_storeys_storeys_loop

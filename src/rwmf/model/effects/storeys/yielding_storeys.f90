@@ -6,19 +6,19 @@
 !> end at a known d_i, one that yields where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, model_t, &
+   use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, model_t, &
       renew_coefficients
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: is_yielding, new_branch, new_spring, pass_limit, &
-      spring_force, spring_limits, spring_plastic, spring_power, turn_spring
-   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, kept_part, new_hysteresis
+   use rwmf_model_hysteresis_bilinear, only: forget_loss, new_branch, new_spring, pass_limit, &
+      spring_force, spring_limits, spring_loss, spring_plastic, turn_spring, yield_direction
+   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
    use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: choose_storey_springs, storeys_plastic_power, start_storeys, settle_storeys
+   public :: choose_storey_springs, storeys_loss, start_storeys, settle_storeys
    public :: branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
    public :: put_shears, storey_residuals
@@ -84,6 +84,7 @@ contains
             call spring_limits(spring, branch, low, high)
             if (d(i) < low .or. d(i) > high) call pass_limit(spring, branch, d(i) > high)
             call turn_spring(spring, branch, d(i))
+            call forget_loss(branch)
          end associate
       end do
       call renew_coefficients(model, state)
@@ -133,12 +134,10 @@ contains
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
 
-      loading_direction = 0
       if (allocated(state%storey_signs)) then
          loading_direction = state%storey_signs(storey)%loading_direction
-      else if (is_yielding(state%storeys(storey))) then
-         loading_direction = int(sign(1.0_wp, spring_power(model%floors%springs(storey), &
-            state%storeys(storey), 1.0_wp)))
+      else
+         loading_direction = yield_direction(state%storeys(storey))
       end if
    end function loading_direction_of
 
@@ -219,25 +218,20 @@ contains
       call renew_coefficients(model, state)
    end subroutine turn_storey
 
-   !> Power that the storeys dissipate by yielding [W/kg].
-   real(wp) function storeys_plastic_power(effect, equation, t, y) result(power)
-      type(contribution_t), intent(in) :: effect
+   !> Energy that storeys on straight lines have dissipated by yielding since t = 0 [J/kg].
+   real(wp) function storeys_loss(equation, y) result(loss)
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
+      !! with storeys that yield one by one
       real(wp), intent(in) :: y(:)
+      !! (states)
       real(wp) :: d(equation%floors%n)
       real(wp) :: d_dot(equation%floors%n)
 
+      loss = 0
+      if (allocated(equation%floors%laws)) return
       call storey_motion(equation, equation%state%side, y, d, d_dot)
-      if (allocated(equation%floors%laws)) then
-         associate (laws => equation%floors%laws)
-            power = sum(laws%force_at_z1*y(laws%place)*d_dot*(1 - kept_part(laws, &
-               equation%state%storey_signs, y(laws%place))))
-         end associate
-      else
-         power = sum(spring_power(equation%floors%springs, equation%state%storeys, d_dot))
-      end if
-   end function storeys_plastic_power
+      loss = sum(spring_loss(equation%floors%springs, equation%state%storeys, d))
+   end function storeys_loss
 
    !> Columns of the history: shears of the columns of each storey, without dampers, over the mass
    !> that the case's are over times g [-].
