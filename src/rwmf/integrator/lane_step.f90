@@ -33,10 +33,10 @@ contains
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
       !! rates at the nodes
       real(wp), intent(out) :: y_new(lane_count, scene%n)
+      !! at the end, and before that at each node
       real(wp), intent(out) :: error(lane_count)
       !! norm of the local error over the tolerance [-]
       type(lane_motion_t) :: motion
-      real(wp) :: stage(lane_count, scene%n)
       integer :: s
 
       if (.not. has_rates) then
@@ -45,10 +45,10 @@ contains
          call lane_rates(scene, coef, y, motion, k(:, :, 1))
       end if
       do s = 2, pair%stages
-         call advance(scene%n, pair%a(s), h, y, k, stage)
+         call advance(scene%n, pair%a(s), h, y, k, y_new)
          motion%ground = ground(:, s, 1)
          motion%vertical = ground(:, s, 2)
-         call lane_rates(scene, coef, stage, motion, k(:, :, s))
+         call lane_rates(scene, coef, y_new, motion, k(:, :, s))
       end do
       call advance(scene%n, pair%b, h, y, k, y_new)
       call estimate_error(scene%n, pair, h, tolerance, y, y_new, k, error)

@@ -312,7 +312,6 @@ contains
       type(team_t), intent(inout), target :: team
       type(step_view_t) :: step
       real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b
-      real(wp) :: rates(size(y_a))
       integer :: i
 
       do i = 1, team%width
@@ -327,8 +326,9 @@ contains
          step%y_b => y_b
          lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid%drifts)
          if (lanes(i)%is_smooth .and. lanes(i)%is_held) then
-            call rates_at(lanes(i)%equation, step%t_b, y_b, rates)
-            lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), rates)
+            ! the last stage knows the rates at the end nearly
+            lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), &
+               team%k(i, :, team%pair%stages))
          else if (lanes(i)%is_smooth) then
             ! a step beyond the base ends with an impact
             associate (equation => lanes(i)%equation)

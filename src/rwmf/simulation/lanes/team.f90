@@ -16,7 +16,7 @@ module rwmf_simulation_lanes_team
    implicit none
    private
 
-   public :: lane_t, team_t, create_team, tabulate_lines, line_row, caution
+   public :: lane_t, team_t, create_team, leave_team, tabulate_lines, line_row, caution
    public :: longest_step, find_steps_to_watch, follow_curves
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
@@ -120,6 +120,24 @@ contains
          allocate (team%lines(line_columns, 0:1), source=no_limit)
       end associate
    end subroutine create_team
+
+   !> A lane goes on between two steps in a team of its own.
+   subroutine leave_team(lane, i, team, alone)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      type(team_t), intent(out) :: alone
+
+      call create_team(lane%equation, team%pair, int(team%max_steps, i8), 1, alone)
+      alone%lines = team%lines
+      alone%keeps_more = team%keeps_more
+      alone%table(1, :) = team%table(i, :)
+      alone%coef(1, :) = team%coef(i, :)
+      alone%tolerance(1, :) = team%tolerance(i, :)
+      alone%y(1, :) = team%y(i, :)
+      alone%is_busy = .true.
+      team%is_busy(i) = .false.
+   end subroutine leave_team
 
    !> The straight lines of the motion; without a limit where they are none, or too short for a
    !> step: such an interval is entered as single runs do.
