@@ -104,7 +104,7 @@ contains
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(lane_t), allocatable, target :: lanes(:)
       type(lane_run_t), allocatable, target :: runs(:)
-      type(team_t) :: team, alone
+      type(team_t), target :: team, alone
       integer :: i
 
       allocate (lanes(width), runs(width))

@@ -54,12 +54,12 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       type(control_t), intent(in) :: control
-      type(team_t), intent(inout) :: team
+      type(team_t), intent(inout), target :: team
       !! of one lane; made here when it is none yet
       type(error_t), allocatable, intent(out) :: error
       type(lane_t), target :: lanes(1)
 
-      if (.not. allocated(team%table)) call create_team(equation, integrator%pair, &
+      if (.not. allocated(team%room)) call create_team(equation, integrator%pair, &
          hybrid%max_steps, 1, team)
       lanes(1)%hybrid => hybrid
       lanes(1)%equation => equation
