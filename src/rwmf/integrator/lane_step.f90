@@ -33,12 +33,12 @@ contains
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
       !! rates at the nodes
       real(wp), intent(out) :: y_new(lane_count, scene%n)
+      !! at the end, and before that at each node
       real(wp), intent(out) :: error(lane_count)
       !! norm of the local error over the tolerance [-]
       real(wp), intent(out), optional :: work(lane_count, power_count)
       !! of the ground motion, dampers and smooth plastic flow, to the order of the pair [J/kg]
       type(lane_motion_t) :: motion
-      real(wp) :: stage(lane_count, scene%n)
       integer :: s
 
       if (.not. has_rates) then
@@ -51,12 +51,12 @@ contains
          call lane_powers(scene, pair%weight(1), coef, y, k(:, :, 1), motion, work)
       end if
       do s = 2, pair%stages
-         call advance(scene%n, pair%a(s), h, y, k, stage)
+         call advance(scene%n, pair%a(s), h, y, k, y_new)
          motion%ground = ground(:, s, 1)
          motion%vertical = ground(:, s, 2)
-         call lane_rates(scene, coef, stage, motion, k(:, :, s))
+         call lane_rates(scene, coef, y_new, motion, k(:, :, s))
          if (.not. present(work)) cycle
-         if (abs(pair%weight(s)) > 0) call lane_powers(scene, pair%weight(s), coef, stage, &
+         if (abs(pair%weight(s)) > 0) call lane_powers(scene, pair%weight(s), coef, y_new, &
             k(:, :, s), motion, work)
       end do
       if (present(work)) call scale_work(scene, coef, h, work)

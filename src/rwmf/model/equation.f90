@@ -197,6 +197,11 @@ module rwmf_model_equation
       !! `rwmf_model_lift_off` [m/s2]
       real(wp) :: inertia_at_rest = 1
       !! of all that moves with the wall, at theta = 0 over m_w R**2 [-]
+      logical :: bearing_is_known = .false.
+      !! what follows holds until a branch changes
+      real(wp), allocatable :: bearing(:, :)
+      !! (2, 2:states) uplift_acceleration to the right and to the left: where all further states
+      !! are zero, and by how much it grows with each of them
       real(wp), allocatable :: coef(:, :)
       !! (1, coefficients) that the loops over lanes read, see `renew_coefficients`
    end type discrete_state_t
@@ -377,11 +382,13 @@ contains
    end subroutine enter_side
 
    !> Let the loops over lanes follow the side and the branches in force; to be called when a branch
-   !> has changed.
+   !> has changed. What followed from the others is forgotten.
    pure subroutine renew_coefficients(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
 
+      state%uplift_is_known = .false.
+      state%bearing_is_known = .false.
       if (.not. allocated(state%coef)) return
       if (model%has_wall) call put_row(wall_coefficients, wall_row(model%geometry, state%side, &
          model%p%R, model%inertia, model%p%g), state%coef(1, first_wall))

@@ -13,7 +13,8 @@ module rwmf_model_lift_off
    implicit none
    private
 
-   public :: lifts, find_lift_off, jumps, pull_duration, find_uplift_acceleration, drive_turns
+   public :: lifts, find_lift_off, jumps, pull_duration, drive_turns
+   public :: find_uplift_acceleration, find_bearing
 
 contains
 
@@ -206,6 +207,14 @@ contains
       integer :: i
 
       if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
+      if (state%bearing_is_known) then
+         state%uplift_acceleration([1, -1]) = state%bearing(:, 2)
+         do i = 3, model%n
+            state%uplift_acceleration([1, -1]) = state%uplift_acceleration([1, -1]) &
+               + state%bearing(:, i)*y(i)
+         end do
+         return
+      end if
       at_rest(:2) = 0
       at_rest(3:) = y(3:)
       ! the side in force is the last, and stays
@@ -220,5 +229,25 @@ contains
       end do
       state%uplift_is_known = model%n == 2
    end subroutine find_uplift_acceleration
+
+   !> How what the resting wall bears depends on the further states: the storeys' forces on it are
+   !> linear in them as long as no branch changes.
+   subroutine find_bearing(model, state)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      real(wp) :: y(model%n)
+      integer :: i
+
+      if (state%bearing_is_known .or. .not. model%effects_act_at_rest) return
+      if (.not. allocated(state%bearing)) allocate (state%bearing(2, 2:model%n))
+      do i = 2, model%n
+         y = 0
+         y(i) = 1
+         call find_uplift_acceleration(model, state, y)
+         state%bearing(:, i) = state%uplift_acceleration([1, -1])
+         if (i > 2) state%bearing(:, i) = state%bearing(:, i) - state%bearing(:, 2)
+      end do
+      state%bearing_is_known = .true.
+   end subroutine find_bearing
 
 end module rwmf_model_lift_off

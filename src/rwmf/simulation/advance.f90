@@ -24,7 +24,7 @@ contains
       class(integrator_t), intent(in) :: integrator
       real(wp), intent(in) :: t_end
       !! [s]
-      type(team_t), intent(inout) :: team
+      type(team_t), intent(inout), target :: team
 
       select type (integrator)
       type is (explicit_pair_t)
@@ -42,7 +42,7 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       type(control_t), intent(in) :: control
-      type(team_t), intent(inout) :: team
+      type(team_t), intent(inout), target :: team
       !! of a method that steps in lanes; kept from call to call
       type(error_t), allocatable, intent(out) :: error
 

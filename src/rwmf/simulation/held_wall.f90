@@ -12,7 +12,7 @@ module rwmf_simulation_held_wall
    use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_equation, only: discrete_state_t
-   use rwmf_model_lift_off, only: drive_turns, find_uplift_acceleration, lifts
+   use rwmf_model_lift_off, only: drive_turns, find_bearing, find_uplift_acceleration, lifts
    use rwmf_model_rest, only: inverse_inertia, pressing_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
    use rwmf_simulation_events_drift_events, only: cut_step
@@ -86,6 +86,7 @@ contains
       call hold_wall(equation%state, .true.)
       if (hybrid%must_restart .and. equation%floors%yields) call settle_storeys( &
          equation%model_t, equation%state, hybrid%y)
+      call find_bearing(equation%model_t, equation%state)
    end subroutine begin_held_step
 
    !> Look at the last step: the wall may lift off in it.

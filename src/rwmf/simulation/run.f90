@@ -118,7 +118,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
-      type(team_t) :: team
+      type(team_t), target :: team
 
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)

@@ -14,7 +14,8 @@ module rwmf_spectrum_lanes
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_lanes_loop, only: join_team, step_team
-   use rwmf_simulation_lanes_team, only: create_team, lane_t, tabulate_lines, team_t
+   use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
+      tabulate_lines, team_t
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
@@ -25,6 +26,9 @@ module rwmf_spectrum_lanes
    private
 
    public :: ordinate_t, run_ordinates
+
+   integer, parameter :: few_lanes = 2
+   !! that are faster alone than in a team
 
    !> What is asked for, and what comes of it.
    type :: ordinate_t
@@ -86,7 +90,8 @@ contains
       !$omp end parallel
    end subroutine run_ordinates
 
-   !> Steps of one team, until the queue is empty and its lanes are idle.
+   !> Steps of one team, until the queue is empty and its lanes are idle; the last ones go on alone,
+   !> because a step of sixteen lanes takes as long as two to three of one.
    subroutine run_team(case, asked, motion, control, width, next, ordinates)
       type(case_t), intent(in) :: case
       type(asked_t), intent(in) :: asked
@@ -99,7 +104,7 @@ contains
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(lane_t), allocatable, target :: lanes(:)
       type(lane_run_t), allocatable, target :: runs(:)
-      type(team_t) :: team
+      type(team_t), target :: team, alone
       integer :: i
 
       allocate (lanes(width), runs(width))
@@ -115,24 +120,42 @@ contains
       do i = 1, width
          if (runs(i)%ordinate > 0) call join_team(lanes(i), i, team)
       end do
-      do
-         if (team%has_ended) then
-            do i = 1, width
-               do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
-                  call finish_ordinate(asked, control, runs(i), lanes(i)%error, &
-                     ordinates(runs(i)%ordinate))
-                  if (runs(i)%ordinate == 0) call take_ordinate(case, asked, motion, control, &
-                     next, ordinates, runs(i), lanes(i))
-                  team%is_busy(i) = runs(i)%ordinate > 0
-                  if (team%is_busy(i)) call join_team(lanes(i), i, team)
-               end do
-            end do
-            if (.not. any(team%is_busy)) return
-            team%has_ended = .false.
-         end if
-         if (is_cancelled(control)) return
-         call step_team(lanes, team)
+      call step_lanes(lanes, runs, few_lanes, team)
+      do i = 1, width
+         if (.not. team%is_busy(i)) cycle
+         call leave_team(lanes(i), i, team, alone)
+         call step_lanes(lanes(i:i), runs(i:i), 0, alone)
       end do
+
+   contains
+
+      !> Step until the queue is empty and no more lanes than `fewest` are busy.
+      subroutine step_lanes(lanes, runs, fewest, team)
+         type(lane_t), intent(inout), target :: lanes(:)
+         type(lane_run_t), intent(inout), target :: runs(:)
+         integer, intent(in) :: fewest
+         type(team_t), intent(inout) :: team
+         integer :: i
+
+         do
+            if (team%has_ended) then
+               do i = 1, team%width
+                  do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
+                     call finish_ordinate(asked, control, runs(i), lanes(i)%error, &
+                        ordinates(runs(i)%ordinate))
+                     if (runs(i)%ordinate == 0) call take_ordinate(case, asked, motion, control, &
+                        next, ordinates, runs(i), lanes(i))
+                     team%is_busy(i) = runs(i)%ordinate > 0
+                     if (team%is_busy(i)) call join_team(lanes(i), i, team)
+                  end do
+               end do
+               if (count(team%is_busy) <= fewest) return
+               team%has_ended = .false.
+            end if
+            if (is_cancelled(control)) return
+            call step_team(lanes, team)
+         end do
+      end subroutine step_lanes
    end subroutine run_team
 
    !> Take the next ordinate from the queue and begin its run; none: the lane stays idle.

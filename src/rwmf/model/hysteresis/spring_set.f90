@@ -39,7 +39,6 @@ contains
 
       if (.not. model%has_bilinear_springs) return
       state%windows%is_known = .false.
-      state%uplift_is_known = .false.
       associate (of_frame => model%springs%place == place_frame)
          if (any(of_frame)) then
             state%frame_offset = sum(state%springs%offset, of_frame)

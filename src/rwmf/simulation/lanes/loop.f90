@@ -56,12 +56,12 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       type(control_t), intent(in) :: control
-      type(team_t), intent(inout) :: team
+      type(team_t), intent(inout), target :: team
       !! of one lane; made here when it is none yet
       type(error_t), allocatable, intent(out) :: error
       type(lane_t), target :: lanes(1)
 
-      if (.not. allocated(team%table)) call create_team(equation, integrator%pair, &
+      if (.not. allocated(team%room)) call create_team(equation, integrator%pair, &
          hybrid%max_steps, 1, team)
       lanes(1)%hybrid => hybrid
       lanes(1)%equation => equation
@@ -320,7 +320,6 @@ contains
       type(team_t), intent(inout), target :: team
       type(step_view_t) :: step
       real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b
-      real(wp) :: rates(size(y_a))
       integer :: i
 
       if (.not. team%has_limits) return
@@ -338,8 +337,9 @@ contains
          step%y_b => y_b
          lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid%drifts)
          if (lanes(i)%is_smooth .and. lanes(i)%is_held) then
-            call rates_at(lanes(i)%equation, step%t_b, y_b, rates)
-            lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), rates)
+            ! the last stage knows the rates at the end nearly
+            lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), &
+               team%k(i, :, team%pair%stages))
          else if (lanes(i)%is_smooth) then
             ! a step beyond the base ends with an impact
             associate (equation => lanes(i)%equation)

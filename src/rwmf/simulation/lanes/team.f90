@@ -16,7 +16,7 @@ module rwmf_simulation_lanes_team
    implicit none
    private
 
-   public :: lane_t, team_t, create_team, tabulate_lines, line_row, caution
+   public :: lane_t, team_t, create_team, leave_team, tabulate_lines, line_row, caution
    public :: longest_step, find_steps_to_watch, follow_curves
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
@@ -57,17 +57,19 @@ module rwmf_simulation_lanes_team
       integer :: width
       type(pair_t) :: pair
       type(lane_kernels_t) :: kernels
-      real(wp), allocatable :: table(:, :)
+      real(wp), allocatable :: room(:)
+      !! which the following arrays share
+      real(wp), pointer, contiguous :: table(:, :) => null()
       !! (width, columns)
-      real(wp), allocatable :: coef(:, :)
+      real(wp), pointer, contiguous :: coef(:, :) => null()
       !! (width, coefficients)
-      real(wp), allocatable :: tolerance(:, :)
+      real(wp), pointer, contiguous :: tolerance(:, :) => null()
       !! (width, 0:states)
-      real(wp), allocatable :: ground(:, :, :)
+      real(wp), pointer, contiguous :: ground(:, :, :) => null()
       !! (width, stages, 2) [m/s2]
-      real(wp), allocatable :: y(:, :), y_new(:, :)
+      real(wp), pointer, contiguous :: y(:, :) => null(), y_new(:, :) => null()
       !! (width, states)
-      real(wp), allocatable :: k(:, :, :)
+      real(wp), pointer, contiguous :: k(:, :, :) => null()
       !! (width, states, stages)
       real(wp), allocatable :: error(:)
       !! (width)
@@ -107,16 +109,14 @@ contains
       !! of a run
       integer, intent(in) :: width
       !! number of lanes: 1, or that of the kernels, which are then to be set
-      type(team_t), intent(out) :: team
+      type(team_t), intent(out), target :: team
 
       team%width = width
       team%pair = pair
+      call divide_room(equation%n, equation%scene%n_coef, team)
+      team%coef(:, :) = spread(equation%state%coef(1, :), 1, width)
+      team%tolerance(:, :) = 1
       associate (n => equation%n)
-         allocate (team%table(width, column_count), source=0.0_wp)
-         team%coef = spread(equation%state%coef(1, :), 1, width)
-         allocate (team%tolerance(width, 0:n), source=1.0_wp)
-         allocate (team%ground(width, most_stages, 2), team%y(width, n), team%y_new(width, n), &
-            team%k(width, n, most_stages), source=0.0_wp)
          allocate (team%error(width), source=0.0_wp)
          allocate (team%mark(width), source=0)
          allocate (team%is_busy(width), team%is_watched(width), source=.false.)
@@ -126,6 +126,62 @@ contains
          allocate (team%lines(line_columns, 0:1), source=no_limit)
       end associate
    end subroutine create_team
+
+   !> The arrays of the kernels, filled with zeros. They begin at lines of the cache, because a
+   !> vector that crosses one is loaded in two pieces.
+   subroutine divide_room(n, n_coef, team)
+      use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
+      integer, intent(in) :: n
+      !! number of states
+      integer, intent(in) :: n_coef
+      !! number of coefficients
+      type(team_t), intent(inout), target :: team
+      integer, parameter :: line = 8
+      !! of the cache, in numbers
+      real(wp), pointer, contiguous :: part(:)
+      !! the room that is left
+      integer(c_intptr_t) :: address
+      integer :: first
+
+      allocate (team%room(team%width*(column_count + n_coef + 2*most_stages + 3*n + 1 &
+         + n*most_stages) + line), source=0.0_wp)
+      address = transfer(c_loc(team%room(1)), address)
+      first = 1 + int(modulo(-address/(storage_size(0.0_wp)/8), int(line, c_intptr_t)))
+      part => team%room(first:)
+      associate (w => team%width)
+         team%table(1:w, 1:column_count) => part
+         part => part(w*column_count + 1:)
+         team%coef(1:w, 1:n_coef) => part
+         part => part(w*n_coef + 1:)
+         team%tolerance(1:w, 0:n) => part
+         part => part(w*(n + 1) + 1:)
+         team%ground(1:w, 1:most_stages, 1:2) => part
+         part => part(w*2*most_stages + 1:)
+         team%y(1:w, 1:n) => part
+         part => part(w*n + 1:)
+         team%y_new(1:w, 1:n) => part
+         part => part(w*n + 1:)
+         team%k(1:w, 1:n, 1:most_stages) => part
+      end associate
+   end subroutine divide_room
+
+   !> A lane goes on between two steps in a team of its own.
+   subroutine leave_team(lane, i, team, alone)
+      type(lane_t), intent(in) :: lane
+      integer, intent(in) :: i
+      type(team_t), intent(inout) :: team
+      type(team_t), intent(out), target :: alone
+
+      call create_team(lane%equation, team%pair, int(team%max_steps, i8), 1, alone)
+      alone%lines = team%lines
+      alone%keeps_more = team%keeps_more
+      alone%table(1, :) = team%table(i, :)
+      alone%coef(1, :) = team%coef(i, :)
+      alone%tolerance(1, :) = team%tolerance(i, :)
+      alone%y(1, :) = team%y(i, :)
+      alone%is_busy = .true.
+      team%is_busy(i) = .false.
+   end subroutine leave_team
 
    !> The straight lines of the motion; without a limit where they are none, or too short for a
    !> step: such an interval is entered as single runs do.
