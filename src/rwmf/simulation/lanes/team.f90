@@ -175,6 +175,8 @@ contains
       call create_team(lane%equation, team%pair, int(team%max_steps, i8), 1, alone)
       alone%lines = team%lines
       alone%keeps_more = team%keeps_more
+      alone%has_limits = team%has_limits
+      if (allocated(team%work)) alone%work = team%work(i:i, :)
       alone%table(1, :) = team%table(i, :)
       alone%coef(1, :) = team%coef(i, :)
       alone%tolerance(1, :) = team%tolerance(i, :)
