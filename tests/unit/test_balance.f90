@@ -9,12 +9,15 @@ program test_balance
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       kinematics_at, second_derivative
    use rwmf_model_energy, only: powers_at
-   use rwmf_model_equation, only: ground
+   use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residuals, load_to
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: of_viscous, power_count
-   use rwmf_model_reactions, only: cable_force, link_force, reactions_at, reactions_t
+   use rwmf_model_reactions, only: cable_force, friction_demand, link_force, reactions_at, &
+      reactions_t
+   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+      reaction_count, shear_of_base => shear
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: damping_matrix
@@ -108,9 +111,30 @@ contains
                + damper)) - frame_shear(equation, case, y)
             call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
                atol=round_off*equation%p%g*(1 + equation%p%gamma))
+            if (equation%parts%is_complete) call check_loop(equation, y, reactions, name)
          end do
       end do
    end subroutine check_balance
+
+   !> The loop over lanes finds the same from the moments alone.
+   subroutine check_loop(equation, y, reactions, name)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      type(reactions_t), intent(in) :: reactions
+      character(*), intent(in) :: name
+      real(wp) :: acceleration(1, 2), found(1, reaction_count)
+
+      acceleration(1, :) = [ground(equation, t), 0.0_wp]
+      if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
+      call lane_reactions(equation%parts, equation%state%coef, reshape(y, [1, size(y)]), &
+         acceleration, found)
+      call checks%close_to(found(1, low_normal), -reactions%normal, 'N of the loop, '//name, &
+         rtol=round_off)
+      call checks%close_to(found(1, demand), friction_demand(reactions), 'demand of the loop, ' &
+         //name, rtol=10*round_off)
+      call checks%close_to(found(1, shear_of_base), abs(reactions%base_shear), 'shear of the ' &
+         //'loop, '//name, rtol=10*round_off)
+   end subroutine check_loop
 
    !> Clockwise moment about the centroid of a force at a point of the space.
    real(wp) function turn(point, force, equation, y)
@@ -222,7 +246,7 @@ contains
       real(wp) :: x(2)
       real(wp) :: arm(2)
 
-      arm = point + [0.0_wp, equation%p%R*equation%cos_alpha] - pivot(equation)
+      arm = point + [0.0_wp, equation%p%R*equation%p%cos_alpha] - pivot(equation)
       x = pivot(equation) + [cos(theta)*arm(1) + sin(theta)*arm(2), &
          -sin(theta)*arm(1) + cos(theta)*arm(2)]
    end function place
@@ -254,7 +278,7 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: x(2)
 
-      x = place(equation, y(1), [0.0_wp, equation%p%R*equation%cos_alpha])
+      x = place(equation, y(1), [0.0_wp, equation%p%R*equation%p%cos_alpha])
    end function cable_point
 
    function lifting_corner(equation, y) result(x)
@@ -263,7 +287,7 @@ contains
       real(wp) :: x(2)
 
       x = place(equation, y(1), -equation%p%R*[equation%state%side*equation%sin_alpha, &
-         equation%cos_alpha])
+         equation%p%cos_alpha])
    end function lifting_corner
 
    !> Spring and damper of the frame on its mass, against its motion.
@@ -282,7 +306,7 @@ contains
       ! u_s(theta) once more from the geometry, its derivative by a complex step
       phi = equation%state%side*y(1)
       w = cmplx(phi, step, wp)
-      associate (s => equation%sin_alpha, c => equation%cos_alpha, L => equation%geometry%link)
+      associate (s => equation%sin_alpha, c => equation%p%cos_alpha, L => equation%geometry%link)
          rise = 2*(c*cos(w) + s*sin(w) - c)
          if (.not. equation%has_impacts) then
             w = cmplx(y(1), step, wp)
@@ -363,7 +387,7 @@ contains
       ! 2h sin(phi) of `exact` against 2R (sin(alpha) - sin(alpha - phi))
       is_left = .false.
       if (equation%state%side < 0) is_left = abs(kinematic_u(equation, large) &
-         - 2*equation%cos_alpha*sin(large)) < 0.05_wp
+         - 2*equation%p%cos_alpha*sin(large)) < 0.05_wp
    end function is_left
 
    real(wp) function kinematic_u(equation, phi) result(u)

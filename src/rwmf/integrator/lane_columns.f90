@@ -6,7 +6,8 @@ module rwmf_integrator_lane_columns
    public :: column_count
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
-   public :: of_interval, of_steps, of_pace, line_columns
+   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, &
+      line_columns
    public :: is_done, is_rejected, needs_look, at_limit
 
    integer, parameter :: of_time = 1
@@ -49,7 +50,14 @@ module rwmf_integrator_lane_columns
    !! number of steps that have been accepted
    integer, parameter :: of_pace = 23
    !! steps per rotation that a hysteretic state asks for, which relaxes to its bound [1/rad]
-   integer, parameter :: column_count = 23
+   integer, parameter :: of_frequency = 24
+   !! of the fastest vibration [rad/s]
+   integer, parameter :: of_ground_end = 25
+   !! and one more: acceleration of the ground at the end of the step that was tried last,
+   !! horizontal and vertical [m/s2]
+   integer, parameter :: of_plain = 27
+   !! 1: the step that is tried holds no extremum of the reactions that are asked for
+   integer, parameter :: column_count = 27
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
 

@@ -5,6 +5,7 @@
 !> result.
 module rwmf_integrator_lane_kernels
    use rwmf_integrator_lane_control_l16, only: judge_step, pass_knots, plan_step
+   use rwmf_integrator_lane_reactions_l16, only: screen_steps
    use rwmf_integrator_lane_step_l16, only: attempt_step
    use rwmf_model_lanes_l16, only: team_width => lane_count
 #ifdef FAST_LEVELS
@@ -12,6 +13,8 @@ module rwmf_integrator_lane_kernels
       pass_knots_v3 => pass_knots, plan_step_v3 => plan_step
    use rwmf_integrator_lane_control_l16_v4, only: judge_step_v4 => judge_step, &
       pass_knots_v4 => pass_knots, plan_step_v4 => plan_step
+   use rwmf_integrator_lane_reactions_l16_v3, only: screen_steps_v3 => screen_steps
+   use rwmf_integrator_lane_reactions_l16_v4, only: screen_steps_v4 => screen_steps
    use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
    use rwmf_integrator_lane_step_l16_v4, only: attempt_step_v4 => attempt_step
 #endif
@@ -26,6 +29,7 @@ module rwmf_integrator_lane_kernels
       procedure(attempt_step), pointer, nopass :: attempt_step => null()
       procedure(judge_step), pointer, nopass :: judge_step => null()
       procedure(pass_knots), pointer, nopass :: pass_knots => null()
+      procedure(screen_steps), pointer, nopass :: screen_steps => null()
    end type lane_kernels_t
 
 contains
@@ -39,13 +43,14 @@ contains
 #ifdef FAST_LEVELS
       case (4)
          kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, judge_step_v4, &
-            pass_knots_v4)
+            pass_knots_v4, screen_steps_v4)
       case (3)
          kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, judge_step_v3, &
-            pass_knots_v3)
+            pass_knots_v3, screen_steps_v3)
 #endif
       case default
-         kernels = lane_kernels_t(plan_step, attempt_step, judge_step, pass_knots)
+         kernels = lane_kernels_t(plan_step, attempt_step, judge_step, pass_knots, &
+            screen_steps)
       end select
    end function lane_kernels_of
 

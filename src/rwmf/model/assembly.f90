@@ -21,8 +21,8 @@ module rwmf_model_assembly
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: add_term, first_wall, frame_term, linear_cable_term, scene_t, &
-      straight_cable_term, term_t
+   use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, &
+      linear_cable_term, scene_t, straight_cable_term, term_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    implicit none
@@ -48,7 +48,6 @@ contains
       equation%motion => motion
       equation%p = parameters_of(case)
       equation%sin_alpha = sin(equation%p%alpha)
-      equation%cos_alpha = cos(equation%p%alpha)
       equation%state%frame_slope = equation%p%omega_squared
       equation%has_impacts = .false.
       allocate (equation%scene%terms(0))
@@ -58,6 +57,9 @@ contains
       call choose_cable(case, equation)
       call choose_contributions(case, equation)
       equation%n = equation%scene%n
+      equation%parts = force_parts_of(equation%scene)
+      equation%parts%is_complete = equation%parts%is_complete .and. (equation%has_impacts &
+         .or. .not. equation%has_wall)
       allocate (equation%state%coef(1, equation%scene%n_coef))
       equation%state%coef(1, 1) = 1
       call renew_coefficients(equation%model_t, equation%state)
@@ -67,7 +69,7 @@ contains
          equation%weight_share = tan(p%alpha)/pushed
       end associate
       equation%state%uplift_acceleration = equation%threshold
-      equation%state%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%cos_alpha**2
+      equation%state%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%p%cos_alpha**2
       equation%effects_act_at_rest = equation%has_impacts &
          .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
@@ -85,7 +87,7 @@ contains
       if (allocated(case%link)) link = case%link%L/equation%p%R
       equation%geometry = geometry_of(equation%p%alpha, case%model%formulation, &
          equation%has_impacts, link)
-      if (.not. equation%has_impacts) equation%inertia = (4*equation%cos_alpha**2 &
+      if (.not. equation%has_impacts) equation%inertia = (4*equation%p%cos_alpha**2 &
          + equation%sin_alpha**2)/3
       equation%scene%has_wall = .true.
       equation%scene%n_coef = first_wall + wall_coefficients - 1

@@ -70,7 +70,7 @@ contains
             stored%gravity = p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2))
          else
             ! the centroid of a hinged wall only sinks
-            stored%gravity = p%g*p%R*(-2*equation%cos_alpha*sin(phi/2)**2)
+            stored%gravity = p%g*p%R*(-2*equation%p%cos_alpha*sin(phi/2)**2)
          end if
          stored%cable = p%g*p%R*cable%energy
       end associate

@@ -8,7 +8,7 @@ module rwmf_model_equation
       put_wall_side, wall_row
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
+   use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, linear_cable_term, scene_t, &
       straight_cable_term
    use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
       vertical_acceleration, vertical_line_of
@@ -211,7 +211,6 @@ module rwmf_model_equation
       type(parameters_t) :: p
       !! parameters in the paper's letters; those of absent effects are zero
       real(wp) :: sin_alpha
-      real(wp) :: cos_alpha
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
       real(wp) :: weight_share = 0
@@ -256,6 +255,8 @@ module rwmf_model_equation
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       type(scene_t) :: scene
       !! the loops over lanes
+      type(force_parts_t) :: parts
+      !! the same by the way of their forces
    end type model_t
 
    !> The equation of motion of one scene in the piece of motion in force.
@@ -594,7 +595,7 @@ contains
       class(model_t), intent(in) :: model
 
       travel = 1
-      if (model%has_wall) travel = 2*model%p%R*model%cos_alpha
+      if (model%has_wall) travel = 2*model%p%R*model%p%cos_alpha
    end function frame_travel
 
    !> A rocking wall has one corner that moves, at the arm 2b; a hinged one two with half the arm

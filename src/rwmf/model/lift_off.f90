@@ -224,7 +224,7 @@ contains
          call moment_at_rest(model%scene, state%coef, at_rest, moment, state%inertia_at_rest)
          ! at theta = 0 the arms of the link and of the centroid are 2 cos(alpha) and cos(alpha)
          state%uplift_acceleration(side) = -moment*model%p%R/(model%p%gamma &
-            *model%floors%excited_mass_ratio*(2*model%cos_alpha) + model%cos_alpha)
+            *model%floors%excited_mass_ratio*(2*model%p%cos_alpha) + model%p%cos_alpha)
          side = -side
       end do
       state%uplift_is_known = model%n == 2

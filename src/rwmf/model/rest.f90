@@ -93,7 +93,7 @@ contains
    pure real(wp) function inverse_inertia(equation) result(gain)
       type(equation_t), intent(in) :: equation
 
-      associate (p => equation%p, c => equation%cos_alpha)
+      associate (p => equation%p, c => equation%p%cos_alpha)
          gain = c*(2*p%gamma*equation%floors%excited_mass_ratio &
             + 1)/(p%R*equation%state%inertia_at_rest)
       end associate

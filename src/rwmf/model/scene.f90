@@ -5,11 +5,20 @@ module rwmf_model_scene
    private
 
    public :: scene_t, term_t, add_term
+   public :: force_parts_t, force_parts_of
    public :: frame_term, linear_cable_term, straight_cable_term, first_wall
+   public :: link_term, fuse_term
 
    integer, parameter :: frame_term = -1
    integer, parameter :: linear_cable_term = -2
    integer, parameter :: straight_cable_term = -3
+   integer, parameter :: link_term = 2
+   integer, parameter :: damper_term = 3
+   integer, parameter :: inerter_term = 4
+   integer, parameter :: fuse_term = 5
+   integer, parameter :: hysteresis_term = 6
+   integer, parameter :: vertical_term = 7
+   !! numbers in the list of effects
    integer, parameter :: first_wall = 2
    !! column of the first coefficient of the wall; column 1 is 1, and 0 while the wall is held
 
@@ -41,7 +50,46 @@ module rwmf_model_scene
       type(term_t), allocatable :: terms(:)
    end type scene_t
 
+   !> The loops of a scene by the way in which their forces reach the wall, each with the columns of
+   !> the whole scene.
+   type :: force_parts_t
+      logical :: is_complete = .false.
+      !! nothing else exerts a force on the wall or on the ground
+      type(scene_t) :: through_link
+      type(scene_t) :: under_corner
+      !! along the chord of the corner that lifts
+      type(scene_t) :: in_cable
+   end type force_parts_t
+
 contains
+
+   !> Sort the loops of a scene. Floors, leaning columns and hinges act in more than one way.
+   pure type(force_parts_t) function force_parts_of(scene) result(parts)
+      type(scene_t), intent(in) :: scene
+      !! on corners or without wall
+      integer :: i
+
+      parts%is_complete = .true.
+      parts%through_link = scene_t(scene%has_wall, scene%n, scene%n_coef, scene%terms(:0))
+      parts%under_corner = parts%through_link
+      parts%in_cable = parts%through_link
+      do i = 1, size(scene%terms)
+         associate (term => scene%terms(i))
+            select case (term%effect)
+            case (linear_cable_term, straight_cable_term)
+               parts%in_cable%terms = [parts%in_cable%terms, term]
+            case (damper_term, inerter_term, fuse_term)
+               parts%under_corner%terms = [parts%under_corner%terms, term]
+            case (frame_term, link_term, hysteresis_term)
+               parts%through_link%terms = [parts%through_link%terms, term]
+            case (vertical_term)
+               ! acts as a part of the weight
+            case default
+               parts%is_complete = .false.
+            end select
+         end associate
+      end do
+   end function force_parts_of
 
    !> Add a loop with its coefficients and states behind those that are there.
    pure subroutine add_term(scene, term)

@@ -67,25 +67,30 @@ contains
 
       fuse%is_present = has_fuse(case)
       if (.not. fuse%is_present) return
-      fuse%n_coef = 2
+      fuse%n_coef = 3
       fuse%coefficients => fuse_coefficients
       fuse%has_sides = .true.
       fuse%energy => fuses_energy
       fuse%force => fuses_force
    end subroutine prepare_fuse
 
-   !> Of the fuse whose corner lifts; those come last, left and right.
+   !> Of the fuse whose corner lifts, and the force of the other; they come last, left and right.
    pure subroutine fuse_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      integer :: n
+      integer :: n, other
 
       n = size(model%springs)
-      if (state%side == place_left) n = n - 1
-      coef = 2*model%sin_alpha*[state%springs(n)%offset/model%p%R, &
+      other = n - 1
+      if (state%side == place_left) then
+         other = n
+         n = n - 1
+      end if
+      coef(:2) = 2*model%sin_alpha*[state%springs(n)%offset/model%p%R, &
          4*model%sin_alpha*state%springs(n)%slope]
+      coef(3) = state%springs(other)%offset
    end subroutine fuse_coefficients
 
    pure subroutine add_branch_event(case, names)

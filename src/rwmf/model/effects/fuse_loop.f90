@@ -12,9 +12,9 @@ contains
    !> Part of the fuse in the equation of motion: a force on a line over the stroke 4b sin(phi/2)
    !> with the arm 2b cos(phi/2).
    pure subroutine add_fuse(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, 2)
+      real(wp), intent(in) :: coef(lane_count, 3)
       !! 2b times the force at no stroke over m_w R**2 [1/s2]; 8b**2 times its slope over m_w R**2
-      !! [1/s2]
+      !! [1/s2]; force of the fuse under the pivot over m_w, which has no arm [m/s2]
       type(lane_motion_t), intent(inout) :: motion
       integer :: i
 

@@ -437,13 +437,13 @@ contains
             away = side*x/(2*R)
             if (shape%sine_link(side) > 0) then
                ! as a difference of sines that keeps all digits of a small rotation
-               associate (s => model%sin_alpha, c => model%cos_alpha)
+               associate (s => model%sin_alpha, c => model%p%cos_alpha)
                   cosine = sqrt(c**2 + away*(2*s - away))
                   angle = atan2(s*(away*(2*s - away)/(cosine + c)) + c*away, c*cosine &
                      + s*(s - away))
                end associate
             else
-               angle = asin(away/model%cos_alpha)
+               angle = asin(away/model%p%cos_alpha)
             end if
          end if
       end associate

@@ -7,7 +7,7 @@ module rwmf_simulation_events_step_quartic
    private
 
    public :: quartic_t, quartic_of, first_event, quintic_of, cubic_of, place_event
-   public :: no_event, at_low, at_high, at_turn
+   public :: no_event, at_low, at_high, at_turn, value_at, slope_at
 
    integer, parameter :: no_event = 0
    integer, parameter :: at_low = -1

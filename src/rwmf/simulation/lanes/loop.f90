@@ -29,6 +29,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
       has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, &
       stands_on_fuses, stay_at_rest
+   use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
+      screen_reactions
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, team_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
@@ -194,6 +196,7 @@ contains
       end associate
       call load_window(lane, i, team)
       call load_line(lane, i, t_limit, team)
+      call begin_reactions(lane, i, team)
       ! under a motion beyond all measure no first step is short enough
       if (.not. team%table(i, of_length) > 0) call check_length(lane, i, team)
    end subroutine load_lane
@@ -263,7 +266,7 @@ contains
             call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
                team%tolerance, team%y, .false., team%k, team%y_new, team%error, team%work)
             call ask_limits(lanes, team)
-            if (team%keeps_more) call find_steps_to_watch(lanes, team)
+            if (team%keeps_more) call choose_steps(lanes, team)
             call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
             if (team%keeps_more .or. allocated(team%work)) call observe_steps(lanes, team)
@@ -275,7 +278,7 @@ contains
                team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
                team%error, team%work)
             call ask_limits(lanes, team)
-            if (team%keeps_more) call find_steps_to_watch(lanes, team)
+            if (team%keeps_more) call choose_steps(lanes, team)
             call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
                team%k, team%y_new, team%error, team%mark)
             if (team%keeps_more .or. allocated(team%work)) call observe_steps(lanes, team)
@@ -351,6 +354,15 @@ contains
       end do
    end subroutine ask_limits
 
+   !> Which steps have to be looked into?
+   subroutine choose_steps(lanes, team)
+      type(lane_t), intent(in) :: lanes(:)
+      type(team_t), intent(inout) :: team
+
+      call screen_reactions(lanes, team)
+      call find_steps_to_watch(lanes, team)
+   end subroutine choose_steps
+
    !> Let what is asked for be seen in the steps that are accepted.
    subroutine observe_steps(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
@@ -424,6 +436,7 @@ contains
       step = until(step, t_b, y_b)
       if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
       if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error)
+      call note_extremes(lane, i, team)
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step
 
@@ -685,6 +698,8 @@ contains
          if (team%is_watched(i) .or. allocated(team%work)) call pass_step(lane, i, team, &
             table(i, of_time) + table(i, of_trial), team%y_new(i, :))
          if (allocated(lane%error)) return
+         ! what it has come to is where the next one begins
+         team%mark(i) = is_done
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
          if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then

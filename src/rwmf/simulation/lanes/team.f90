@@ -4,9 +4,12 @@ module rwmf_simulation_lanes_team
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_integrator_lane_columns, only: column_count, line_columns, of_fastest, of_time, of_trial
+   use rwmf_integrator_lane_columns, only: column_count, line_columns, of_fastest, of_plain, &
+      of_time, of_trial
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
+   use rwmf_integrator_lane_reactions, only: value_count
    use rwmf_integrator_pairs, only: most_stages, pair_t
+   use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
       is_piecewise_linear, line_of, line_t, motion_t, vertical_line_of
@@ -96,6 +99,12 @@ module rwmf_simulation_lanes_team
       !! (width) the step has to be looked into for it; then the following is set
       real(wp), allocatable :: t_before(:), y_before(:, :)
       !! (width) [s], (width, states) at the beginning of the step
+      logical :: screens = .false.
+      !! reactions are asked for; then the following is set
+      real(wp), allocatable :: reactions(:, :, :)
+      !! (width, reactions, values) at the ends of the step, and the extrema so far
+      logical, allocatable :: is_known(:)
+      !! (width) those at the beginning of the step are
    end type team_t
 
 contains
@@ -121,6 +130,9 @@ contains
          allocate (team%mark(width), source=0)
          allocate (team%is_busy(width), team%is_watched(width), source=.false.)
          allocate (team%t_before(width), team%y_before(width, n))
+         allocate (team%reactions(width, reaction_count, value_count), source=0.0_wp)
+         team%table(:, of_plain) = 1
+         allocate (team%is_known(width), source=.false.)
          team%max_steps = real(max_steps, wp)
          team%has_curves = .not. is_piecewise_linear(equation%motion)
          allocate (team%lines(line_columns, 0:1), source=no_limit)
@@ -177,6 +189,10 @@ contains
       alone%keeps_more = team%keeps_more
       alone%has_limits = team%has_limits
       if (allocated(team%work)) alone%work = team%work(i:i, :)
+      alone%screens = team%screens
+      alone%reactions(1, :, :) = team%reactions(i, :, :)
+      alone%is_known = team%is_known(i)
+      alone%mark = team%mark(i)
       alone%table(1, :) = team%table(i, :)
       alone%coef(1, :) = team%coef(i, :)
       alone%tolerance(1, :) = team%tolerance(i, :)
@@ -242,39 +258,53 @@ contains
          longest_angle(2)/rate
    end function longest_step
 
-   !> Which steps have to be looked into for what no event tells? All of them for reactions,
-   !> histories and lists of events; for the peak of |theta'| those where theta'' may
-   !> change its sign, by the quartic through both ends, both velocities and the
-   !> acceleration at the beginning, and where a parabola through the velocities with this way,
-   !> risen twice as far, reaches what was largest so far.
+   !> Which steps have to be looked into for what no event tells? All of them for histories and lists
+   !> of events, those that are not plain for reactions, and those that may hold the peak of
+   !> |theta'|.
    subroutine find_steps_to_watch(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
-      real(wp) :: v(2), speed, first, bend, last, slack, fastest
-      logical :: needs_all
+      logical :: is_watched
       integer :: i
 
-      associate (table => team%table, y => team%y, y_new => team%y_new)
-         do i = 1, team%width
-            team%is_watched(i) = .false.
-            if (.not. (team%is_busy(i) .and. lanes(i)%is_smooth)) cycle
-            needs_all = needs_all_steps(lanes(i)%recorder)
-            fastest = max(table(i, of_fastest), lanes(i)%recorder%theta_dot_max)
-            v = [y(i, 2), y_new(i, 2)]
-            speed = (y_new(i, 1) - y(i, 1))/table(i, of_trial)
-            if (.not. needs_all .and. maxval(abs(v)) + 3*abs(speed - sum(v)/2) < fastest) cycle
-            first = table(i, of_trial)*team%k(i, 2, 1)
-            bend = v(2) - v(1) - first
-            last = first + 6*bend - 12*(speed - v(1) - first/2)
-            slack = 0.05_wp*(abs(first) + abs(bend))
-            if (.not. needs_all .and. (sum(v)*first < -slack*abs(sum(v)) .or. sum(v)*last &
-                > slack*abs(sum(v)))) cycle
-            team%is_watched(i) = .true.
-            team%t_before(i) = table(i, of_time)
-            team%y_before(i, :) = y(i, :)
-         end do
-      end associate
+      do i = 1, team%width
+         is_watched = team%is_busy(i) .and. lanes(i)%is_smooth
+         if (is_watched .and. team%table(i, of_plain) > 0) then
+            is_watched = needs_all_steps(lanes(i)%recorder)
+            if (.not. is_watched) is_watched = may_be_fastest(team, i, &
+               lanes(i)%recorder%theta_dot_max)
+         end if
+         team%is_watched(i) = is_watched
+         if (.not. is_watched) cycle
+         team%t_before(i) = team%table(i, of_time)
+         team%y_before(i, :) = team%y(i, :)
+      end do
    end subroutine find_steps_to_watch
+
+   !> May a step hold the peak of |theta'|? Where theta'' may change its sign, by the quartic
+   !> through both ends, both velocities and the acceleration at the beginning, and where a parabola
+   !> through the velocities with this way, risen twice as far, reaches what was largest so far.
+   pure logical function may_be_fastest(team, i, largest) result(may)
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: i
+      real(wp), intent(in) :: largest
+      !! |theta'| so far [rad/s]
+      real(wp) :: v_a, v_b, speed, first, bend, last, slack
+
+      associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new)
+         v_a = y(i, 2)
+         v_b = y_new(i, 2)
+         speed = (y_new(i, 1) - y(i, 1))/h
+         may = .not. max(abs(v_a), abs(v_b)) + 3*abs(speed - (v_a + v_b)/2) &
+            < max(team%table(i, of_fastest), largest)
+         if (.not. may) return
+         first = h*team%k(i, 2, 1)
+         bend = v_b - v_a - first
+         last = first + 6*bend - 12*(speed - v_a - first/2)
+         slack = 0.05_wp*(abs(first) + abs(bend))*abs(v_a + v_b)
+         may = .not. ((v_a + v_b)*first < -slack .or. (v_a + v_b)*last > slack)
+      end associate
+   end function may_be_fastest
 
    !> Accelerations of the ground where they are not on a straight line.
    subroutine follow_curves(lanes, team)

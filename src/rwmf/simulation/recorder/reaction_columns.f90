@@ -4,8 +4,8 @@ module rwmf_simulation_recorder_reaction_columns
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
-   use rwmf_simulation_recorder_reaction_extremes, only: demand, low_normal, &
-      reaction_extremes_recorder_t, shear
+   use rwmf_model_reactions_loop, only: demand, low_normal, shear
+   use rwmf_simulation_recorder_reaction_extremes, only: reaction_extremes_recorder_t
    use rwmf_simulation_result, only: reaction_extremes_t
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    implicit none
@@ -98,7 +98,7 @@ contains
    pure real(wp) function roof_height(equation)
       type(equation_t), intent(in) :: equation
 
-      roof_height = 2*equation%p%R*equation%cos_alpha
+      roof_height = 2*equation%p%R*equation%p%cos_alpha
    end function roof_height
 
 end module rwmf_simulation_recorder_reaction_columns

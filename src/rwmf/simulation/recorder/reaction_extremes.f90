@@ -7,31 +7,27 @@
 !> their one-sided values. The impulses at impacts have no reaction and do not count.
 module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: pi, wp
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_plain_steps, least_so_far, &
+      short_angle, so_far, value_count
    use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
       maximum_t, narrow, vertex_of_parabola
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
-   use rwmf_model_equation, only: has_further_effects
+   use rwmf_model_reactions_loop, only: demand, low_normal, &
+      n_quantities => reaction_count, shear
+   use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, is_short, &
       step_view_t
+   use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
+      fastest_of, has_estimate, inside, n_nodes, node, nowhere, place_of_peak
    implicit none
    private
 
    public :: reaction_extremes_recorder_t, create_reaction_extremes
    public :: observe_last, observe_moving, observe_resting
-   public :: low_normal, demand, shear
-
-   integer, parameter :: low_normal = 1
-   integer, parameter :: demand = 2
-   integer, parameter :: shear = 3
-   integer, parameter :: n_quantities = 3
-   !! -N, |H|/N and |V|, each to be maximised
-
-   integer, parameter :: n_nodes = 5
-   !! per span
 
    !> Running maxima.
    type :: reaction_extremes_recorder_t
@@ -45,6 +41,10 @@ module rwmf_simulation_recorder_reaction_extremes
       !! coefficient of friction to compare the demand with [-]
       real(wp), allocatable :: t_exceeded
       !! first time at which the demand exceeds it [s]
+      real(wp) :: t_rest = -1
+      !! until when the wall was seen at rest last [s]
+      real(wp) :: ground_rest(2) = 0
+      !! acceleration of the ground then, horizontal and vertical [m/s2]
    end type reaction_extremes_recorder_t
 
 contains
@@ -81,9 +81,15 @@ contains
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       type(step_view_t) :: span
+      logical :: is_settled
       integer :: i, n
 
-      if (is_plain(forces, piece)) return
+      if (has_estimate(piece)) then
+         call search_estimate(forces, piece, is_settled, error)
+      else
+         is_settled = is_plain(forces, piece)
+      end if
+      if (is_settled .or. allocated(error)) return
       n = count_parts(piece)
       span = piece
       do i = 1, n
@@ -94,36 +100,79 @@ contains
       end do
    end subroutine observe_moving
 
+   !> An end of a piece.
+   subroutine observe_end(forces, piece, t, y)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
+      type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      call keep_largest(forces, t, quantities(reactions_at(piece%equation, t, y, &
+         second_derivative(piece%equation, t, y))))
+   end subroutine observe_end
+
+   !> Extrema over a short piece whose reactions are known nearly, which says where they are.
+   subroutine search_estimate(forces, piece, is_settled, error)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
+      type(step_view_t), intent(in) :: piece
+      !! `has_estimate`
+      logical, intent(out) :: is_settled
+      !! nothing is left to be found
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: slack = 0.01_wp
+      !! of the range so far, for what the estimate errs
+      real(wp) :: found(n_quantities, n_nodes)
+      real(wp) :: t_peak
+      integer :: peak(n_quantities)
+      integer :: q
+
+      is_settled = all(forces%largest >= forces%smallest)
+      if (.not. is_settled) return
+      call estimate_reactions(piece, found)
+      if (allocated(forces%limit) .and. .not. allocated(forces%t_exceeded)) is_settled = &
+         maxval(found(demand, :)) < 0.9_wp*forces%limit
+      if (.not. is_settled) return
+      do q = 1, n_quantities
+         peak(q) = place_of_peak(found(q, :), forces%largest(q) - slack*(forces%largest(q) &
+            - forces%smallest(q)))
+      end do
+      forces%smallest = min(forces%smallest, minval(found, 2))
+      if (all(peak == nowhere)) return
+      if (any(peak == inside .or. peak == at_first)) call observe_end(forces, piece, piece%t_a, &
+         piece%y_a)
+      if (any(peak == inside .or. peak == at_last)) call observe_end(forces, piece, piece%t_b, &
+         piece%y_b)
+      do q = 1, n_quantities
+         if (peak(q) /= inside) cycle
+         call refine(forces, piece, q, piece%t_a + (piece%t_b - piece%t_a)*node, found(q, :), &
+            t_peak, error)
+         if (allocated(error)) return
+      end do
+   end subroutine search_estimate
+
    !> Is it plain from both ends of a short step that it holds no extremum? Most steps are so short,
    !> and so far from the extrema so far, that no state inside needs to be asked for.
    logical function is_plain(forces, piece)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
-      real(wp), parameter :: short = 0.4_wp
-      !! over 1/omega: the second harmonic departs from a chord by (2*0.4)**2/8 of its amplitude
-      real(wp), parameter :: largest_margin = 0.25_wp
-      !! of the range so far, of so long a step
-      real(wp) :: at_ends(n_quantities)
-      real(wp) :: margin(n_quantities)
+      real(wp) :: values(1, n_quantities, value_count)
       real(wp) :: y_ddot(2)
-      real(wp) :: share
-      !! of the largest normal force that is left [-]
+      real(wp) :: found(1)
 
       associate (equation => piece%equation)
-         is_plain = is_short(piece, short, sqrt(equation%p%g/equation%p%R)) &
-            .and. all(forces%largest >= forces%smallest)
+         is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
-         margin = max(0.01_wp, largest_margin*((piece%t_b - piece%t_a)*max(equation%p%omega_s, &
-            equation%floors%max_frequency, sqrt(equation%p%g/equation%p%R))/short)**2)
          y_ddot = accelerations(piece)
-         at_ends = max(quantities(reactions_at(equation, piece%t_a, piece%y_a, y_ddot(1))), &
-            quantities(reactions_at(equation, piece%t_b, piece%y_b, y_ddot(2))))
+         values(1, :, at_begin) = quantities(reactions_at(equation, piece%t_a, piece%y_a, &
+            y_ddot(1)))
+         values(1, :, at_end) = quantities(reactions_at(equation, piece%t_b, piece%y_b, y_ddot(2)))
+         values(1, :, so_far) = forces%largest
+         values(1, :, least_so_far) = forces%smallest
+         call find_plain_steps([(piece%t_b - piece%t_a)*fastest_of(equation)], values, found)
+         is_plain = found(1) > 0
       end associate
-      ! a quotient departs by both of its parts, over a normal force that may be small
-      share = at_ends(low_normal)/min(forces%smallest(low_normal), -tiny(share))
-      margin(demand) = merge(min(largest_margin, 2*margin(demand)/max(share, tiny(share))), &
-         largest_margin, share > 0.01_wp)
-      is_plain = all(at_ends + margin*(forces%largest - forces%smallest) < forces%largest)
    end function is_plain
 
    !> The wall stays at rest while the motion goes through the interval in force.
@@ -136,23 +185,46 @@ contains
       !! [s]
       type(error_t), allocatable :: error
       !! stays empty: no integrator is asked
+      real(wp), parameter :: slack = 1.0e-12_wp
       real(wp), dimension(n_quantities) :: at_begin, at_end
+      real(wp) :: acceleration(2)
+      !! of the ground [m/s2]
       type(step_view_t) :: span
 
       span%equation => equation
       span%t_a = t_a
       do while (span%t_a < t_b)
          span%t_b = min(turning_point(equation%motion, interval_of(equation), span%t_a), t_b)
-         call sample(span, span%t_a, at_begin, error)
+         ! it rests on from where it has been seen last, unless the ground jumps
+         at_begin = -huge(at_begin)
+         acceleration = shaking(equation, span%t_a)
+         if (abs(span%t_a - forces%t_rest) > 0 .or. any(abs(acceleration - forces%ground_rest) &
+             > slack*abs(forces%ground_rest))) call sample(span, span%t_a, at_begin, error)
          call sample(span, span%t_b, at_end, error)
+         forces%smallest = min(forces%smallest, at_end)
          ! Without further effects nothing but the ground varies, from end to end of the span.
-         if (has_further_effects(equation) &
+         ! under a straight one |H| and |V| are largest at an end, and |H|/N as well
+         if ((has_further_effects(equation) .and. .not. equation%state%line%is_straight) &
              .or. any(max(at_begin, at_end) > forces%largest)) then
             call search_span(forces, span, error)
          end if
          span%t_a = span%t_b
+         forces%t_rest = span%t_b
+         forces%ground_rest = shaking(equation, span%t_b)
       end do
    end subroutine observe_resting
+
+   !> Acceleration of the ground, horizontal and vertical [m/s2].
+   function shaking(equation, t) result(acceleration)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp) :: acceleration(2)
+
+      acceleration = 0
+      acceleration(1) = ground(equation, t)
+      if (equation%has_vertical) acceleration(2) = vertical_ground(equation, t)
+   end function shaking
 
    !> Extrema over a span in which motion and reactions go through a quarter of a period at most.
    subroutine search_span(forces, span, error)
@@ -166,7 +238,7 @@ contains
       integer :: i, q
 
       do i = 1, n_nodes
-         t(i) = span%t_a + (span%t_b - span%t_a)*sin((i - 1)*(pi/2)/(n_nodes - 1))**2
+         t(i) = span%t_a + (span%t_b - span%t_a)*node(i)
          call sample(span, t(i), found(:, i), error)
          if (allocated(error)) return
       end do

@@ -179,12 +179,13 @@ contains
       end if
    end subroutine observe_state
 
-   !> Does every step have to be observed, and not only what happens in some?
+   !> Does every step have to be observed, and not only what happens in some, and what the reactions
+   !> call for?
    pure logical function needs_all_steps(recorder) result(needs_all)
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%forces) .or. allocated(recorder%drifts)
+         .or. allocated(recorder%drifts)
    end function needs_all_steps
 
    !> A piece of smooth motion inside the last step of the integrator.

@@ -1,0 +1,113 @@
+!> Which steps of lanes plainly hold no extremum of the reactions.
+module rwmf_integrator_lane_reactions
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_frequency, &
+      of_ground_end, of_plain, of_trial
+   use rwmf_integrator_pairs, only: most_stages
+   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
+   use rwmf_model_lanes, only: lane_count
+   use rwmf_model_scene, only: force_parts_t
+   implicit none
+   private
+
+   public :: screen_steps, find_plain_steps
+   public :: at_begin, at_end, so_far, least_so_far, value_count, short_angle
+
+   integer, parameter :: at_begin = 1
+   integer, parameter :: at_end = 2
+   !! of a step
+   integer, parameter :: so_far = 3
+   !! the largest
+   integer, parameter :: least_so_far = 4
+   !! which tells how far they vary
+   integer, parameter :: value_count = 4
+
+   real(wp), parameter :: short_angle = 0.4_wp
+   !! of a step that may be plain: the second harmonic departs from a chord by (2*0.4)**2/8 of its
+   !! amplitude [rad]
+
+contains
+
+   !> Reactions at the ends of the steps that the lanes have tried, and which of these are plain.
+   !>
+   !> What a step has come to is where the next one begins, unless the ground jumps in between.
+   subroutine screen_steps(parts, last, coef, y_new, ground, mark, table, values)
+      type(force_parts_t), intent(in) :: parts
+      !! complete
+      integer, intent(in) :: last
+      !! stage at the end of the step
+      real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
+      real(wp), intent(in) :: y_new(lane_count, parts%through_link%n)
+      !! (states)
+      real(wp), intent(in) :: ground(lane_count, most_stages, 2)
+      !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
+      integer, intent(in) :: mark(lane_count)
+      !! what became of the steps before
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      real(wp), intent(inout) :: values(lane_count, reaction_count, value_count)
+      real(wp), parameter :: slack = 1.0e-9_wp
+      real(wp), dimension(lane_count) :: angle, is_passed, jump
+      real(wp) :: at_ends(lane_count, 2)
+      integer :: i, m, q
+
+      !$omp simd
+      do i = 1, lane_count
+         is_passed(i) = merge(1.0_wp, 0.0_wp, mark(i) == is_done .or. mark(i) == at_limit)
+         jump(i) = 0
+         angle(i) = table(i, of_trial)*table(i, of_frequency)
+      end do
+      do m = 1, 2
+         !$omp simd
+         do i = 1, lane_count
+            jump(i) = max(jump(i), is_passed(i)*(abs(ground(i, 1, m) - table(i, of_ground_end + m &
+               - 1)) - slack*(abs(ground(i, 1, m)) + abs(ground(i, last, m)))))
+            table(i, of_ground_end + m - 1) = ground(i, last, m)
+            at_ends(i, m) = ground(i, last, m)
+         end do
+      end do
+      do q = 1, reaction_count
+         !$omp simd
+         do i = 1, lane_count
+            values(i, q, at_begin) = merge(merge(huge(slack), values(i, q, at_end), jump(i) > 0), &
+               values(i, q, at_begin), is_passed(i) > 0)
+         end do
+      end do
+      call lane_reactions(parts, coef, y_new, at_ends, values(1, 1, at_end))
+      call find_plain_steps(angle, values, table(1, of_plain))
+   end subroutine screen_steps
+
+   !> Which steps can hold no extremum of the reactions? Most are so short, and so far from the
+   !> extrema so far, that their ends say it.
+   pure subroutine find_plain_steps(angle, values, is_plain)
+      real(wp), intent(in) :: angle(lane_count)
+      !! that the fastest vibration of the scene goes through in the step [rad]
+      real(wp), intent(in) :: values(lane_count, reaction_count, value_count)
+      !! at the ends, and so far
+      real(wp), intent(out) :: is_plain(lane_count)
+      !! 1: none; 0: perhaps one
+      real(wp), parameter :: largest_margin = 0.25_wp
+      !! of the range so far, of so long a step
+      real(wp) :: margin, range, found, share
+      integer :: i, q
+
+      do q = 1, reaction_count
+         !$omp simd private(margin, range, found, share)
+         do i = 1, lane_count
+            if (q == 1) is_plain(i) = merge(1.0_wp, 0.0_wp, angle(i) < short_angle)
+            margin = max(0.01_wp, largest_margin*(angle(i)/short_angle)**2)
+            if (q == demand) then
+               ! a quotient departs by both of its parts, over a normal force that may be small
+               share = max(values(i, low_normal, at_begin), values(i, low_normal, at_end)) &
+                  /min(values(i, low_normal, least_so_far), -tiny(share))
+               margin = merge(min(largest_margin, 2*margin/max(share, 0.01_wp)), largest_margin, &
+                  share > 0.01_wp)
+            end if
+            range = values(i, q, so_far) - values(i, q, least_so_far)
+            found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
+            is_plain(i) = merge(is_plain(i), 0.0_wp, found < values(i, q, so_far) &
+               .and. range >= 0)
+         end do
+      end do
+   end subroutine find_plain_steps
+
+end module rwmf_integrator_lane_reactions

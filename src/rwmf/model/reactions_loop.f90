@@ -1,0 +1,252 @@
+!> Loop over lanes of the reactions.
+!>
+!> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known:
+!> what the loops through the link, under the corner and in the cable add says what forces they
+!> exert on the wall (docs/theory.md, "Reactions").
+module rwmf_model_reactions_loop
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, fuse_term, link_term, &
+      scene_t, straight_cable_term
+   implicit none
+   private
+
+   public :: lane_reactions
+   public :: low_normal, demand, shear, reaction_count
+
+   integer, parameter :: low_normal = 1
+   integer, parameter :: demand = 2
+   integer, parameter :: shear = 3
+   integer, parameter :: reaction_count = 3
+   !! -N [m/s2], |H|/N [-] and |V| [m/s2], each to be maximised
+
+contains
+
+   !> Reactions of moving lanes.
+   subroutine lane_reactions(parts, coef, y, ground, found)
+      type(force_parts_t), intent(in) :: parts
+      !! complete
+      real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
+      real(wp), intent(in) :: y(lane_count, parts%through_link%n)
+      !! (states)
+      real(wp), intent(in) :: ground(lane_count, 2)
+      !! acceleration of the ground, horizontal and vertical [m/s2]
+      real(wp), intent(out) :: found(lane_count, reaction_count)
+      !! without wall the shear alone, and the others below everything
+      type(lane_motion_t) :: motion
+      real(wp), dimension(lane_count, 2) :: link, corner, cable
+      !! what the parts add to moment and inertia, over m_w R**2 [1/s2], [-]
+      real(wp), dimension(lane_count) :: phi_ddot
+      !! [rad/s2]; without wall u'' [m/s2]
+      real(wp) :: force(lane_count, 2)
+      !! of the foundation on the wall, horizontal and upward [m/s2]
+      integer :: i
+
+      motion%ground = ground(:, 1)
+      motion%vertical = ground(:, 2)
+      corner = 0
+      cable = 0
+      if (size(parts%under_corner%terms) > 0) call add_up(parts%under_corner, coef, y, motion, &
+         corner)
+      if (size(parts%in_cable%terms) > 0) call add_up(parts%in_cable, coef, y, motion, cable)
+      call add_up(parts%through_link, coef, y, motion, link)
+      if (.not. parts%through_link%has_wall) then
+         !$omp simd
+         do i = 1, lane_count
+            found(i, low_normal) = -huge(1.0_wp)
+            found(i, demand) = -huge(1.0_wp)
+            found(i, shear) = abs(link(i, 1)/link(i, 2) + ground(i, 1))
+         end do
+         return
+      end if
+      call move_centroid(coef, ground, link + corner + cable, motion, phi_ddot, force)
+      call push_frame(parts%through_link, coef, link, motion, phi_ddot, found(1, shear), force)
+      call press_corner(parts%under_corner, coef, corner, motion, phi_ddot, force)
+      call pull_cable(parts%in_cable, coef, cable, motion, force)
+      !$omp simd
+      do i = 1, lane_count
+         found(i, shear) = abs(found(i, shear))
+         found(i, low_normal) = -force(i, 2)
+         found(i, demand) = merge(abs(force(i, 1))/max(force(i, 2), tiny(1.0_wp)), huge(1.0_wp), &
+            abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
+      end do
+   end subroutine lane_reactions
+
+   !> Moment and inertia that the loops of a part add to those of the wall.
+   subroutine add_up(part, coef, y, motion, total)
+      type(scene_t), intent(in) :: part
+      real(wp), intent(in) :: coef(lane_count, part%n_coef)
+      real(wp), intent(in) :: y(lane_count, part%n)
+      !! (states)
+      type(lane_motion_t), intent(inout) :: motion
+      !! in: accelerations of the ground; out: kinematics
+      real(wp), intent(out) :: total(lane_count, 2)
+      !! moment [1/s2] and inertia [-] over m_w R**2
+      real(wp) :: rates(lane_count, part%n)
+      integer :: i
+
+      call lane_rates(part, coef, y, motion, rates)
+      !$omp simd
+      do i = 1, lane_count
+         total(i, 1) = motion%moment(i)
+         total(i, 2) = motion%inertia(i)
+      end do
+      if (.not. part%has_wall) return
+      associate (inertia => coef(:, first_wall + 6), g_over_R => coef(:, first_wall + 7))
+         !$omp simd
+         do i = 1, lane_count
+            total(i, 1) = total(i, 1) + (g_over_R(i)*motion%s(i) + motion%c(i)*motion%push(i))
+            total(i, 2) = total(i, 2) - inertia(i)
+         end do
+      end associate
+   end subroutine add_up
+
+   !> Acceleration of the rotation, and what accelerates the centroid of the wall, less its weight.
+   pure subroutine move_centroid(coef, ground, total, motion, phi_ddot, force)
+      real(wp), intent(in) :: coef(lane_count, first_wall + 7)
+      real(wp), intent(in) :: ground(lane_count, 2)
+      !! [m/s2]
+      real(wp), intent(in) :: total(lane_count, 2)
+      !! moment and inertia that all parts add
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(out) :: phi_ddot(lane_count)
+      !! [rad/s2]
+      real(wp), intent(out) :: force(lane_count, 2)
+      !! over m_w [m/s2]
+      real(wp) :: R, g, square
+      integer :: i
+
+      !$omp simd private(R, g, square)
+      do i = 1, lane_count
+         R = 1/coef(i, first_wall + 1)
+         g = R*coef(i, first_wall + 7) + ground(i, 2)
+         square = motion%rate(i)*motion%rate(i)
+         phi_ddot(i) = (total(i, 1) - (g/R*motion%s(i) + motion%c(i)*motion%push(i))) &
+            /(total(i, 2) + coef(i, first_wall + 6))
+         force(i, 1) = R*motion%side(i)*(motion%c(i)*phi_ddot(i) + motion%s(i)*square) &
+            + ground(i, 1)
+         force(i, 2) = R*(motion%s(i)*phi_ddot(i) - motion%c(i)*square) + g
+      end do
+   end subroutine move_centroid
+
+   !> What works along the chord of the corner that lifts, with the arm 2b cos(phi/2), and the fuse
+   !> under the other one.
+   pure subroutine press_corner(part, coef, corner, motion, phi_ddot, force)
+      type(scene_t), intent(in) :: part
+      real(wp), intent(in) :: coef(lane_count, part%n_coef)
+      real(wp), intent(in) :: corner(lane_count, 2)
+      !! moment and inertia of that part
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(in) :: phi_ddot(lane_count)
+      !! [rad/s2]
+      real(wp), intent(inout) :: force(lane_count, 2)
+      !! of the foundation [m/s2]
+      real(wp) :: along
+      !! force on the wall [m/s2]
+      integer :: i, j
+
+      if (size(part%terms) == 0) return
+      !$omp simd private(along)
+      do i = 1, lane_count
+         along = (corner(i, 1) - corner(i, 2)*phi_ddot(i))/(2*coef(i, first_wall + 1) &
+            *coef(i, first_wall + 3)*motion%half_cosine(i))
+         force(i, 1) = force(i, 1) - along*motion%side(i)*motion%half_sine(i)
+         force(i, 2) = force(i, 2) - along*motion%half_cosine(i)
+      end do
+      do j = 1, size(part%terms)
+         if (part%terms(j)%effect /= fuse_term) cycle
+         associate (at_pivot => part%terms(j)%coef + 2)
+            !$omp simd
+            do i = 1, lane_count
+               force(i, 2) = force(i, 2) + coef(i, at_pivot)
+            end do
+         end associate
+      end do
+   end subroutine press_corner
+
+   !> The cable, along itself where it is straight, else along the axis of the wall.
+   pure subroutine pull_cable(part, coef, cable, motion, force)
+      type(scene_t), intent(in) :: part
+      real(wp), intent(in) :: coef(lane_count, part%n_coef)
+      real(wp), intent(in) :: cable(lane_count, 2)
+      !! moment of that part
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: force(lane_count, 2)
+      !! of the foundation [m/s2]
+      real(wp) :: s, c, pull, sine, cosine, rise
+      integer :: i
+
+      if (size(part%terms) == 0) return
+      if (part%terms(1)%effect == straight_cable_term) then
+         !$omp simd private(s, c, pull, sine, rise)
+         do i = 1, lane_count
+            s = coef(i, first_wall + 3)
+            c = coef(i, first_wall + 2)
+            sine = 2*motion%half_sine(i)*motion%half_cosine(i)
+            rise = 2*c*(1 - 2*motion%half_sine(i)*motion%half_sine(i)) + s*sine
+            pull = cable(i, 1)/(coef(i, first_wall + 1)*s)
+            force(i, 1) = force(i, 1) - pull*motion%side(i)*(2*s*motion%half_sine(i) &
+               *motion%half_sine(i) + 2*c*sine)/rise
+            force(i, 2) = force(i, 2) - pull
+         end do
+      else
+         !$omp simd private(pull, sine, cosine)
+         do i = 1, lane_count
+            sine = 2*motion%half_sine(i)*motion%half_cosine(i)
+            cosine = 1 - 2*motion%half_sine(i)*motion%half_sine(i)
+            pull = cable(i, 1)/(coef(i, first_wall + 1)*coef(i, first_wall + 3))
+            force(i, 1) = force(i, 1) - pull*motion%side(i)*sine
+            force(i, 2) = force(i, 2) - pull*cosine
+         end do
+      end if
+   end subroutine pull_cable
+
+   !> The frame on the wall, through a link that may be tilted, and on the ground.
+   pure subroutine push_frame(part, coef, link, motion, phi_ddot, base, force)
+      type(scene_t), intent(in) :: part
+      real(wp), intent(in) :: coef(lane_count, part%n_coef)
+      real(wp), intent(in) :: link(lane_count, 2)
+      !! moment and inertia of that part
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(in) :: phi_ddot(lane_count)
+      !! [rad/s2]
+      real(wp), intent(out) :: base(lane_count)
+      !! shear of wall and frame together [m/s2]
+      real(wp), intent(inout) :: force(lane_count, 2)
+      !! of the foundation; in: with the horizontal one that accelerates the wall [m/s2]
+      real(wp) :: along(lane_count)
+      !! horizontal force of the link on the wall [m/s2]
+      real(wp) :: R, v
+      integer :: i, j
+
+      !$omp simd private(R)
+      do i = 1, lane_count
+         R = 1/coef(i, first_wall + 1)
+         along(i) = R*motion%side(i)*(link(i, 1) - link(i, 2)*phi_ddot(i))/motion%lever(i)
+         base(i) = force(i, 1)
+         force(i, 1) = force(i, 1) - along(i)
+      end do
+      do j = 1, size(part%terms)
+         associate (own => part%terms(j)%coef)
+            if (part%terms(j)%effect == frame_term) then
+               !$omp simd private(R)
+               do i = 1, lane_count
+                  R = 1/coef(i, first_wall + 1)
+                  base(i) = base(i) + coef(i, own)*(R*motion%side(i)*(motion%k(i)*motion%rate(i) &
+                     *motion%rate(i) + motion%j(i)*phi_ddot(i)) + motion%ground(i))
+               end do
+            else if (part%terms(j)%effect == link_term) then
+               !$omp simd private(v)
+               do i = 1, lane_count
+                  v = motion%half_sine(i)*(coef(i, own + 3)*motion%half_cosine(i) &
+                     - coef(i, own + 2)*motion%half_sine(i))
+                  force(i, 2) = force(i, 2) - motion%side(i)*coef(i, own + 1)*along(i)*v &
+                     /sqrt(max(coef(i, own)*coef(i, own) - v*v, 0.0_wp))
+               end do
+            end if
+         end associate
+      end do
+   end subroutine push_frame
+
+end module rwmf_model_reactions_loop

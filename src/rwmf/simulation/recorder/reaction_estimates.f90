@@ -1,0 +1,120 @@
+!> Reactions inside a short piece of a step without a further step: by the quintic through states
+!> and accelerations at both ends. They say where to look, not what the reactions are.
+module rwmf_simulation_recorder_reaction_estimates
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: vertex_of_parabola
+   use rwmf_model_equation, only: equation_t, ground, vertical_ground
+   use rwmf_model_reactions_loop, only: lane_reactions, n_quantities => reaction_count
+   use rwmf_simulation_events_step_quartic, only: quartic_of, quartic_t, quintic_of, slope_at, &
+      value_at
+   use rwmf_simulation_events_step_view, only: accelerations, is_short, step_view_t
+   implicit none
+   private
+
+   public :: estimate_reactions, has_estimate, place_of_peak, fastest_of
+   public :: n_nodes, node
+   public :: nowhere, inside, at_first, at_last
+
+   integer, parameter :: n_nodes = 5
+   real(wp), parameter :: node(n_nodes) = [0.0_wp, 0.5_wp - sqrt(0.125_wp), 0.5_wp, &
+      0.5_wp + sqrt(0.125_wp), 1.0_wp]
+   !! where a polynomial tells most about a piece [-]
+
+   integer, parameter :: nowhere = 0
+   !! no peak reaches the level
+   integer, parameter :: inside = 1
+   !! one that may do so may be in the piece
+   integer, parameter :: at_first = 2
+   !! it is the beginning of the piece
+   integer, parameter :: at_last = 3
+   !! it is its end
+
+contains
+
+   !> Does the quintic of a piece tell its reactions?
+   logical function has_estimate(piece)
+      type(step_view_t), intent(in) :: piece
+      real(wp), parameter :: short = 1
+      !! the quintic departs from a sine by 2e-5 of its amplitude [rad]
+      real(wp), parameter :: shortest = 1.0e-7_wp
+      !! round-off leaves the velocities of the quintic eight digits [rad]
+
+      has_estimate = piece%equation%parts%is_complete .and. piece%equation%n == 2 &
+         .and. (piece%t_b - piece%t_a)*fastest_of(piece%equation) > shortest
+      if (has_estimate) has_estimate = is_short(piece, short, fastest_of(piece%equation))
+   end function has_estimate
+
+   !> Frequency of the fastest vibration of a scene [rad/s].
+   pure real(wp) function fastest_of(equation) result(frequency)
+      type(equation_t), intent(in) :: equation
+
+      frequency = max(equation%p%omega_s, equation%floors%max_frequency, sqrt(equation%p%g &
+         /equation%p%R))
+   end function fastest_of
+
+   !> Reactions at the nodes of a piece.
+   subroutine estimate_reactions(piece, found)
+      type(step_view_t), intent(in) :: piece
+      !! `has_estimate`
+      real(wp), intent(out) :: found(n_quantities, n_nodes)
+      type(quartic_t) :: quintic
+      real(wp) :: y_ddot(2), y(1, 2), acceleration(1, 2)
+      real(wp) :: at(1, n_quantities)
+      real(wp) :: h, t
+      integer :: i
+
+      h = piece%t_b - piece%t_a
+      associate (equation => piece%equation, y_a => piece%y_a, y_b => piece%y_b)
+         y_ddot = accelerations(piece)
+         quintic = quintic_of(quartic_of(h, [y_a(1), y_b(1)], [y_a(2), y_b(2)], y_ddot(1)), &
+            h**2*y_ddot(2))
+         acceleration = 0
+         do i = 1, n_nodes
+            t = piece%t_a + h*node(i)
+            y(1, 1) = value_at(quintic, node(i))
+            y(1, 2) = slope_at(quintic, node(i))/h
+            acceleration(1, 1) = ground(equation, t)
+            if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
+            call lane_reactions(equation%parts, equation%state%coef, y, acceleration, at)
+            found(:, i) = at(1, :)
+         end do
+      end associate
+   end subroutine estimate_reactions
+
+   !> Where a quantity that is known at the nodes may have a peak above a level: by the parabola
+   !> through the largest of them and its neighbours.
+   pure integer function place_of_peak(found, level) result(place)
+      real(wp), intent(in) :: found(n_nodes)
+      real(wp), intent(in) :: level
+      real(wp), parameter :: margin = 0.1_wp
+      !! of the range of the samples, beyond the parabola; of its width, beyond an end
+      real(wp) :: vertex, peak, width, slope, bend
+      integer :: best, k
+
+      place = nowhere
+      if (.not. maxval(found) < huge(peak)) then
+         if (level < huge(peak)) place = inside
+         return
+      end if
+      best = maxloc(found, dim=1)
+      k = min(max(best, 2), n_nodes - 1)
+      width = node(k + 1) - node(k - 1)
+      slope = (found(k) - found(k - 1))/(node(k) - node(k - 1))
+      bend = ((found(k + 1) - found(k))/(node(k + 1) - node(k)) - slope)/width
+      vertex = vertex_of_parabola(node(k - 1:k + 1), found(k - 1:k + 1))
+      peak = found(best)
+      if (bend < 0 .and. vertex > node(k - 1) - margin*width .and. vertex < node(k + 1) &
+          + margin*width) then
+         place = inside
+         peak = max(peak, found(k - 1) + (vertex - node(k - 1))*(slope + bend*(vertex - node(k))))
+      else if (best == 1) then
+         place = at_first
+      else if (best == n_nodes) then
+         place = at_last
+      else
+         place = inside
+      end if
+      if (peak + margin*(maxval(found) - minval(found)) < level) place = nowhere
+   end function place_of_peak
+
+end module rwmf_simulation_recorder_reaction_estimates
