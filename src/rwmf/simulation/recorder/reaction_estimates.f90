@@ -71,8 +71,8 @@ contains
          acceleration = 0
          do i = 1, n_nodes
             t = piece%t_a + h*node(i)
-            y(1, 1) = value_at(quintic, node(i))
-            y(1, 2) = slope_at(quintic, node(i))/h
+            y(1, 1) = value_at(quintic%c, node(i))
+            y(1, 2) = slope_at(quintic%c, node(i))/h
             acceleration(1, 1) = ground(equation, t)
             if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
             call lane_reactions(equation%parts, equation%state%coef, y, acceleration, at)
