@@ -10,22 +10,23 @@ from pathlib import Path
 def main() -> None:
     """Copy ``LIBRARY.p/*.mod`` into the include folder.
 
-    The arguments are the library's path and the include folder, relative to the prefix; meson
-    gives the prefix (with DESTDIR) in the environment.
+    The arguments are the paths of the libraries and the include folder, relative to the prefix;
+    meson gives the prefix (with DESTDIR) in the environment.
 
     Raises
     ------
     SystemExit
-        If the library has no module files.
+        If a library has no module files.
     """
-    library, include = Path(sys.argv[1]), sys.argv[2]
-    modules = sorted(Path(f"{library}.p").glob("*.mod"))
-    if not modules:
-        raise SystemExit(f"no module files beside {library}")
+    *libraries, include = sys.argv[1:]
     target = Path(os.environ["MESON_INSTALL_DESTDIR_PREFIX"]) / include
     target.mkdir(parents=True, exist_ok=True)
-    for module in modules:
-        shutil.copy2(module, target)
+    for library in libraries:
+        modules = sorted(Path(f"{library}.p").glob("*.mod"))
+        if not modules:
+            raise SystemExit(f"no module files beside {library}")
+        for module in modules:
+            shutil.copy2(module, target)
 
 
 if __name__ == "__main__":

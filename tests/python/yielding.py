@@ -10,10 +10,41 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 _PARTS = 8
+
+
+def slowly_unloaded(  # noqa: PLR0913
+    u: float, z: float, u_y: float, hardening: float, beta: float, exponent: float
+) -> float:
+    """Displacement [m] at which Bouc and Wen's force is gone after a slow motion back.
+
+    Parameters
+    ----------
+    u, z : float
+        Displacement [m] and hysteretic state [-] where it begins.
+    u_y, hardening, beta, exponent : float
+        The law: `&yielding`.
+    """
+
+    def force(_way: float, y: np.ndarray) -> float:
+        return hardening * float(y[0]) + (1 - hardening) * u_y * float(y[1])
+
+    force.terminal = True
+    direction = -math.copysign(1, force(0, np.array([u, z])))
+
+    def rates(_way: float, y: np.ndarray) -> list[float]:
+        lost = abs(y[1]) ** exponent * (1 - beta + math.copysign(beta, direction * y[1]))
+        return [direction, direction / u_y * (1 - lost)]
+
+    path = solve_ivp(
+        rates, (0, 10 * abs(u) + 10 * u_y), [u, z], events=force, rtol=1e-11, atol=1e-14,
+        max_step=u_y / 100,
+    )  # fmt: skip
+    return float(path.y_events[0][0][0])
 
 
 def exact_yielding(

@@ -10,8 +10,8 @@ program test_balance
       kinematics_at, second_derivative
    use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_hysteresis_spring_set, only: frame_residuals, load_to
+   use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
+   use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: of_viscous, power_count
    use rwmf_model_reactions, only: cable_force, friction_demand, link_force, reactions_at, &
@@ -213,18 +213,18 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: u(size(case%storeys%frame%m))
       type(kinematics_t) :: kin
-      real(wp), allocatable :: residuals(:)
+      real(wp), allocatable :: parts(:)
 
       kin = kinematics_at(equation, y(1))
       u = equation%p%R*(equation%state%side*kin%u &
          + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
       if (.not. allocated(case%yielding)) return
       if (equation%has_loading_direction) then
-         u = u - bouc_wen_residual(equation, y)
+         u = u - lagging_displacement(equation, y)
       else
-         residuals = frame_residuals(equation, y(1))
-         if (size(residuals) == 1) residuals = spread(residuals(1), 1, size(u))
-         u = u - residuals
+         parts = plastic_parts(equation, y(1))
+         if (size(parts) == 1) parts = spread(parts(1), 1, size(u))
+         u = u - parts
       end if
    end function resisting_roof
 

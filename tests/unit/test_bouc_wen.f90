@@ -98,9 +98,32 @@ contains
          call checks%close_to(result%final_state(3), 1 - exp(-x), 'first loading, '//name, &
             rtol=1.0e-9_wp)
       end if
-      call checks%close_to(result%residual_displacement, 0.9_wp*(result%final_state(1) &
-         - case%yielding%u_y*result%final_state(3)), 'residual displacement', atol=1.0e-12_wp)
+      call check_residual(x, result%residual_displacement/case%yielding%u_y, exponent, name)
    end subroutine check_first_loading
+
+   !> Unloaded slowly from the first loading, with hardening 0.1 and beta = 0.6, z falls to zero at
+   !> x_0 and follows the first loading from there, to where 0.1 x + 0.9 z = 0.
+   subroutine check_residual(x, rest, exponent, name)
+      real(wp), intent(in) :: x
+      !! displacement over u_y [-]
+      real(wp), intent(in) :: rest
+      !! residual displacement over u_y [-]
+      real(wp), intent(in) :: exponent
+      character(*), intent(in) :: name
+      real(wp), parameter :: c = 2*0.6_wp - 1
+      real(wp) :: x_0, z
+
+      if (exponent > 1) then
+         x_0 = x - atan(sqrt(c)*tanh(x))/sqrt(c)
+         z = -tanh(x_0 - rest)
+      else
+         x_0 = x - log(1 + c*(1 - exp(-x)))/c
+         z = exp(rest - x_0) - 1
+      end if
+      call checks%that(x_0 > rest .and. rest > 0, 'z changes its sign, '//name)
+      call checks%close_to(0.1_wp*rest, -0.9_wp*z, 'residual displacement, '//name, &
+         rtol=1.0e-8_wp)
+   end subroutine check_residual
 
    !> From the peak on, n = 2: dz/dx = 1 + (2 beta - 1) z**2 until z changes its sign, so that
    !> arctan(c z)/c differs from that of the peak by x - x_peak, c = sqrt(2 beta - 1).

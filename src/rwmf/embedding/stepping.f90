@@ -22,7 +22,7 @@ module rwmf_embedding_stepping
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: resistance
-   use rwmf_model_hysteresis_spring_set, only: uneven_residual
+   use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
@@ -423,7 +423,7 @@ contains
             restoring = frame_mass*p%omega_s*(p%omega_s*(state%u_s - plastic_part(equation, y)) &
                + 2*p%xi_s*state%u_s_dot)
             forces%frame_shear = equation%floors%base_shear_ratio*(restoring &
-               + frame_mass*p%omega_squared*uneven_residual(equation, y(1)))
+               + frame_mass*p%omega_squared*uneven_plastic_part(equation, y(1)))
          end if
          if (allocated(equation%floors%m)) then
             floor_forces = instance%mass*resistance(equation, y)

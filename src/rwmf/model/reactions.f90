@@ -6,8 +6,8 @@ module rwmf_model_reactions
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
    use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
-   use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_hysteresis_spring_set, only: frame_residual, uneven_residual
+   use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
+   use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
    implicit none
    private
@@ -137,9 +137,9 @@ contains
       !! (states)
 
       if (equation%has_loading_direction) then
-         plastic_part = bouc_wen_residual(equation, y)
+         plastic_part = lagging_displacement(equation, y)
       else
-         plastic_part = frame_residual(equation, y(1))
+         plastic_part = plastic_displacement(equation, y(1))
       end if
    end function plastic_part
 
@@ -164,7 +164,7 @@ contains
       associate (gamma => equation%p%gamma, a => ground(equation, t))
          resisting = -roof_alone - gamma*(u_ddot + equation%floors%excited_mass_ratio*a)
          if (equation%has_bilinear_springs) resisting = resisting + gamma*equation%p%omega_squared &
-            *uneven_residual(equation, y(1))
+            *uneven_plastic_part(equation, y(1))
          force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
             - equation%floors%base_shear_ratio*resisting
       end associate

@@ -40,7 +40,7 @@ module rwmf_simulation_result
       character(32), allocatable :: names(:)
       !! (columns), with unit suffix as in the CSV file: 't_s', 'theta_rad', ...
       real(wp), allocatable :: values(:, :)
-      !! (rows, columns); after overturning or collapse NaN
+      !! (rows, columns); after overturning or collapse there are no more rows
    end type history_t
 
    !> Energy ledger per unit m_w (bare frame: per unit m_s) [J/kg].

@@ -24,7 +24,8 @@ module rwmf_simulation_run
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
-   use rwmf_simulation_warnings, only: warn_of_fuses, warn_of_reactions, warn_of_weight
+   use rwmf_simulation_warnings, only: warn_of_fuses, warn_of_reactions, &
+      warn_of_short_history, warn_of_weight
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -55,6 +56,7 @@ contains
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
+      call warn_of_short_history(case%solver%t_end, result)
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
    end subroutine run_once
@@ -380,7 +382,7 @@ contains
       end if
       if (.not. allocated(case%wall)) return
       if (case%wall%base == 'pinned') return
-      if (equation%has_vertical) call warn_of_weight(equation, result)
+      if (equation%has_vertical) call warn_of_weight(equation, case%solver%t_end, result)
       if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
       e = restitution(case, equation%p%alpha)
       e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))

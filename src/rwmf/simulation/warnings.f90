@@ -8,7 +8,7 @@ module rwmf_simulation_warnings
    implicit none
    private
 
-   public :: warn_of_fuses, warn_of_reactions, warn_of_weight
+   public :: warn_of_fuses, warn_of_reactions, warn_of_short_history, warn_of_weight
 
 contains
 
@@ -46,14 +46,28 @@ contains
       end associate
    end subroutine warn_of_reactions
 
+   !> Rows of the history end with the motion.
+   subroutine warn_of_short_history(t_end, result)
+      real(wp), intent(in) :: t_end
+      !! until when the case asks for it [s]
+      type(result_t), intent(inout) :: result
+
+      if (.not. (allocated(result%history) .and. result%t_end < t_end)) return
+      call add_warning(result, 'the history ends at t = '//trim(real_to_text(result%t_end)) &
+         //' s, when '//trim(merge('the wall overturned', 'the frame collapsed', &
+         result%overturned)))
+   end subroutine warn_of_short_history
+
    !> A pivot that lifts is not in the equation of motion.
-   subroutine warn_of_weight(equation, result)
+   subroutine warn_of_weight(equation, t_end, result)
       type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_end
+      !! of the run [s]
       type(result_t), intent(inout) :: result
       real(wp) :: lowest
       !! [m/s2]
 
-      lowest = lowest_vertical(equation%motion)
+      lowest = lowest_vertical(equation%motion, t_end)
       if (equation%p%g*(1 + equation%p%eta_0) + lowest > 0) return
       call add_warning(result, 'v_g'''' falls to '//trim(real_to_text(lowest)) &
          //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')

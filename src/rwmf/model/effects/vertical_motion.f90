@@ -113,19 +113,25 @@ contains
       coef(1) = 1/model%p%R
    end subroutine vertical_coefficients
 
-   !> Lowest vertical acceleration of all times, at most zero [m/s2].
-   pure real(wp) function lowest_vertical(motion) result(lowest)
+   !> Lowest vertical acceleration until a time, at most zero [m/s2].
+   pure real(wp) function lowest_vertical(motion, t_end) result(lowest)
       type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t_end
+      !! [s]
+      integer, parameter :: most_turns = 8
+      !! of an interval: a harmonic, the one motion with more, only repeats itself then
       real(wp) :: t
       !! [s]
-      integer :: i
+      integer :: i, turn
 
       lowest = 0
       do i = 1, interval_last(motion) - 1
          t = interval_end(motion, i - 1)
+         if (t > t_end) return
          lowest = min(lowest, vertical_acceleration(motion, i, t))
-         do while (t < interval_end(motion, i))
-            t = turning_point(motion, i, t)
+         do turn = 1, most_turns
+            if (t >= min(interval_end(motion, i), t_end)) exit
+            t = min(turning_point(motion, i, t), t_end)
             lowest = min(lowest, vertical_acceleration(motion, i, t))
          end do
       end do

@@ -14,7 +14,8 @@ module rwmf_model_hysteresis_bilinear
    private
 
    public :: spring_t, branch_t, new_spring, new_branch
-   public :: spring_force, spring_tangent, spring_plastic, spring_energy, spring_loss, forget_loss
+   public :: spring_force, spring_tangent, spring_plastic, spring_residual
+   public :: spring_energy, spring_loss, forget_loss
    public :: spring_limits, pass_limit, turn_spring, yield_direction, is_yielding, is_broken
 
    integer, parameter :: elastic = 0
@@ -138,6 +139,18 @@ contains
          /(spring%stiffness + spring%modulus)
    end function spring_plastic
 
+   !> Elongation at which a spring without prestress would have no force, unloaded slowly: its
+   !> plastic part, but for much hardening, where it yields on the way back.
+   elemental real(wp) function spring_residual(spring, plastic) result(residual)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: plastic
+      !! part of its elongation
+
+      residual = plastic
+      if (spring%modulus*abs(plastic) > spring%yield) residual = sign(spring%yield/spring%modulus, &
+         plastic)
+   end function spring_residual
+
    !> Stored energy beyond that at x = 0 before any yielding: elastic part and hardening.
    elemental real(wp) function spring_energy(spring, branch, x) result(energy)
       type(spring_t), intent(in) :: spring
@@ -152,8 +165,9 @@ contains
       if (branch%kind == slack .or. branch%kind == broken) then
          elastic_part = -spring%force_0/spring%stiffness
       end if
-      energy = elastic_part*(spring%force_0 + spring%stiffness*elastic_part/2) &
-         + spring%modulus*plastic**2/2
+      energy = elastic_part*(spring%force_0 + spring%stiffness*elastic_part/2)
+      ! what has broken gives nothing back
+      if (branch%kind /= broken) energy = energy + spring%modulus*plastic**2/2
    end function spring_energy
 
    !> Energy that plastic flow has taken up to the elongation x: F_y |dp|, summed over all branches.

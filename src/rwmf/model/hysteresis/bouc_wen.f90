@@ -14,7 +14,8 @@ module rwmf_model_hysteresis_bouc_wen
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
       frame_displacement, frame_mass, frame_travel, hysteresis_t, model_t, &
       motion_signs_t, renew_effects
-   use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, &
+      virgin_displacement
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
    use rwmf_problem_case, only: case_t, yielding_t
@@ -23,7 +24,7 @@ module rwmf_model_hysteresis_bouc_wen
 
    public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
    public :: will_pass_zero, stable_pace, load_bouc_wen, bouc_wen_sizes
-   public :: bouc_wen_energy, bouc_wen_residual, bouc_wen_force
+   public :: bouc_wen_energy, bouc_wen_residual, bouc_wen_force, lagging_displacement
 
 contains
 
@@ -147,15 +148,15 @@ contains
       end associate
    end function bouc_wen_energy
 
-   !> Displacement that elastic unloading would leave: F = m_s omega_s**2 (u - residual) [m].
+   !> Displacement at which the frame would have no force, unloaded slowly [m].
    real(wp) function bouc_wen_residual(equation, y) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
 
       associate (law => equation%hysteresis)
-         residual = (1 - law%hardening)*(frame_displacement(equation, equation%state%side, y(1)) &
-            - law%u_y*y(law%place))
+         residual = law%u_y*unloaded_displacement(frame_displacement(equation, &
+            equation%state%side, y(1))/law%u_y, y(law%place), law%hardening, law%beta, law%exponent)
       end associate
    end function bouc_wen_residual
 
@@ -166,7 +167,19 @@ contains
       !! (states)
 
       force = equation%p%omega_s**2*(frame_displacement(equation, equation%state%side, y(1)) &
-         - bouc_wen_residual(equation, y))
+         - lagging_displacement(equation, y))
    end function bouc_wen_force
+
+   !> By how much the force over the elastic stiffness lags behind the displacement [m].
+   real(wp) function lagging_displacement(equation, y) result(lag)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      associate (law => equation%hysteresis)
+         lag = (1 - law%hardening)*(frame_displacement(equation, equation%state%side, y(1)) &
+            - law%u_y*y(law%place))
+      end associate
+   end function lagging_displacement
 
 end module rwmf_model_hysteresis_bouc_wen

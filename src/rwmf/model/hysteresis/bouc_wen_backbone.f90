@@ -1,15 +1,20 @@
-!> Where Bouc and Wen's hysteresis stands after its first loading, from nothing to a displacement.
+!> Where Bouc and Wen's hysteresis stands after a slow loading, from nothing to a displacement or from
+!> a state to no force.
 !>
-!> While u grows for the first time z' = u'/u_y (1 - z**n), so that x = u/u_y is the integral of
-!> 1/(1 - z**n). With z = 1 - exp(-w) it is that of h(w) = exp(-w)/(1 - (1 - exp(-w))**n), which is
-!> bounded, 1/n <= h <= 1, and smooth but for w = 0: tanh-sinh quadrature gives all digits.
+!> With x = u/u_y, and z >= 0 counted from where it is zero, dx = dz/(1 - c z**n); c = 1 while |z|
+!> grows, 1 - 2 beta <= 0 while it falls. With z = 1 - exp(-w) the way is the integral of
+!> h(w) = exp(-w)/(1 - c (1 - exp(-w))**n), which is bounded, for c = 1 by 1/n <= h <= 1, and smooth
+!> but for w = 0: tanh-sinh quadrature gives all digits.
 module rwmf_model_hysteresis_bouc_wen_backbone
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    implicit none
    private
 
-   public :: virgin_displacement
+   public :: virgin_displacement, unloaded_displacement
+
+   real(wp), parameter :: growing = 1
+   !! c while |z| grows [-]
 
 contains
 
@@ -19,31 +24,83 @@ contains
       !! [-]
       real(wp), intent(in) :: n
       !! exponent, >= 1 [-]
-      integer, parameter :: most = 100
-      type(bracket_t) :: bracket
       real(wp) :: w
-      real(wp) :: excess
-      integer :: i
 
-      ! a w beyond 2 - log(epsilon) leaves nothing of 1 - z
-      bracket = bracket_between(abs(x), min(n*abs(x), 2 - log(epsilon(x))))
-      w = min(bracket%low, bracket%high)
-      do i = 1, most
-         if (w <= 0 .or. bracket%high <= bracket%low) exit
-         excess = distance(w, n) - abs(x)
-         call narrow(bracket, excess > 0, w)
-         if (abs(excess) <= 2*epsilon(x)*abs(x)) exit
-         w = keep_inside(bracket, w - excess/integrand(w, n))
-      end do
+      w = position_of(abs(x), 1.0_wp, n, growing, n*abs(x))
       ! 1 - exp(-w) without loss of digits
       z = sign(2*sinh(w/2)*exp(-w/2), x)
    end function virgin_displacement
 
-   !> Integral of h from 0 to w [-].
-   pure real(wp) function distance(w, n)
-      real(wp), intent(in) :: w
-      !! > 0 [-]
+   !> x = u/u_y where the force a x + (1 - a) z is gone after a slow motion back [-].
+   pure elemental real(wp) function unloaded_displacement(x, z, a, beta, n) result(rest)
+      real(wp), intent(in) :: x
+      !! where the motion begins [-]
+      real(wp), intent(in) :: z
+      !! and its state [-]
+      real(wp), intent(in) :: a
+      !! hardening ratio [-]
+      real(wp), intent(in) :: beta
+      !! shape while |z| falls, >= 0.5 [-]
       real(wp), intent(in) :: n
+      !! exponent, >= 1 [-]
+      real(wp) :: w, direction, x_0, c
+      logical :: falls
+
+      rest = x
+      if (abs(a*x + (1 - a)*z) <= 0) return
+      direction = -sign(1.0_wp, a*x + (1 - a)*z)
+      w = min(2*atanh(min(1.0_wp, abs(z))/(2 - min(1.0_wp, abs(z)))), largest())
+      falls = direction*z < 0
+      c = merge(1 - 2*beta, growing, falls)
+      ! where z is zero on the branch on which the motion begins
+      x_0 = x + merge(direction, -direction, falls)*distance(w, n, c)
+      if (falls .and. direction*x_0 < 0) then
+         falls = .false.
+         c = growing
+      end if
+      if (.not. falls) w = n*abs(x_0)
+      w = position_of(a*abs(x_0), a, n, c, w)
+      rest = x_0 + merge(-direction, direction, falls)*distance(w, n, c)
+   end function unloaded_displacement
+
+   !> The w at which a x + (1 - a) z, counted from z = 0, has come to a level.
+   pure real(wp) function position_of(level, a, n, c, w_max) result(w)
+      real(wp), intent(in) :: level
+      !! >= 0 [-]
+      real(wp), intent(in) :: a
+      !! from 0 to 1 [-]
+      real(wp), intent(in) :: n
+      real(wp), intent(in) :: c
+      real(wp), intent(in) :: w_max
+      !! the level is reached before
+      integer, parameter :: most = 100
+      type(bracket_t) :: bracket
+      real(wp) :: excess
+      integer :: i
+
+      bracket = bracket_between(level, min(w_max, largest()))
+      w = min(bracket%low, bracket%high)
+      do i = 1, most
+         if (w <= 0 .or. bracket%high <= bracket%low) exit
+         excess = a*distance(w, n, c) + (1 - a)*2*sinh(w/2)*exp(-w/2) - level
+         call narrow(bracket, excess > 0, w)
+         if (abs(excess) <= 2*epsilon(level)*level) exit
+         w = keep_inside(bracket, w - excess/(a*integrand(w, n, c) + (1 - a)*exp(-w)))
+      end do
+   end function position_of
+
+   !> The w beyond which nothing is left of 1 - z.
+   pure real(wp) function largest()
+
+      largest = 2 - log(epsilon(1.0_wp))
+   end function largest
+
+   !> Integral of h from 0 to w [-].
+   pure real(wp) function distance(w, n, c)
+      real(wp), intent(in) :: w
+      !! >= 0 [-]
+      real(wp), intent(in) :: n
+      real(wp), intent(in) :: c
       real(wp), parameter :: step = 1.0_wp/64
       integer, parameter :: points = 300
       !! on either side; beyond them the weights are below round-off
@@ -58,16 +115,17 @@ contains
          t = i*step
          part = 1/(1 + exp(-pi*sinh(t)))
          weight = pi*cosh(t)*part*(1/(1 + exp(pi*sinh(t))))
-         distance = distance + weight*integrand(w*part, n)
+         distance = distance + weight*integrand(w*part, n, c)
       end do
       distance = w*step*distance
    end function distance
 
    !> h(w) [-]; logarithm and power of numbers close to 1 keep their digits.
-   pure real(wp) function integrand(w, n) result(h)
+   pure real(wp) function integrand(w, n, c) result(h)
       real(wp), intent(in) :: w
       !! >= 0 [-]
       real(wp), intent(in) :: n
+      real(wp), intent(in) :: c
       real(wp) :: rest
       !! 1 - z
       real(wp) :: power
@@ -77,7 +135,7 @@ contains
       h = rest
       if (1 - rest <= epsilon(w)**2) return
       power = -2*n*atanh(rest/(2 - rest))
-      if (power > log(tiny(w))) h = -rest/(2*sinh(power/2)*exp(power/2))
+      if (power > log(tiny(w))) h = rest/((1 - c)*exp(power) - 2*sinh(power/2)*exp(power/2))
    end function integrand
 
 end module rwmf_model_hysteresis_bouc_wen_backbone

@@ -13,7 +13,7 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: branch_t, forget_loss, is_broken, is_yielding, &
       new_branch, new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
-      spring_plastic, spring_t, turn_spring
+      spring_plastic, spring_residual, spring_t, turn_spring
    use rwmf_problem_case, only: case_t, yielding_t
    implicit none
    private
@@ -23,7 +23,7 @@ module rwmf_model_hysteresis_spring_set
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
-   public :: frame_residuals, uneven_residual
+   public :: frame_residuals, plastic_displacement, plastic_parts, uneven_plastic_part
    public :: frame_force_column, fuse_uplift
 
    character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
@@ -605,7 +605,34 @@ contains
       loss = equation%cable%eta_0 - max(0.0_wp, unloaded%offset)
    end function prestress_loss
 
-   !> Displacement of the frame that elastic unloading to no force would leave [m].
+   !> Plastic part of the frame's displacement, by which its force lags behind an elastic one [m].
+   real(wp) function plastic_displacement(equation, theta) result(plastic)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+
+      plastic = 0
+      if (.not. allocated(equation%springs)) return
+      associate (parts => plastic_parts(equation, theta))
+         plastic = sum(equation%springs(:size(parts))%share*parts)
+      end associate
+   end function plastic_displacement
+
+   !> How far it differs from that of the lowest storey, as a displacement of the roof: not zero
+   !> where storeys yield one by one [m].
+   real(wp) function uneven_plastic_part(equation, theta) result(plastic)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+
+      plastic = 0
+      if (.not. allocated(equation%springs)) return
+      associate (parts => plastic_parts(equation, theta))
+         if (size(parts) > 0) plastic = plastic_displacement(equation, theta) - parts(1)
+      end associate
+   end function uneven_plastic_part
+
+   !> Displacement at which the frame would have no force, unloaded slowly [m].
    real(wp) function frame_residual(equation, theta) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -618,22 +645,7 @@ contains
       end associate
    end function frame_residual
 
-   !> How far it differs from that of the lowest storey, as a displacement of the roof: not zero
-   !> where storeys yield one by one [m].
-   real(wp) function uneven_residual(equation, theta) result(residual)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad] or [m]
-
-      residual = 0
-      if (.not. allocated(equation%springs)) return
-      associate (residuals => frame_residuals(equation, theta))
-         if (size(residuals) > 0) residual = sum(equation%springs(:size(residuals))%share &
-            *residuals) - residuals(1)
-      end associate
-   end function uneven_residual
-
-   !> Displacement that elastic unloading to no force would leave of each spring of the frame [m].
+   !> The same of each spring of the frame [m].
    function frame_residuals(equation, theta) result(residuals)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -641,10 +653,22 @@ contains
       real(wp) :: residuals(count(equation%springs%place == place_frame))
       !! (springs of the frame, which come first)
 
-      associate (n => size(residuals), state => equation%state)
-         residuals = spring_plastic(equation%springs(:n)%spring, state%springs(:n), &
+      residuals = spring_residual(equation%springs(:size(residuals))%spring, &
+         plastic_parts(equation, theta))
+   end function frame_residuals
+
+   !> Plastic part of the displacement in each spring of the frame [m].
+   function plastic_parts(equation, theta) result(parts)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad] or [m]
+      real(wp) :: parts(count(equation%springs%place == place_frame))
+      !! (springs of the frame, which come first)
+
+      associate (n => size(parts), state => equation%state)
+         parts = spring_plastic(equation%springs(:n)%spring, state%springs(:n), &
             frame_displacement(equation, state%side, theta))
       end associate
-   end function frame_residuals
+   end function plastic_parts
 
 end module rwmf_model_hysteresis_spring_set

@@ -25,7 +25,6 @@ module rwmf_simulation_recorder_recorder
       observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    implicit none
    private
 
@@ -149,7 +148,6 @@ contains
             //'more rows than fit; raise dt or lower t_end', 'out_of_memory')
          return
       end if
-      recorder%history%values = ieee_value(1.0_wp, ieee_quiet_nan)
    end subroutine create_history
 
    !> Let a state take part in the maxima.
@@ -470,6 +468,8 @@ contains
       if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
          call write_row(recorder, equation, t, y, y_ddot, recorder%energy)
       end if
+      ! of a motion that ends early, by overturning or collapse, there are no more rows
+      recorder%history%values = recorder%history%values(:recorder%next_row - 1, :)
    end subroutine finish_recorder
 
 end module rwmf_simulation_recorder_recorder

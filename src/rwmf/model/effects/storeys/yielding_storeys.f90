@@ -11,8 +11,10 @@ module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: forget_loss, new_branch, new_spring, pass_limit, &
-      spring_force, spring_limits, spring_loss, spring_plastic, turn_spring, yield_direction
+      spring_force, spring_limits, spring_loss, spring_plastic, spring_residual, turn_spring, &
+      yield_direction
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
    use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
    use rwmf_problem_case, only: case_t
    implicit none
@@ -257,7 +259,7 @@ contains
       call put(row, 'storey_{i}_shear_over_m_w_g', shears)
    end subroutine put_shears
 
-   !> Displacement of each storey that elastic unloading to no shear would leave [m].
+   !> Displacement at which each storey would have no shear, unloaded slowly [m].
    function storey_residuals(equation, y) result(residuals)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -269,10 +271,12 @@ contains
       call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            residuals = (1 - laws%hardening)*(d - laws%u_y*y(laws%place))
+            residuals = laws%u_y*unloaded_displacement(d/laws%u_y, y(laws%place), &
+               laws%hardening, laws%beta, laws%exponent)
          end associate
       else
-         residuals = spring_plastic(equation%floors%springs, equation%state%storeys, d)
+         residuals = spring_residual(equation%floors%springs, spring_plastic( &
+            equation%floors%springs, equation%state%storeys, d))
       end if
    end function storey_residuals
 
