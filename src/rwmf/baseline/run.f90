@@ -14,6 +14,7 @@ module rwmf_baseline_run
    use rwmf_core_kinds, only: i8, wp
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_single_run, only: check_single_run
    implicit none
    private
 
@@ -29,11 +30,12 @@ contains
 
    !> Compute the response of a scene in one of today's ways.
    !>
-   !> Errors: an unknown name; a scene with further states or with springs that remember, which
-   !> these procedures have no place for; the numerical failures of the procedure.
+   !> Errors: an unknown name; no period of the frame; a scene with further states or with springs
+   !> that remember, which these procedures have no place for; the numerical failures of the
+   !> procedure.
    subroutine run_baseline(case, name, dt, rtol, atol, baseline, error)
       type(case_t), intent(in) :: case
-      !! valid, with the frame's T_s given
+      !! valid
       character(*), intent(in) :: name
       !! 'ode45', 'rk4' or 'newmark'
       real(wp), intent(in) :: dt
@@ -50,6 +52,8 @@ contains
       integer(i8) :: finished
       integer(i8) :: rate
 
+      call check_single_run(case, error)
+      if (allocated(error)) return
       motion = motion_from_case(case)
       call system_clock(started, rate)
       call create_problem(case, motion, scene)

@@ -28,6 +28,7 @@ module rwmf_embedding_stepping
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_hybrid_loop, only: mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_result, only: event_t
    use rwmf_text_strings, only: real_to_text
@@ -137,10 +138,8 @@ contains
          call fail(error, err_input, 'this handle holds a wall already: destroy it first')
       else if (allocated(case%solver%accuracy)) then
          call fail(error, err_input, '&solver: accuracy needs the whole motion; give rtol')
-      else if (allocated(case%frame)) then
-         if (.not. allocated(case%frame%T_s)) then
-            call fail(error, err_input, '&frame: T_s is missing')
-         end if
+      else
+         call check_single_run(case, error)
       end if
       if (allocated(error)) return
       if (present(t_begin)) call check_finite(t_begin, 't_begin', error)
