@@ -1,7 +1,8 @@
 !> The wall as an element: tangents against differences, inverse kinematics, events of a step.
 program test_element
    use check, only: checks_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_positive_inf, ieee_quiet_nan, &
+      ieee_value
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
       lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
@@ -28,6 +29,7 @@ program test_element
    call test_impact()
    call test_lift_off()
    call test_bad_calls()
+   call test_bad_steps()
    call checks%finish()
 
 contains
@@ -177,6 +179,41 @@ contains
          'pushed too hard to settle')
    end subroutine test_lift_off
 
+   !> What a step cannot be: refused, and without an error nothing happens, at no time.
+   subroutine test_bad_steps()
+      type(wall_element_t) :: element
+      type(wall_element_t) :: none
+      type(error_t), allocatable :: error
+      real(wp) :: bad(4)
+      real(wp) :: tau
+      logical :: found
+      integer :: side
+      integer :: i
+
+      element = element_of('exact', 'linear', '')
+      bad = [ieee_value(1.0_wp, ieee_quiet_nan), ieee_value(1.0_wp, ieee_positive_inf), &
+         1.0e300_wp, -0.1_wp]
+      do i = 1, size(bad)
+         call next_impact(1, bad(i), 0.01_wp, -1.0_wp, -0.01_wp, -1.0_wp, found, tau, error)
+         call checks%has_error(error, err_input, 'dt = ', 'impact in a step that is none')
+         call checks%that(ieee_is_nan(tau) .and. .not. found, 'no impact')
+         call next_lift_off(element, bad(i), 0.0_wp, 1.0e6_wp, 0.0_wp, 0.0_wp, side, tau, error)
+         call checks%has_error(error, err_input, 'dt = ', 'lift-off in a step that is none')
+         call checks%that(ieee_is_nan(tau) .and. side == 0, 'no lift-off')
+         found = settles(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, bad(i), error)
+         call checks%has_error(error, err_input, 'host_mass = ', 'rest on a mass that is none')
+         call checks%that(.not. found, 'no rest')
+      end do
+      call next_impact(2, 0.1_wp, 0.01_wp, -1.0_wp, -0.01_wp, -1.0_wp, found, tau)
+      call checks%that(ieee_is_nan(tau) .and. .not. found, 'no side')
+      call next_lift_off(none, 0.1_wp, 0.0_wp, 1.0e6_wp, 0.0_wp, 0.0_wp, side, tau, error)
+      call checks%has_error(error, err_input, 'never created', 'lift-off of no element')
+      bad(1) = lift_off_drive_of(element, 0, 1.0_wp, 0.0_wp)
+      bad(2) = lift_off_drive_of(none, 1, 1.0_wp, 0.0_wp)
+      bad(3) = velocity_factor(none)
+      call checks%that(all(ieee_is_nan(bad(:3))), 'no side, no element, no number')
+   end subroutine test_bad_steps
+
    subroutine test_bad_calls()
       type(wall_element_t) :: element
       type(element_response_t) :: response
@@ -192,7 +229,10 @@ contains
       call respond(element, 0, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%has_error(error, err_input, 'side', 'at rest')
       call respond(element, 1, nan, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
-      call checks%has_error(error, err_input, 'not a finite', 'motion that is no number')
+      call checks%has_error(error, err_input, 'u = nan is not a finite', 'motion that is no number')
+      call respond(element, 1, 0.0_wp, 1.0e300_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%has_error(error, err_input, 'u_dot = 1.0e300', 'motion of no possible size')
+      call checks%that(abs(response%force) <= 0, 'no force')
       call respond(element, 1, 50.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
       case%inerter = inerter_t(1.0_wp)
