@@ -158,7 +158,7 @@ void rwmf_destroy_snapshot(rwmf_snapshot **snapshot);
 
 int rwmf_create_element(const char *namelist, rwmf_element **element, char *message, size_t size);
 void rwmf_destroy_element(rwmf_element **element);
-/* `side`: 1 or -1, the side on which the wall rocks. */
+/* `side`: 1 or -1, the side on which the wall rocks; of a hinged wall without effect. */
 int rwmf_respond(const rwmf_element *element, int side, double u, double u_dot, double u_ddot,
                  double u_g_ddot, rwmf_response *response, char *message, size_t size);
 /* Factor on the velocity of the link at an impact; NaN without an element. */
@@ -172,7 +172,8 @@ int rwmf_next_impact(int side, double dt, double u_0, double u_dot_0, double u_1
  * acceleration vary linearly: the side (1 or -1) and its time in *tau, or 0. */
 int rwmf_next_lift_off(const rwmf_element *element, double dt, double push_0, double push_1,
                        double u_g_ddot_0, double u_g_ddot_1, double *tau);
-/* 1 when the wall may be put to rest after an impact, see docs/embedding.md, or 0. */
+/* 1 when the wall may be put to rest after an impact, see docs/embedding.md, or 0; a hinged wall never
+ * rests. */
 int rwmf_settles(const rwmf_element *element, double dt, double u_dot, double push,
                  double u_g_ddot, double host_mass);
 

@@ -28,6 +28,7 @@ program test_element
    call test_statics()
    call test_impact()
    call test_lift_off()
+   call test_hinged()
    call test_bad_calls()
    call test_bad_steps()
    call checks%finish()
@@ -178,6 +179,52 @@ contains
       call checks%that(.not. settles(element, 0.01_wp, 0.0_wp, 2*hold, 0.0_wp, 5.0e4_wp), &
          'pushed too hard to settle')
    end subroutine test_lift_off
+
+   !> A hinged wall has no sides: none changes what it answers, a hinge holds nothing, and nothing
+   !> rests on it.
+   subroutine test_hinged()
+      character(*), parameter :: nl = new_line('a')
+      character(*), parameter :: more(2) = [character(90) :: '', '&link L = 6.0 /'//nl &
+         //'&damper c_over_m_w = 3.0 /'//nl//'&inerter inertance_over_m_w = 1.5 /']
+      type(wall_element_t) :: element
+      type(element_response_t) :: right, left
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: tau
+      integer :: side
+      integer :: i, k
+
+      do i = 1, size(more)
+         call read_case_text("&wall h = 2.0, b = 0.5, m_w = 1.0e4, base = 'pinned' /"//nl &
+            //'&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /'//nl//trim(more(i))//nl &
+            //"&model formulation = 'exact' /"//nl//'&solver t_end = 1.0 /', '', case, error)
+         if (.not. allocated(error)) call create_element(element, case, error)
+         call checks%no_error(error, 'hinged wall')
+         do k = -1, 1, 2
+            call respond(element, 1, 0.3_wp*k, -0.8_wp, 3.0_wp, 1.7_wp, right, error)
+            call respond(element, -1, 0.3_wp*k, -0.8_wp, 3.0_wp, 1.7_wp, left, error)
+            call checks%no_error(error, 'a hinged wall on the side -1')
+            call checks%that(k*right%theta > 0, 'hinged: the side of the displacement')
+            call checks%that(all(abs(numbers_of(left) - numbers_of(right)) <= 0), &
+               'hinged: the side has no effect')
+         end do
+         call next_lift_off(element, 0.1_wp, -1.0_wp, -2.0_wp, 0.0_wp, 0.0_wp, side, tau)
+         call checks%that(side == -1 .and. tau <= 0, 'hinged: turns at once')
+         call checks%close_to(lift_off_drive_of(element, 1, 3.0_wp, 1.7_wp), &
+            -lift_off_drive_of(element, -1, 3.0_wp, 1.7_wp), 'hinged: drive', rtol=1.0e-15_wp)
+         call checks%that(.not. settles(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, 5.0e4_wp), &
+            'hinged: never rests')
+      end do
+   end subroutine test_hinged
+
+   !> What an element answers, as one array.
+   pure function numbers_of(response) result(numbers)
+      type(element_response_t), intent(in) :: response
+      real(wp) :: numbers(8)
+
+      numbers = [response%force, response%stiffness, response%damping, response%mass, &
+         response%theta, response%theta_dot, response%theta_ddot, response%cable]
+   end function numbers_of
 
    !> What a step cannot be: refused, and without an error nothing happens, at no time.
    subroutine test_bad_steps()

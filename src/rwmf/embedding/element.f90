@@ -135,7 +135,7 @@ contains
    subroutine respond(element, side, u, u_dot, u_ddot, u_g_ddot, response, error)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
-      !! +1 or -1: the side on which the wall rocks; a hinged wall: +1
+      !! +1 or -1: the side on which the wall rocks; of a hinged wall without effect
       real(wp), intent(in) :: u
       !! displacement of the link relative to the ground [m]
       real(wp), intent(in) :: u_dot
@@ -202,12 +202,13 @@ contains
       call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
    end subroutine require_side
 
-   !> The side whose kinematics hold.
+   !> The side whose kinematics hold: a hinged wall has those of +1 for both signs of theta.
    pure integer function side_of(element, side)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
 
       side_of = side
+      if (.not. element%equation%has_impacts) side_of = 1
    end function side_of
 
    !> Force and tangents in the direction of the motion (sigma f against sigma u).
@@ -363,7 +364,7 @@ contains
    end function velocity_factor
 
    !> By how much the host's push exceeds what holds the resting wall on one side [N]; positive:
-   !> the wall lifts off to that side.
+   !> the wall lifts off to that side. A hinged wall is not held: what pushes it turns it at once.
    !> NaN for an element that was never created, and for another side than +1 or -1.
    real(wp) function lift_off_drive_of(element, side, push, u_g_ddot) result(drive)
       type(wall_element_t), intent(in) :: element

@@ -166,7 +166,7 @@ contains
    !>
    !> Flights of duration 2 v e**n/a follow each other when the wall is pressed down on both sides;
    !> when all of them together are shorter than a step, the host cannot tell them from rest, and
-   !> what is dropped is of second order in the step.
+   !> what is dropped is of second order in the step. A hinged wall never rests.
    logical function settles(element, dt, u_dot, push, u_g_ddot, host_mass, error)
       type(wall_element_t), intent(in) :: element
       real(wp), intent(in) :: dt
