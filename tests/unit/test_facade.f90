@@ -26,6 +26,7 @@ program test_facade
    call test_bad_modes()
    call test_no_period()
    call test_cancel()
+   call test_many_threads()
    call test_threads()
    call checks%finish()
 
@@ -142,6 +143,23 @@ contains
       call compute_spectrum(case, 1, spectrum, error, control)
       call checks%has_error(error, err_interrupt, 'interrupted', 'cancelled spectrum')
    end subroutine test_cancel
+
+   !> Numbers of threads that nobody can mean.
+   subroutine test_many_threads()
+      integer, parameter :: none(3) = [-1, 100000, huge(1)]
+      type(case_t) :: case
+      type(spectrum_t) :: spectrum
+      type(error_t), allocatable :: error
+      integer :: i
+
+      call read_case_text(scene//frame//periods, '', case, error)
+      do i = 1, size(none)
+         call compute_spectrum(case, none(i), spectrum, error)
+         call checks%has_error(error, err_input, 'threads = ', 'threads')
+      end do
+      call compute_spectrum(case, 40, spectrum, error)
+      call checks%no_error(error, 'forty threads')
+   end subroutine test_many_threads
 
    !> Simulations in several threads do not see each other.
    subroutine test_threads()
