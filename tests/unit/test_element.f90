@@ -29,6 +29,7 @@ program test_element
    call test_impact()
    call test_lift_off()
    call test_hinged()
+   call test_period()
    call test_bad_calls()
    call test_bad_steps()
    call checks%finish()
@@ -225,6 +226,33 @@ contains
       numbers = [response%force, response%stiffness, response%damping, response%mass, &
          response%theta, response%theta_dot, response%theta_ddot, response%cable]
    end function numbers_of
+
+   !> The frame's period has no effect, and `&spectrum` may have it.
+   subroutine test_period()
+      character(*), parameter :: nl = new_line('a')
+      character(*), parameter :: frames(3) = [character(70) :: &
+         '&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /', &
+         '&frame T_s = 0.1, gamma = 5.0, xi_s = 0.5 /', &
+         '&frame gamma = 5.0, xi_s = 0.05 /'//nl//'&spectrum T_s = 1.0 /']
+      type(wall_element_t) :: element
+      type(element_response_t) :: response
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: answers(9, size(frames))
+      integer :: i
+
+      do i = 1, size(frames)
+         call read_case_text('&wall h = 2.0, b = 0.5 /'//nl//trim(frames(i))//nl &
+            //"&impact rule = 'coupled' /"//nl//'&solver t_end = 1.0 /', '', case, error)
+         if (.not. allocated(error)) call create_element(element, case, error)
+         if (.not. allocated(error)) call respond(element, 1, 0.1_wp, -0.8_wp, 3.0_wp, 1.7_wp, &
+            response, error)
+         call checks%no_error(error, 'element of '//trim(frames(i)))
+         answers(:, i) = [numbers_of(response), velocity_factor(element)]
+      end do
+      call checks%that(all(abs(answers(:, 2:) - answers(:, [1, 1])) <= 0), &
+         'the period of the frame has no effect on the element')
+   end subroutine test_period
 
    !> What a step cannot be: refused, and without an error nothing happens, at no time.
    subroutine test_bad_steps()

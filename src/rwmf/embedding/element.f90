@@ -80,7 +80,8 @@ contains
 
    !> Make an element from a case with `&wall`, and any effect that does not refuse it.
    !>
-   !> `&frame` serves only the rule 'coupled', which wants the mass ratio. Fails with `err_input`.
+   !> `&frame` serves only the rule 'coupled', which wants the mass ratio; a period of it that the
+   !> case gives, or leaves to `&spectrum`, plays no part. Fails with `err_input`.
    subroutine create_element(element, case, error)
       type(wall_element_t), intent(out) :: element
       type(case_t), intent(in) :: case
