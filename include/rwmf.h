@@ -3,6 +3,9 @@
  *
  * Every function that can fail returns 0, or one of the RWMF_ numbers; then `message` (room for
  * `size` bytes, may be NULL) says what went wrong, and everything is as it was before the call.
+ * After a success the message is empty.
+ * RWMF_INPUT answers every NULL where an address is needed, and every real that is not finite, above
+ * 1e30 in size (times: 1e10 s), or negative where that has no meaning.
  * Nothing prints, nothing is kept between calls, any thread may call with its own handles. */
 #ifndef RWMF_H
 #define RWMF_H
@@ -105,7 +108,7 @@ int rwmf_run(const char *namelist, rwmf_result *result, char *message, size_t si
  * it at once. What is made from it does not need it any more. */
 int rwmf_read_case(const char *namelist, const char *folder, rwmf_case **scene, char *message,
                    size_t size);
-/* The same from a file; relative paths start from its folder. */
+/* The same from a file; relative paths start from its folder. What it cannot do is said of the file. */
 int rwmf_read_case_file(const char *path, rwmf_case **scene, char *message, size_t size);
 /* Sets *scene to NULL. Safe to call twice. */
 void rwmf_destroy_case(rwmf_case **scene);
@@ -153,21 +156,26 @@ void rwmf_destroy_snapshot(rwmf_snapshot **snapshot);
 
 /* --- the wall as an element --- */
 
+/* Of `&frame` it needs the mass ratio, for `&impact rule = 'coupled'` alone. A frame is given whole, as
+ * in every case: xi_s, and T_s or a `&spectrum`; both have no effect here. */
 int rwmf_create_element(const char *namelist, rwmf_element **element, char *message, size_t size);
 void rwmf_destroy_element(rwmf_element **element);
-/* `side`: 1 or -1, the side on which the wall rocks. */
+/* `side`: 1 or -1, the side on which the wall rocks; of a hinged wall without effect. */
 int rwmf_respond(const rwmf_element *element, int side, double u, double u_dot, double u_ddot,
                  double u_g_ddot, rwmf_response *response, char *message, size_t size);
 /* Factor on the velocity of the link at an impact; NaN without an element. */
 double rwmf_velocity_factor(const rwmf_element *element);
-/* First impact in a step of length dt: 1 and its time since the beginning in *tau, or 0. */
+/* These look at a step of length dt >= 0. They have no message: RWMF_INPUT takes the place of the
+ * answer, so ask for an answer by its number. */
+/* First impact: 1 and its time since the beginning in *tau, or 0. */
 int rwmf_next_impact(int side, double dt, double u_0, double u_dot_0, double u_1, double u_dot_1,
                      double *tau);
 /* First lift-off of a resting wall in a step over which the host's push on it and the ground
  * acceleration vary linearly: the side (1 or -1) and its time in *tau, or 0. */
 int rwmf_next_lift_off(const rwmf_element *element, double dt, double push_0, double push_1,
                        double u_g_ddot_0, double u_g_ddot_1, double *tau);
-/* 1 when the wall may be put to rest after an impact, see docs/embedding.md. */
+/* 1 when the wall may be put to rest after an impact, see docs/embedding.md, or 0; a hinged wall never
+ * rests. */
 int rwmf_settles(const rwmf_element *element, double dt, double u_dot, double push,
                  double u_g_ddot, double host_mass);
 

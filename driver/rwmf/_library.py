@@ -7,6 +7,7 @@ arrays are not copied.
 
 from __future__ import annotations
 
+import operator
 import threading
 from collections.abc import Callable
 from types import TracebackType
@@ -32,12 +33,13 @@ from rwmf._wire import (
     split_table,
     summary_item,
 )
-from rwmf.errors import Interrupted
+from rwmf.errors import InputError, Interrupted
 
 __all__ = [
     "KernelCase",
     "Run",
     "Sweep",
+    "check_threads",
     "instruction_set",
     "quantities",
     "read_case",
@@ -357,6 +359,37 @@ class Sweep(_Result):
         raise_for(status, message, n, writing=True)
 
 
+def check_threads(threads: int, name: str = "threads") -> int:
+    """Check a number of threads.
+
+    Parameters
+    ----------
+    threads : int
+        Threads of the kernel, 0 for all.
+    name : str
+        What says so, for the message.
+
+    Returns
+    -------
+    int
+        The same.
+
+    Raises
+    ------
+    InputError
+        When it is no number of threads, or more than a spectrum takes on this machine: 16 for
+        each processor that the process may use, and 256 in any case.
+    """
+    most = int(_kernel.most_threads())
+    try:
+        number = operator.index(threads)
+    except TypeError:
+        number = -1
+    if not 0 <= number <= most:
+        raise InputError(f"{name} = {threads}: must be 0 (all) to {most} on this machine")
+    return number
+
+
 def start_simulation(case: KernelCase, source: str) -> Run:
     """Run one simulation in a worker thread.
 
@@ -416,6 +449,7 @@ def start_spectrum(
         After Ctrl-C.
     """
     message = message_buffer()
+    threads = check_threads(threads)
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
         return _kernel.spectrum(case.handle, threads, control, message)

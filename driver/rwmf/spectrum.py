@@ -41,7 +41,8 @@ def spectrum(
     b : float or sequence of float, optional
         Half widths of the wall [m]; otherwise those of `&spectrum`, or the one of `&wall`.
     threads : int
-        Threads of the kernel, 0 for all. The result does not depend on it.
+        Threads of the kernel, 0 for all. The result does not depend on it. More than 256, and than
+        16 for each processor, are refused.
     progress : callable, optional
         Called about 20 times a second with the number of finished ordinates and of all.
     quantities : sequence of str, optional

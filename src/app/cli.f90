@@ -23,7 +23,8 @@ module rwmf_app_cli
       //'   --help       print this and leave'//nl//nl &
       //'example:'//nl &
       //'   rwmf-batch inputs/fig12_one_cosine.nml --out results'//nl//nl &
-      //'OMP_NUM_THREADS bounds the threads of a spectrum.'//nl &
+      //'OMP_NUM_THREADS bounds the threads of a spectrum; more than 256, and than 16'//nl &
+      //'for each processor, are refused.'//nl &
       //'exit status: 0 done (overturning and collapse are results), 1 numerical failure,'//nl &
       //'   2 input or output not acceptable, 130 interrupted'
    !! what `--help` prints

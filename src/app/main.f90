@@ -9,6 +9,7 @@ program rwmf_batch
    use rwmf_core_error, only: add_context, fail
    use rwmf_core_kinds, only: wp
    use rwmf_output_csv, only: case_name
+   use rwmf_problem_single_run, only: has_period
    use rwmf_spectrum_spectrum, only: spectrum_periods
    use rwmf_text_atomic_file, only: check_folder, join_path
    use rwmf_text_strings, only: string_t
@@ -145,14 +146,6 @@ contains
       if (allocated(error)) call add_context(error, path)
       call report(error, status)
    end subroutine run_case
-
-   !> Does the case describe one structure? A frame without T_s takes its periods from `&spectrum`.
-   logical function has_period(case)
-      type(case_t), intent(in) :: case
-
-      has_period = .true.
-      if (allocated(case%frame)) has_period = allocated(case%frame%T_s)
-   end function has_period
 
    !> One simulation: summary and history.
    subroutine run_simulation(case, path, folder, control, error)

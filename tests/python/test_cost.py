@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -132,6 +133,28 @@ def test_the_block_stands_just_below_overturning() -> None:
 def test_a_target_is_between_0_and_1(target: float) -> None:
     with pytest.raises(rwmf.InputError, match="target"):
         rwmf.cost(rwmf.Case.from_text(FRAME), target=target)
+
+
+def test_a_run_of_no_duration_has_no_cost(tmp_path: Path) -> None:
+    path = tmp_path / "frame.nml"
+    path.write_text(re.sub("t_end = [0-9.]+", "t_end = 0", FRAME), encoding="utf-8")
+    with pytest.raises(
+        rwmf.InputError, match=r"&solver: t_end = 0 \(line \d+\): must be > 0"
+    ) as error:
+        rwmf.cost(rwmf.Case.from_namelist(path))
+    assert str(error.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("rtol", [math.nan, math.inf, 0.0, -1e-6, 1.0])
+def test_a_tolerance_is_between_0_and_1(rtol: float) -> None:
+    with pytest.raises(rwmf.InputError, match="rtol"):
+        _measure.measure_method(rwmf.Case.from_text(FRAME), "adams", rtol, 0.0)
+
+
+@pytest.mark.parametrize("divisor", [math.nan, math.inf, 0.0, -1.0])
+def test_a_step_has_a_length(divisor: float) -> None:
+    with pytest.raises(rwmf.InputError, match="dt = "):
+        _measure.measure_baseline(rwmf.Case.from_text(FRAME), "rk4", divisor, 0.0)
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -110,6 +110,20 @@ static void test_bad_calls(void) {
    rwmf_destroy_case(&scene);
 }
 
+/* What a case of a file cannot do is said of the file. */
+static void test_no_period(void) {
+   rwmf_case *scene = NULL;
+   rwmf_result result;
+   rwmf_wall *wall = NULL;
+
+   write_file("spectrum.nml", "&frame xi_s = 0.05 /\n&solver t_end = 1 /\n&spectrum T_s = 1 /\n");
+   expect(rwmf_read_case_file("spectrum.nml", &scene, TALK) == 0, "reads a spectrum");
+   refuse(rwmf_run_case(scene, &result, TALK), "spectrum.nml: &frame (line 1): the key T_s");
+   refuse(rwmf_create_from_case(scene, 0, 0, &wall, TALK), "spectrum.nml: &frame (line 1)");
+   rwmf_destroy_case(&scene);
+   remove("spectrum.nml");
+}
+
 int main(void) {
    const char *record = "0 0\n0.5 4\n1 -4\n1.5 3\n2 0\n";
 
@@ -118,6 +132,7 @@ int main(void) {
    test_same_bits();
    write_file("record.txt", record);
    test_bad_calls();
+   test_no_period();
    remove("record.txt");
    remove("case.nml");
    return failures != 0;

@@ -1,7 +1,8 @@
 !> The wall as an element: tangents against differences, inverse kinematics, events of a step.
 program test_element
    use check, only: checks_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_positive_inf, ieee_quiet_nan, &
+      ieee_value
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
       lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
@@ -27,7 +28,10 @@ program test_element
    call test_statics()
    call test_impact()
    call test_lift_off()
+   call test_hinged()
+   call test_period()
    call test_bad_calls()
+   call test_bad_steps()
    call checks%finish()
 
 contains
@@ -177,6 +181,114 @@ contains
          'pushed too hard to settle')
    end subroutine test_lift_off
 
+   !> A hinged wall has no sides: none changes what it answers, a hinge holds nothing, and nothing
+   !> rests on it.
+   subroutine test_hinged()
+      character(*), parameter :: nl = new_line('a')
+      character(*), parameter :: more(2) = [character(90) :: '', '&link L = 6.0 /'//nl &
+         //'&damper c_over_m_w = 3.0 /'//nl//'&inerter inertance_over_m_w = 1.5 /']
+      type(wall_element_t) :: element
+      type(element_response_t) :: right, left
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: tau
+      integer :: side
+      integer :: i, k
+
+      do i = 1, size(more)
+         call read_case_text("&wall h = 2.0, b = 0.5, m_w = 1.0e4, base = 'pinned' /"//nl &
+            //'&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /'//nl//trim(more(i))//nl &
+            //"&model formulation = 'exact' /"//nl//'&solver t_end = 1.0 /', '', case, error)
+         if (.not. allocated(error)) call create_element(element, case, error)
+         call checks%no_error(error, 'hinged wall')
+         do k = -1, 1, 2
+            call respond(element, 1, 0.3_wp*k, -0.8_wp, 3.0_wp, 1.7_wp, right, error)
+            call respond(element, -1, 0.3_wp*k, -0.8_wp, 3.0_wp, 1.7_wp, left, error)
+            call checks%no_error(error, 'a hinged wall on the side -1')
+            call checks%that(k*right%theta > 0, 'hinged: the side of the displacement')
+            call checks%that(all(abs(numbers_of(left) - numbers_of(right)) <= 0), &
+               'hinged: the side has no effect')
+         end do
+         call next_lift_off(element, 0.1_wp, -1.0_wp, -2.0_wp, 0.0_wp, 0.0_wp, side, tau)
+         call checks%that(side == -1 .and. tau <= 0, 'hinged: turns at once')
+         call checks%close_to(lift_off_drive_of(element, 1, 3.0_wp, 1.7_wp), &
+            -lift_off_drive_of(element, -1, 3.0_wp, 1.7_wp), 'hinged: drive', rtol=1.0e-15_wp)
+         call checks%that(.not. settles(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, 5.0e4_wp), &
+            'hinged: never rests')
+      end do
+   end subroutine test_hinged
+
+   !> What an element answers, as one array.
+   pure function numbers_of(response) result(numbers)
+      type(element_response_t), intent(in) :: response
+      real(wp) :: numbers(8)
+
+      numbers = [response%force, response%stiffness, response%damping, response%mass, &
+         response%theta, response%theta_dot, response%theta_ddot, response%cable]
+   end function numbers_of
+
+   !> The frame's period has no effect, and `&spectrum` may have it.
+   subroutine test_period()
+      character(*), parameter :: nl = new_line('a')
+      character(*), parameter :: frames(3) = [character(70) :: &
+         '&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /', &
+         '&frame T_s = 0.1, gamma = 5.0, xi_s = 0.5 /', &
+         '&frame gamma = 5.0, xi_s = 0.05 /'//nl//'&spectrum T_s = 1.0 /']
+      type(wall_element_t) :: element
+      type(element_response_t) :: response
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: answers(9, size(frames))
+      integer :: i
+
+      do i = 1, size(frames)
+         call read_case_text('&wall h = 2.0, b = 0.5 /'//nl//trim(frames(i))//nl &
+            //"&impact rule = 'coupled' /"//nl//'&solver t_end = 1.0 /', '', case, error)
+         if (.not. allocated(error)) call create_element(element, case, error)
+         if (.not. allocated(error)) call respond(element, 1, 0.1_wp, -0.8_wp, 3.0_wp, 1.7_wp, &
+            response, error)
+         call checks%no_error(error, 'element of '//trim(frames(i)))
+         answers(:, i) = [numbers_of(response), velocity_factor(element)]
+      end do
+      call checks%that(all(abs(answers(:, 2:) - answers(:, [1, 1])) <= 0), &
+         'the period of the frame has no effect on the element')
+   end subroutine test_period
+
+   !> What a step cannot be: refused, and without an error nothing happens, at no time.
+   subroutine test_bad_steps()
+      type(wall_element_t) :: element
+      type(wall_element_t) :: none
+      type(error_t), allocatable :: error
+      real(wp) :: bad(4)
+      real(wp) :: tau
+      logical :: found
+      integer :: side
+      integer :: i
+
+      element = element_of('exact', 'linear', '')
+      bad = [ieee_value(1.0_wp, ieee_quiet_nan), ieee_value(1.0_wp, ieee_positive_inf), &
+         1.0e300_wp, -0.1_wp]
+      do i = 1, size(bad)
+         call next_impact(1, bad(i), 0.01_wp, -1.0_wp, -0.01_wp, -1.0_wp, found, tau, error)
+         call checks%has_error(error, err_input, 'dt = ', 'impact in a step that is none')
+         call checks%that(ieee_is_nan(tau) .and. .not. found, 'no impact')
+         call next_lift_off(element, bad(i), 0.0_wp, 1.0e6_wp, 0.0_wp, 0.0_wp, side, tau, error)
+         call checks%has_error(error, err_input, 'dt = ', 'lift-off in a step that is none')
+         call checks%that(ieee_is_nan(tau) .and. side == 0, 'no lift-off')
+         found = settles(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, bad(i), error)
+         call checks%has_error(error, err_input, 'host_mass = ', 'rest on a mass that is none')
+         call checks%that(.not. found, 'no rest')
+      end do
+      call next_impact(2, 0.1_wp, 0.01_wp, -1.0_wp, -0.01_wp, -1.0_wp, found, tau)
+      call checks%that(ieee_is_nan(tau) .and. .not. found, 'no side')
+      call next_lift_off(none, 0.1_wp, 0.0_wp, 1.0e6_wp, 0.0_wp, 0.0_wp, side, tau, error)
+      call checks%has_error(error, err_input, 'never created', 'lift-off of no element')
+      bad(1) = lift_off_drive_of(element, 0, 1.0_wp, 0.0_wp)
+      bad(2) = lift_off_drive_of(none, 1, 1.0_wp, 0.0_wp)
+      bad(3) = velocity_factor(none)
+      call checks%that(all(ieee_is_nan(bad(:3))), 'no side, no element, no number')
+   end subroutine test_bad_steps
+
    subroutine test_bad_calls()
       type(wall_element_t) :: element
       type(element_response_t) :: response
@@ -192,7 +304,10 @@ contains
       call respond(element, 0, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%has_error(error, err_input, 'side', 'at rest')
       call respond(element, 1, nan, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
-      call checks%has_error(error, err_input, 'not a finite', 'motion that is no number')
+      call checks%has_error(error, err_input, 'u = nan is not a finite', 'motion that is no number')
+      call respond(element, 1, 0.0_wp, 1.0e300_wp, 0.0_wp, 0.0_wp, response, error)
+      call checks%has_error(error, err_input, 'u_dot = 1.0e300', 'motion of no possible size')
+      call checks%that(abs(response%force) <= 0, 'no force')
       call respond(element, 1, 50.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
       case%inerter = inerter_t(1.0_wp)

@@ -24,7 +24,9 @@ program test_facade
    call test_spectrum_is_simulate()
    call test_bad_case()
    call test_bad_modes()
+   call test_no_period()
    call test_cancel()
+   call test_many_threads()
    call test_threads()
    call checks%finish()
 
@@ -99,6 +101,28 @@ contains
       call checks%has_error(error, err_numerical, 'DSYGV', 'modes that cannot be found')
    end subroutine test_bad_modes
 
+   !> A frame that leaves its period to `&spectrum` has a spectrum, and no run of its own.
+   subroutine test_no_period()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(spectrum_t) :: spectrum
+      type(error_t), allocatable :: error
+      integer :: i
+
+      call read_case_text(scene//'&frame gamma = 10.0, xi_s = 0.02 /'//nl//periods, '', case, error)
+      call checks%no_error(error, 'a frame without period')
+      do i = 1, 3
+         if (i == 2) case%solver%verify = .true.
+         if (i == 3) case%solver%accuracy = 1.0e-3_wp
+         call simulate(case, result, error)
+         call checks%has_error(error, err_input, '&frame (line 7): the key T_s', 'no period')
+      end do
+      case%solver%verify = .false.
+      deallocate (case%solver%accuracy)
+      call compute_spectrum(case, 1, spectrum, error)
+      call checks%no_error(error, 'its spectrum')
+   end subroutine test_no_period
+
    !> A set flag stops a run and a spectrum.
    subroutine test_cancel()
       type(case_t) :: case
@@ -119,6 +143,23 @@ contains
       call compute_spectrum(case, 1, spectrum, error, control)
       call checks%has_error(error, err_interrupt, 'interrupted', 'cancelled spectrum')
    end subroutine test_cancel
+
+   !> Numbers of threads that nobody can mean.
+   subroutine test_many_threads()
+      integer, parameter :: none(3) = [-1, 100000, huge(1)]
+      type(case_t) :: case
+      type(spectrum_t) :: spectrum
+      type(error_t), allocatable :: error
+      integer :: i
+
+      call read_case_text(scene//frame//periods, '', case, error)
+      do i = 1, size(none)
+         call compute_spectrum(case, none(i), spectrum, error)
+         call checks%has_error(error, err_input, 'threads = ', 'threads')
+      end do
+      call compute_spectrum(case, 40, spectrum, error)
+      call checks%no_error(error, 'forty threads')
+   end subroutine test_many_threads
 
    !> Simulations in several threads do not see each other.
    subroutine test_threads()

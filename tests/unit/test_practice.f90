@@ -21,9 +21,23 @@ program test_practice
    call test_rest(checks)
    call test_overturning(checks)
    call test_unknown_name(checks)
+   call test_no_period(checks)
    call checks%finish()
 
 contains
+
+   !> A frame without period cannot be followed.
+   subroutine test_no_period(checks)
+      type(checks_t), intent(inout) :: checks
+      type(case_t) :: case
+      type(baseline_t) :: baseline
+      type(error_t), allocatable :: error
+
+      case = rocking_scene()
+      deallocate (case%frame%T_s)
+      call run_baseline(case, 'rk4', 0.01_wp, ode45_rtol, ode45_atol, baseline, error)
+      call checks%has_error(error, err_input, '&frame: the key T_s is missing', 'no period')
+   end subroutine test_no_period
 
    !> A wall that begins to rock at once, so that lift-off is no source of error.
    type(case_t) function rocking_scene() result(case)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 
+from rwmf._library import check_threads
 from rwmf.errors import InputError
 from rwmf.sweep.task import Chunk, Task, run_task
 
@@ -58,11 +59,18 @@ def count_threads(threads: int) -> int:
     -------
     int
         At least 1.
+
+    Raises
+    ------
+    InputError
+        When there are more than a spectrum takes on this machine.
     """
-    if threads > 0:
+    if check_threads(threads) > 0:
         return threads
     asked = os.environ.get("OMP_NUM_THREADS", "")
-    return int(asked) if asked.isdigit() and int(asked) > 0 else len(os.sched_getaffinity(0))
+    if asked.isdecimal() and int(asked) > 0:
+        return check_threads(int(asked), "OMP_NUM_THREADS")
+    return len(os.sched_getaffinity(0))
 
 
 def run_in_threads(

@@ -13,7 +13,7 @@ import xarray as xr
 from rwmf.case import Case
 from rwmf.errors import InputError, Interrupted
 from rwmf.sweep import netcdf
-from rwmf.sweep.engine import run_in_threads, run_on
+from rwmf.sweep.engine import count_threads, run_in_threads, run_on
 from rwmf.sweep.journal import Journal
 from rwmf.sweep.layout import Layout, difference
 from rwmf.sweep.plan import Plan, make_plan
@@ -116,7 +116,8 @@ class _Work:
         _check_part(part)
         self.plan = plan
         self.part = part
-        self._threads = threads
+        # of an executor its owner decides
+        self._threads = count_threads(threads) if executor is None else 0
         self._executor = executor
         self._progress = progress
         k, n = part

@@ -2,14 +2,22 @@
 module rwmf_bindings_c_case
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, &
       c_ptr, c_size_t
+   use rwmf_bindings_c_pointers, only: require_empty, take_handle
    use rwmf_bindings_c_strings, only: get_text, put_message
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_input_reader, only: read_case_file, read_case_text
    use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: c_read_case, c_read_case_file, c_destroy_case, case_of, require_empty
+   public :: kept_case_t, c_read_case, c_read_case_file, c_destroy_case, case_of, name_file
+
+   !> What the handle of a case stands for.
+   type :: kept_case_t
+      type(case_t) :: case
+      character(:), allocatable :: path
+      !! of its file; '' for a text
+   end type kept_case_t
 
 contains
 
@@ -23,7 +31,7 @@ contains
       integer(c_size_t), value :: size
       character(:), allocatable :: text
       character(:), allocatable :: place
-      type(case_t), pointer :: case
+      type(kept_case_t), pointer :: kept
       type(error_t), allocatable :: error
 
       place = ''
@@ -33,9 +41,10 @@ contains
          call get_text(folder, 'folder', place, error)
       end if
       if (.not. allocated(error)) then
-         allocate (case)
-         call read_case_text(text, place, case, error)
-         call hand_over(case, handle, error)
+         allocate (kept)
+         kept%path = ''
+         call read_case_text(text, place, kept%case, error)
+         call hand_over(kept, handle, error)
       end if
       c_read_case = put_message(error, message, size)
    end function c_read_case
@@ -48,15 +57,16 @@ contains
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       character(:), allocatable :: text
-      type(case_t), pointer :: case
+      type(kept_case_t), pointer :: kept
       type(error_t), allocatable :: error
 
       call require_empty(handle, 'case', error)
       if (.not. allocated(error)) call get_text(path, 'path', text, error)
       if (.not. allocated(error)) then
-         allocate (case)
-         call read_case_file(text, case, error)
-         call hand_over(case, handle, error)
+         allocate (kept)
+         kept%path = text
+         call read_case_file(text, kept%case, error)
+         call hand_over(kept, handle, error)
       end if
       c_read_case_file = put_message(error, message, size)
    end function c_read_case_file
@@ -64,65 +74,53 @@ contains
    !> `rwmf_destroy_case`.
    subroutine c_destroy_case(handle) bind(c, name='rwmf_destroy_case')
       type(c_ptr), value :: handle
-      type(c_ptr), pointer :: kept
-      type(case_t), pointer :: case
+      type(c_ptr) :: address
+      type(kept_case_t), pointer :: kept
 
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, kept)
-      if (.not. c_associated(kept)) return
-      call c_f_pointer(kept, case)
-      deallocate (case)
-      kept = c_null_ptr
+      address = take_handle(handle)
+      if (.not. c_associated(address)) return
+      call c_f_pointer(address, kept)
+      deallocate (kept)
    end subroutine c_destroy_case
 
    !> Give a case to the caller, or its memory back when it could not be read.
-   subroutine hand_over(case, handle, error)
-      type(case_t), pointer, intent(inout) :: case
+   subroutine hand_over(kept, handle, error)
+      type(kept_case_t), pointer, intent(inout) :: kept
       type(c_ptr), intent(in) :: handle
       !! where the caller wants it
       type(error_t), allocatable, intent(in) :: error
-      type(c_ptr), pointer :: kept
+      type(c_ptr), pointer :: place
 
       if (allocated(error)) then
-         deallocate (case)
+         deallocate (kept)
       else
-         call c_f_pointer(handle, kept)
-         kept = c_loc(case)
+         call c_f_pointer(handle, place)
+         place = c_loc(kept)
       end if
    end subroutine hand_over
 
-   !> The case behind a handle.
-   subroutine case_of(handle, case, error)
+   !> The case behind a handle. `error` stays what it is when something was refused before.
+   subroutine case_of(handle, kept, error)
       type(c_ptr), intent(in) :: handle
-      type(case_t), pointer, intent(out) :: case
-      type(error_t), allocatable, intent(out) :: error
+      type(kept_case_t), pointer, intent(out) :: kept
+      type(error_t), allocatable, intent(inout) :: error
       !! the handle is NULL
 
-      nullify (case)
+      nullify (kept)
+      if (allocated(error)) return
       if (c_associated(handle)) then
-         call c_f_pointer(handle, case)
+         call c_f_pointer(handle, kept)
       else
          call fail(error, err_input, 'no case: the handle is NULL')
       end if
    end subroutine case_of
 
-   !> Is there a place for a new handle, and nothing in it that would be lost?
-   subroutine require_empty(handle, what, error)
-      type(c_ptr), intent(in) :: handle
-      !! address of the caller's handle
-      character(*), intent(in) :: what
-      !! 'case', 'wall' or 'element'
-      type(error_t), allocatable, intent(out) :: error
-      type(c_ptr), pointer :: kept
+   !> The message of what a case of a file could not do begins with the file.
+   subroutine name_file(kept, error)
+      type(kept_case_t), intent(in) :: kept
+      type(error_t), allocatable, intent(inout) :: error
 
-      if (.not. c_associated(handle)) then
-         call fail(error, err_input, 'the address for the handle is NULL')
-         return
-      end if
-      call c_f_pointer(handle, kept)
-      if (c_associated(kept)) then
-         call fail(error, err_input, 'the handle is not NULL: destroy its '//what//' first')
-      end if
-   end subroutine require_empty
+      if (allocated(error) .and. len(kept%path) > 0) call add_context(error, kept%path)
+   end subroutine name_file
 
 end module rwmf_bindings_c_case

@@ -1,15 +1,17 @@
 !> C binding of the wall as an element: include/rwmf.h.
+!>
+!> The functions that look at a step have an answer and no status: the number of an error that no
+!> answer is takes its place.
 module rwmf_bindings_c_element
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
       c_loc, c_null_ptr, c_ptr, c_size_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, require_empty
+   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
+   use rwmf_bindings_c_pointers, only: require_address, require_empty, take_handle
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
       wall_element_t
    use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
-   use rwmf_problem_case, only: case_t
    implicit none
    private
 
@@ -54,16 +56,17 @@ contains
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(case_t), pointer :: case
+      type(kept_case_t), pointer :: kept
       type(wall_element_t), pointer :: element
       type(c_ptr), pointer :: place
       type(error_t), allocatable :: error
 
       call require_empty(handle, 'element', error)
-      if (.not. allocated(error)) call case_of(from, case, error)
+      call case_of(from, kept, error)
       if (.not. allocated(error)) then
          allocate (element)
-         call create_element(element, case, error)
+         call create_element(element, kept%case, error)
+         call name_file(kept, error)
          if (allocated(error)) then
             deallocate (element)
          else
@@ -76,14 +79,31 @@ contains
 
    !> `rwmf_destroy_element`.
    subroutine c_destroy_element(handle) bind(c, name='rwmf_destroy_element')
-      type(c_ptr), intent(inout) :: handle
+      type(c_ptr), value :: handle
+      type(c_ptr) :: address
       type(wall_element_t), pointer :: element
 
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, element)
+      address = take_handle(handle)
+      if (.not. c_associated(address)) return
+      call c_f_pointer(address, element)
       deallocate (element)
-      handle = c_null_ptr
    end subroutine c_destroy_element
+
+   !> The element behind a handle. `error` stays what it is when something was refused before.
+   subroutine element_of(handle, element, error)
+      type(c_ptr), intent(in) :: handle
+      type(wall_element_t), pointer, intent(out) :: element
+      type(error_t), allocatable, intent(inout) :: error
+      !! the handle is NULL
+
+      nullify (element)
+      if (allocated(error)) return
+      if (c_associated(handle)) then
+         call c_f_pointer(handle, element)
+      else
+         call fail(error, err_input, 'no element: the handle is NULL')
+      end if
+   end subroutine element_of
 
    !> `rwmf_respond`.
    integer(c_int) function c_respond(handle, side, u, u_dot, u_ddot, u_g_ddot, response, message, &
@@ -94,21 +114,22 @@ contains
       real(c_double), value :: u_dot
       real(c_double), value :: u_ddot
       real(c_double), value :: u_g_ddot
-      type(c_response_t), intent(inout) :: response
+      type(c_ptr), value :: response
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(wall_element_t), pointer :: element
       type(element_response_t) :: found
+      type(c_response_t), pointer :: place
       type(error_t), allocatable :: error
 
-      if (.not. c_associated(handle)) then
-         call fail(error, err_input, 'no element: the handle is NULL')
-      else
-         call c_f_pointer(handle, element)
+      call element_of(handle, element, error)
+      call require_address(response, 'response', error)
+      if (.not. allocated(error)) then
          call respond(element, int(side), u, u_dot, u_ddot, u_g_ddot, found, error)
       end if
       if (.not. allocated(error)) then
-         response = c_response_t(found%force, found%stiffness, found%damping, found%mass, &
+         call c_f_pointer(response, place)
+         place = c_response_t(found%force, found%stiffness, found%damping, found%mass, &
             found%theta, found%theta_dot, found%theta_ddot, found%cable)
       end if
       c_respond = put_message(error, message, size)
@@ -118,11 +139,15 @@ contains
    real(c_double) function c_velocity_factor(handle) bind(c, name='rwmf_velocity_factor')
       type(c_ptr), value :: handle
       type(wall_element_t), pointer :: element
+      type(wall_element_t) :: none
+      type(error_t), allocatable :: error
 
-      c_velocity_factor = ieee_value(c_velocity_factor, ieee_quiet_nan)
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, element)
-      c_velocity_factor = velocity_factor(element)
+      call element_of(handle, element, error)
+      if (allocated(error)) then
+         c_velocity_factor = velocity_factor(none)
+      else
+         c_velocity_factor = velocity_factor(element)
+      end if
    end function c_velocity_factor
 
    !> `rwmf_next_impact`.
@@ -134,14 +159,21 @@ contains
       real(c_double), value :: u_dot_0
       real(c_double), value :: u_1
       real(c_double), value :: u_dot_1
-      real(c_double), intent(inout) :: tau
+      type(c_ptr), value :: tau
+      real(c_double) :: found_tau
+      type(error_t), allocatable :: error
       logical :: found
 
-      call next_impact(int(side), dt, u_0, u_dot_0, u_1, u_dot_1, found, tau)
-      c_next_impact = merge(1_c_int, 0_c_int, found)
+      found = .false.
+      call require_address(tau, 'time', error)
+      if (.not. allocated(error)) then
+         call next_impact(int(side), dt, u_0, u_dot_0, u_1, u_dot_1, found, found_tau, error)
+      end if
+      c_next_impact = answer(merge(1, 0, found), error)
+      if (.not. allocated(error)) call put_time(found_tau, tau)
    end function c_next_impact
 
-   !> `rwmf_next_lift_off`; 0 without an element.
+   !> `rwmf_next_lift_off`.
    integer(c_int) function c_next_lift_off(handle, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, &
       tau) bind(c, name='rwmf_next_lift_off')
       type(c_ptr), value :: handle
@@ -150,18 +182,24 @@ contains
       real(c_double), value :: push_1
       real(c_double), value :: u_g_ddot_0
       real(c_double), value :: u_g_ddot_1
-      real(c_double), intent(inout) :: tau
+      type(c_ptr), value :: tau
       type(wall_element_t), pointer :: element
+      real(c_double) :: found_tau
+      type(error_t), allocatable :: error
       integer :: side
 
-      c_next_lift_off = 0_c_int
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, element)
-      call next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau)
-      c_next_lift_off = int(side, c_int)
+      side = 0
+      call element_of(handle, element, error)
+      call require_address(tau, 'time', error)
+      if (.not. allocated(error)) then
+         call next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, found_tau, &
+            error)
+      end if
+      c_next_lift_off = answer(side, error)
+      if (.not. allocated(error)) call put_time(found_tau, tau)
    end function c_next_lift_off
 
-   !> `rwmf_settles`; 0 without an element.
+   !> `rwmf_settles`.
    integer(c_int) function c_settles(handle, dt, u_dot, push, u_g_ddot, host_mass) &
       bind(c, name='rwmf_settles')
       type(c_ptr), value :: handle
@@ -171,11 +209,35 @@ contains
       real(c_double), value :: u_g_ddot
       real(c_double), value :: host_mass
       type(wall_element_t), pointer :: element
+      type(error_t), allocatable :: error
+      logical :: found
 
-      c_settles = 0_c_int
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, element)
-      if (settles(element, dt, u_dot, push, u_g_ddot, host_mass)) c_settles = 1_c_int
+      found = .false.
+      call element_of(handle, element, error)
+      if (.not. allocated(error)) then
+         found = settles(element, dt, u_dot, push, u_g_ddot, host_mass, error)
+      end if
+      c_settles = answer(merge(1, 0, found), error)
    end function c_settles
+
+   !> What was found, or the number of the error.
+   pure integer(c_int) function answer(found, error)
+      integer, intent(in) :: found
+      type(error_t), allocatable, intent(in) :: error
+
+      answer = int(found, c_int)
+      if (allocated(error)) answer = int(error%stat, c_int)
+   end function answer
+
+   !> A time into the caller's place.
+   subroutine put_time(t, address)
+      real(c_double), intent(in) :: t
+      !! [s]
+      type(c_ptr), intent(in) :: address
+      real(c_double), pointer :: place
+
+      call c_f_pointer(address, place)
+      place = t
+   end subroutine put_time
 
 end module rwmf_bindings_c_element

@@ -1,13 +1,13 @@
 !> C binding of a whole simulation: include/rwmf.h.
 module rwmf_bindings_c_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int32_t, &
       c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
-   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of
+   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
+   use rwmf_bindings_c_pointers, only: require_address
    use rwmf_bindings_c_strings, only: put_message, put_text
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_version, only: version
-   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    implicit none
@@ -67,8 +67,10 @@ contains
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(result_t) :: found
+      type(error_t), allocatable :: error
 
-      c_run_case = run_into(handle, result, found, message, size)
+      call run_into(handle, result, found, error)
+      c_run_case = put_message(error, message, size)
    end function c_run_case
 
    !> `rwmf_run_case_ending`.
@@ -76,14 +78,20 @@ contains
       bind(c, name='rwmf_run_case_ending')
       type(c_ptr), value :: handle
       type(c_ptr), value :: result
-      type(c_ending_t), intent(inout) :: ending
+      type(c_ptr), value :: ending
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      type(c_ending_t), pointer :: place
       type(result_t) :: found
+      type(error_t), allocatable :: error
 
-      c_run_case_ending = run_into(handle, result, found, message, size)
-      if (c_run_case_ending == 0) ending = ending_of(found%t_end, found%overturned, &
-         allocated(found%t_collapse))
+      call require_address(ending, 'ending', error)
+      call run_into(handle, result, found, error)
+      if (.not. allocated(error)) then
+         call c_f_pointer(ending, place)
+         place = ending_of(found%t_end, found%overturned, allocated(found%t_collapse))
+      end if
+      c_run_case_ending = put_message(error, message, size)
    end function c_run_case_ending
 
    !> How a motion has ended by a time [s].
@@ -96,28 +104,24 @@ contains
          merge(1_c_int32_t, 0_c_int32_t, collapsed))
    end function ending_of
 
-   !> Run a case into the caller's result; 0 or the number of the error.
-   integer(c_int) function run_into(handle, result, found, message, size) result(status)
+   !> Run a case into the caller's result, unless something was refused before.
+   subroutine run_into(handle, result, found, error)
       type(c_ptr), intent(in) :: handle
       type(c_ptr), intent(in) :: result
       type(result_t), intent(out) :: found
-      type(c_ptr), intent(in) :: message
-      integer(c_size_t), intent(in) :: size
-      type(case_t), pointer :: case
+      type(error_t), allocatable, intent(inout) :: error
+      type(kept_case_t), pointer :: kept
       type(c_result_t), pointer :: place
-      type(error_t), allocatable :: error
 
-      call case_of(handle, case, error)
-      if (.not. allocated(error) .and. .not. c_associated(result)) then
-         call fail(error, err_input, 'the address for the result is NULL')
-      end if
-      if (.not. allocated(error)) call simulate(case, found, error)
-      if (.not. allocated(error)) then
-         call c_f_pointer(result, place)
-         call fill_result(found, place)
-      end if
-      status = put_message(error, message, size)
-   end function run_into
+      call case_of(handle, kept, error)
+      call require_address(result, 'result', error)
+      if (allocated(error)) return
+      call simulate(kept%case, found, error)
+      call name_file(kept, error)
+      if (allocated(error)) return
+      call c_f_pointer(result, place)
+      call fill_result(found, place)
+   end subroutine run_into
 
    subroutine fill_result(found, result)
       type(result_t), intent(in) :: found

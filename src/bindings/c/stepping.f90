@@ -5,15 +5,16 @@
 module rwmf_bindings_c_stepping
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, &
       c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
-   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, require_empty
+   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
+   use rwmf_bindings_c_pointers, only: require_address, require_empty, take_handle
    use rwmf_bindings_c_run, only: c_ending_t, ending_of
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_embedding_ranges, only: any_number, require_number
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_events, query_forces, query_state, require, restore_stepping, save_stepping, &
       snapshot_t, stepping_t, wall_forces_t, wall_state_t
    use rwmf_motion_ground_motion, only: ground_t
-   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: event_t
    implicit none
    private
@@ -122,20 +123,22 @@ contains
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(case_t), pointer :: case
+      type(kept_case_t), pointer :: kept
       type(stepping_t), pointer :: wall
       type(c_ptr), pointer :: place
       type(error_t), allocatable :: error
 
       call require_empty(handle, 'wall', error)
-      if (.not. allocated(error)) call case_of(from, case, error)
+      call case_of(from, kept, error)
+      call require_number(peak, 'peak', any_number, error)
       if (.not. allocated(error)) then
          allocate (wall)
          if (peak > 0) then
-            call create_stepping(wall, case, error, t_begin, peak)
+            call create_stepping(wall, kept%case, error, t_begin, peak)
          else
-            call create_stepping(wall, case, error, t_begin)
+            call create_stepping(wall, kept%case, error, t_begin)
          end if
+         call name_file(kept, error)
          if (allocated(error)) then
             deallocate (wall)
          else
@@ -148,14 +151,15 @@ contains
 
    !> `rwmf_destroy`.
    subroutine c_destroy(handle) bind(c, name='rwmf_destroy')
-      type(c_ptr), intent(inout) :: handle
+      type(c_ptr), value :: handle
+      type(c_ptr) :: address
       type(stepping_t), pointer :: wall
 
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, wall)
+      address = take_handle(handle)
+      if (.not. c_associated(address)) return
+      call c_f_pointer(address, wall)
       call destroy_stepping(wall)
       deallocate (wall)
-      handle = c_null_ptr
    end subroutine c_destroy
 
    !> `rwmf_advance`.
@@ -177,15 +181,26 @@ contains
       bind(c, name='rwmf_advance_samples')
       type(c_ptr), value :: handle
       integer(c_size_t), value :: n
-      real(c_double), intent(in) :: t(n)
-      real(c_double), intent(in) :: a(n)
+      type(c_ptr), value :: t
+      type(c_ptr), value :: a
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      real(c_double), pointer :: times(:)
+      real(c_double), pointer :: accelerations(:)
       type(stepping_t) :: wall
       type(error_t), allocatable :: error
 
       wall = wall_of(handle)
-      call advance_stepping(wall, t, a, error)
+      call require_address(t, 'times', error)
+      call require_address(a, 'accelerations', error)
+      if (.not. allocated(error) .and. (n < 2 .or. n > huge(1))) then
+         call fail(error, err_input, 'the number of samples must be >= 2 and < 2**31')
+      end if
+      if (.not. allocated(error)) then
+         call c_f_pointer(t, times, [n])
+         call c_f_pointer(a, accelerations, [n])
+         call advance_stepping(wall, times, accelerations, error)
+      end if
       c_advance_samples = put_message(error, message, size)
    end function c_advance_samples
 
@@ -217,15 +232,18 @@ contains
    integer(c_int) function c_query_state(handle, state, message, size) &
       bind(c, name='rwmf_query_state')
       type(c_ptr), value :: handle
-      type(c_state_t), intent(inout) :: state
+      type(c_ptr), value :: state
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      type(c_state_t), pointer :: place
       type(wall_state_t) :: found
       type(error_t), allocatable :: error
 
-      call query_state(wall_of(handle), found, error)
+      call require_address(state, 'state', error)
+      if (.not. allocated(error)) call query_state(wall_of(handle), found, error)
       if (.not. allocated(error)) then
-         state = c_state_t(found%t, found%theta, found%theta_dot, found%theta_ddot, found%u_s, &
+         call c_f_pointer(state, place)
+         place = c_state_t(found%t, found%theta, found%theta_dot, found%theta_ddot, found%u_s, &
             found%u_s_dot, found%u_s_ddot, found%u_s_max, found%theta_max, found%impacts, &
             found%lift_offs, found%steps, merge(1_c_int32_t, 0_c_int32_t, found%at_rest), &
             merge(1_c_int32_t, 0_c_int32_t, found%overturned))
@@ -237,14 +255,19 @@ contains
    integer(c_int) function c_query_ending(handle, ending, message, size) &
       bind(c, name='rwmf_query_ending')
       type(c_ptr), value :: handle
-      type(c_ending_t), intent(inout) :: ending
+      type(c_ptr), value :: ending
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      type(c_ending_t), pointer :: place
       type(wall_state_t) :: found
       type(error_t), allocatable :: error
 
-      call query_state(wall_of(handle), found, error)
-      if (.not. allocated(error)) ending = ending_of(found%t, found%overturned, found%collapsed)
+      call require_address(ending, 'ending', error)
+      if (.not. allocated(error)) call query_state(wall_of(handle), found, error)
+      if (.not. allocated(error)) then
+         call c_f_pointer(ending, place)
+         place = ending_of(found%t, found%overturned, found%collapsed)
+      end if
       c_query_ending = put_message(error, message, size)
    end function c_query_ending
 
@@ -252,15 +275,18 @@ contains
    integer(c_int) function c_query_forces(handle, forces, message, size) &
       bind(c, name='rwmf_query_forces')
       type(c_ptr), value :: handle
-      type(c_forces_t), intent(inout) :: forces
+      type(c_ptr), value :: forces
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      type(c_forces_t), pointer :: place
       type(wall_forces_t) :: found
       type(error_t), allocatable :: error
 
-      call query_forces(wall_of(handle), found, error)
+      call require_address(forces, 'forces', error)
+      if (.not. allocated(error)) call query_forces(wall_of(handle), found, error)
       if (.not. allocated(error)) then
-         forces = c_forces_t(found%link, found%frame_shear, found%cable)
+         call c_f_pointer(forces, place)
+         place = c_forces_t(found%link, found%frame_shear, found%cable)
       end if
       c_query_forces = put_message(error, message, size)
    end function c_query_forces
@@ -270,19 +296,27 @@ contains
       bind(c, name='rwmf_query_events')
       type(c_ptr), value :: handle
       integer(c_size_t), value :: capacity
-      type(c_event_t), intent(inout) :: events(capacity)
-      integer(c_size_t), intent(inout) :: count
+      type(c_ptr), value :: events
+      type(c_ptr), value :: count
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+      type(c_event_t), pointer :: places(:)
+      integer(c_size_t), pointer :: number
       type(event_t), allocatable :: found(:)
       type(error_t), allocatable :: error
       integer(c_size_t) :: i
 
-      call query_events(wall_of(handle), found, error)
+      call require_address(count, 'count', error)
+      ! a host that only counts has no room for any
+      if (capacity /= 0) call require_address(events, 'events', error)
+      if (.not. allocated(error)) call query_events(wall_of(handle), found, error)
       if (.not. allocated(error)) then
-         count = ubound(found, 1, c_size_t)
-         do i = 1, min(capacity, count)
-            events(i) = c_event_t(found(i)%t, found(i)%theta, found(i)%theta_dot, &
+         call c_f_pointer(count, number)
+         number = ubound(found, 1, c_size_t)
+         ! size_t beyond the largest integer of Fortran is negative, and more than there are events
+         call c_f_pointer(events, places, [merge(number, min(capacity, number), capacity < 0)])
+         do i = 1, ubound(places, 1, c_size_t)
+            places(i) = c_event_t(found(i)%t, found(i)%theta, found(i)%theta_dot, &
                int(found(i)%kind, c_int32_t))
          end do
       end if
@@ -292,21 +326,24 @@ contains
    !> `rwmf_save`.
    integer(c_int) function c_save(handle, snapshot, message, size) bind(c, name='rwmf_save')
       type(c_ptr), value :: handle
-      type(c_ptr), intent(inout) :: snapshot
+      type(c_ptr), value :: snapshot
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(stepping_t) :: wall
+      type(c_ptr), pointer :: place
       type(snapshot_t), pointer :: kept
       type(error_t), allocatable :: error
 
       wall = wall_of(handle)
       call require(wall, error)
+      call require_address(snapshot, 'snapshot', error)
       if (.not. allocated(error)) then
-         if (.not. c_associated(snapshot)) then
+         call c_f_pointer(snapshot, place)
+         if (.not. c_associated(place)) then
             allocate (kept)
-            snapshot = c_loc(kept)
+            place = c_loc(kept)
          end if
-         call c_f_pointer(snapshot, kept)
+         call c_f_pointer(place, kept)
          call save_stepping(wall, kept, error)
       end if
       c_save = put_message(error, message, size)
@@ -334,13 +371,14 @@ contains
 
    !> `rwmf_destroy_snapshot`.
    subroutine c_destroy_snapshot(snapshot) bind(c, name='rwmf_destroy_snapshot')
-      type(c_ptr), intent(inout) :: snapshot
+      type(c_ptr), value :: snapshot
+      type(c_ptr) :: address
       type(snapshot_t), pointer :: kept
 
-      if (.not. c_associated(snapshot)) return
-      call c_f_pointer(snapshot, kept)
+      address = take_handle(snapshot)
+      if (.not. c_associated(address)) return
+      call c_f_pointer(address, kept)
       deallocate (kept)
-      snapshot = c_null_ptr
    end subroutine c_destroy_snapshot
 
 end module rwmf_bindings_c_stepping

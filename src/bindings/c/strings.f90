@@ -40,7 +40,8 @@ contains
       bytes(n + 1) = c_null_char
    end subroutine put_text
 
-   !> Number of a failure, 0 without one; its message into the caller's buffer.
+   !> Number of a failure, 0 without one; its message into the caller's buffer, which holds none
+   !> after a success.
    integer(c_int) function put_message(error, message, size) result(status)
       type(error_t), allocatable, intent(in) :: error
       type(c_ptr), intent(in) :: message
@@ -48,10 +49,13 @@ contains
       integer(c_size_t), intent(in) :: size
       !! bytes of the message
 
-      status = 0_c_int
-      if (.not. allocated(error)) return
-      status = int(error%stat, c_int)
-      call put_text(error%message, message, size)
+      if (allocated(error)) then
+         status = int(error%stat, c_int)
+         call put_text(error%message, message, size)
+      else
+         status = 0_c_int
+         call put_text('', message, size)
+      end if
    end function put_message
 
    !> A text of C.

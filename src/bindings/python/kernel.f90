@@ -30,6 +30,7 @@ module rwmf_bindings_python_kernel
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
    use rwmf_spectrum_quantities, only: list_applicable
    use rwmf_spectrum_spectrum, only: compute_spectrum
+   use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    implicit none
    public
 
@@ -298,6 +299,13 @@ contains
       call write_result(from%case, kept%result, folder, case_name(source), error)
       call put_error(error, status, message, message_length)
    end subroutine result_write
+
+   !> The most threads that a spectrum takes on this machine.
+   subroutine most_threads(n)
+      integer(c_int), intent(out) :: n
+
+      n = int(kernel_most_threads(), c_int)
+   end subroutine most_threads
 
    !> Compute a spectrum with so many threads (0: all). `control` is (finished, cancel).
    subroutine spectrum(handle, threads, control, sweep, status, message, message_length)

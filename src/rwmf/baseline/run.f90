@@ -12,8 +12,10 @@ module rwmf_baseline_run
       usual_interval
    use rwmf_core_error, only: err_input, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_embedding_ranges, only: positive, require_number
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_single_run, only: check_single_run
    implicit none
    private
 
@@ -29,11 +31,12 @@ contains
 
    !> Compute the response of a scene in one of today's ways.
    !>
-   !> Errors: an unknown name; a scene with further states or with springs that remember, which
-   !> these procedures have no place for; the numerical failures of the procedure.
+   !> Errors: an unknown name; a step that is none; no period of the frame; a scene with further
+   !> states or with springs that remember, which these procedures have no place for; the numerical
+   !> failures of the procedure.
    subroutine run_baseline(case, name, dt, rtol, atol, baseline, error)
       type(case_t), intent(in) :: case
-      !! valid, with the frame's T_s given
+      !! valid
       character(*), intent(in) :: name
       !! 'ode45', 'rk4' or 'newmark'
       real(wp), intent(in) :: dt
@@ -50,6 +53,9 @@ contains
       integer(i8) :: finished
       integer(i8) :: rate
 
+      call check_single_run(case, error)
+      call require_number(dt, 'dt', positive, error)
+      if (allocated(error)) return
       motion = motion_from_case(case)
       call system_clock(started, rate)
       call create_problem(case, motion, scene)

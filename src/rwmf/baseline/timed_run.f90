@@ -4,11 +4,14 @@ module rwmf_baseline_timed_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline
    use rwmf_core_control, only: control_t
-   use rwmf_core_error, only: error_t
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, i8, wp
+   use rwmf_embedding_ranges, only: not_negative, positive, require_number
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: record_t
+   use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_result, only: event_impact, result_t
    use rwmf_simulation_run, only: run_once
    implicit none
@@ -62,13 +65,13 @@ contains
 
    !> Run a case with another method and tolerance.
    !>
-   !> Errors: those of `run_once`.
+   !> Errors: no duration, a tolerance that is none, and those of `run_once`.
    subroutine measure_method(case, method, rtol, budget, control, measured, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: method
       !! as `&solver method`
       real(wp), intent(in) :: rtol
-      !! as `&solver rtol` [-]
+      !! in (0, 1), as `&solver rtol` [-]
       real(wp), intent(in) :: budget
       !! repeat the run for its time until this much is spent, or not at all for 0 [s]
       type(control_t), intent(in) :: control
@@ -81,6 +84,8 @@ contains
       real(wp) :: spent
 
       measured = empty_measured()
+      call check_measurable(case, rtol, budget, error)
+      if (allocated(error)) return
       motion = motion_from_case(case)
       trial = plain_case(case, method, rtol)
       ! two rows of history: events are kept together with a history
@@ -102,6 +107,30 @@ contains
          spent = spent + result%seconds
       end do
    end subroutine measure_method
+
+   !> Is there something to measure, and how?
+   subroutine check_measurable(case, rtol, budget, error)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: rtol
+      !! [-]
+      real(wp), intent(in) :: budget
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+      character(*), parameter :: problem = 'must be > 0: a run of no duration has no cost'
+
+      call require_number(rtol, 'rtol', positive, error)
+      call require_number(budget, 'budget', not_negative, error)
+      if (allocated(error)) return
+      if (rtol >= 1) then
+         call fail(error, err_input, 'rtol must be < 1')
+      else if (.not. case%solver%t_end > 0) then
+         if (has_key(case%values, 'solver', 't_end')) then
+            call fail_key(case%values, 'solver', 't_end', problem, error)
+         else
+            call fail(error, err_input, '&solver: t_end = 0 '//problem)
+         end if
+      end if
+   end subroutine check_measurable
 
    !> The case without what costs time besides the integration, with tolerances derived from rtol.
    type(case_t) function plain_case(case, method, rtol) result(plain)

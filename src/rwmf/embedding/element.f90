@@ -14,9 +14,10 @@
 !> threads. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and
 !> its rates, and asks `rwmf_embedding_element_events` when they change their course.
 module rwmf_embedding_element
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_embedding_ranges, only: require_numbers
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
@@ -37,6 +38,7 @@ module rwmf_embedding_element
 
    public :: wall_element_t, element_response_t
    public :: create_element, respond, velocity_factor, lift_off_drive_of, resting_inertia
+   public :: require_element
 
    !> Wall and cable without frame. Plain values: assignment copies it.
    type :: wall_element_t
@@ -78,7 +80,8 @@ contains
 
    !> Make an element from a case with `&wall`, and any effect that does not refuse it.
    !>
-   !> `&frame` serves only the rule 'coupled', which wants the mass ratio. Fails with `err_input`.
+   !> `&frame` serves only the rule 'coupled', which wants the mass ratio; a period of it that the
+   !> case gives, or leaves to `&spectrum`, plays no part. Fails with `err_input`.
    subroutine create_element(element, case, error)
       type(wall_element_t), intent(out) :: element
       type(case_t), intent(in) :: case
@@ -128,12 +131,12 @@ contains
    !> Force and tangents at the motion of the link.
    !>
    !> The displacement may lie a little on the wrong side of zero, as the trial states of a host do
-   !> before it has located the impact. Fails with `err_input` when the wall cannot get there, and
-   !> leaves `response` at zero.
+   !> before it has located the impact. Fails with `err_input` when the wall cannot get there or a
+   !> number is none (not finite, above 1e30 in size), and leaves `response` at zero.
    subroutine respond(element, side, u, u_dot, u_ddot, u_g_ddot, response, error)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
-      !! +1 or -1: the side on which the wall rocks; a hinged wall: +1
+      !! +1 or -1: the side on which the wall rocks; of a hinged wall without effect
       real(wp), intent(in) :: u
       !! displacement of the link relative to the ground [m]
       real(wp), intent(in) :: u_dot
@@ -146,41 +149,68 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
+      type(element_response_t) :: found
       real(wp) :: phi
       real(wp) :: rates(2)
       !! phi' [rad/s], phi'' [rad/s2]
+      integer :: s
+      !! the side whose kinematics hold
 
-      call check_motion(element, side, [u, u_dot, u_ddot, u_g_ddot], error)
+      call require_element(element, error)
+      call require_side(element, side, error)
+      call require_numbers([u, u_dot, u_ddot, u_g_ddot], &
+         [character(8) :: 'u', 'u_dot', 'u_ddot', 'u_g_ddot'], error)
       if (allocated(error)) return
-      call find_rotation(element, side, side*u, phi, kin, error)
+      s = side_of(element, side)
+      call find_rotation(element, s, s*u, phi, kin, error)
       if (allocated(error)) return
-      cable = cable_at(element%equation, side*phi, side)
+      cable = cable_at(element%equation, s*phi, s)
       associate (R => element%equation%p%R)
-         rates(1) = side*u_dot/(R*kin%j)
-         rates(2) = (side*u_ddot/R - kin%k*rates(1)**2)/kin%j
+         rates(1) = s*u_dot/(R*kin%j)
+         rates(2) = (s*u_ddot/R - kin%k*rates(1)**2)/kin%j
       end associate
-      call fill_force(element, kin, cable, rates, side*u_g_ddot, response)
-      call add_effects(element, side, kin, [phi, rates], element%vertical_ratio*u_g_ddot, response)
-      response%force = side*response%force
-      response%theta = side*phi
-      response%theta_dot = side*rates(1)
-      response%theta_ddot = side*rates(2)
+      call fill_force(element, kin, cable, rates, s*u_g_ddot, found)
+      call add_effects(element, s, kin, [phi, rates], element%vertical_ratio*u_g_ddot, found)
+      found%force = s*found%force
+      found%theta = s*phi
+      found%theta_dot = s*rates(1)
+      found%theta_ddot = s*rates(2)
+      if (.not. all(ieee_is_finite([found%force, found%stiffness, found%damping, found%mass, &
+         found%theta_dot, found%theta_ddot, found%cable]))) then
+         call fail(error, err_input, 'the force at this motion of link and ground is not a ' &
+            //'finite number')
+         return
+      end if
+      response = found
    end subroutine respond
 
-   subroutine check_motion(element, side, motion, error)
+   !> Is there an element?
+   pure subroutine require_element(element, error)
+      type(wall_element_t), intent(in) :: element
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error) .or. element%m_w > 0) return
+      call fail(error, err_input, 'no element: it was never created')
+   end subroutine require_element
+
+   !> Is it a side that the wall can rock on?
+   pure subroutine require_side(element, side, error)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
-      real(wp), intent(in) :: motion(:)
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable, intent(inout) :: error
 
-      if (.not. element%m_w > 0) then
-         call fail(error, err_input, 'no element: it was never created')
-      else if (abs(side) /= 1) then
-         call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
-      else if (.not. all(ieee_is_finite(motion))) then
-         call fail(error, err_input, 'the motion of link or ground is not a finite number')
-      end if
-   end subroutine check_motion
+      if (allocated(error) .or. abs(side_of(element, side)) == 1) return
+      call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
+   end subroutine require_side
+
+   !> The side whose kinematics hold: a hinged wall has those of +1 for both signs of theta.
+   pure integer function side_of(element, side)
+      type(wall_element_t), intent(in) :: element
+      integer, intent(in) :: side
+
+      side_of = side
+      if (.not. element%equation%has_impacts) side_of = 1
+   end function side_of
 
    !> Force and tangents in the direction of the motion (sigma f against sigma u).
    pure subroutine fill_force(element, kin, cable, rates, ground, response)
@@ -325,15 +355,18 @@ contains
    end subroutine find_rotation
 
    !> Factor that the host applies to the velocity of the link at an impact: the kinematics of both
-   !> sides agree at u = 0, so that it is that of the rotation [-].
+   !> sides agree at u = 0, so that it is that of the rotation; NaN for an element that was never
+   !> created [-].
    pure real(wp) function velocity_factor(element)
       type(wall_element_t), intent(in) :: element
 
       velocity_factor = element%e
+      if (.not. element%m_w > 0) velocity_factor = ieee_value(velocity_factor, ieee_quiet_nan)
    end function velocity_factor
 
    !> By how much the host's push exceeds what holds the resting wall on one side [N]; positive:
-   !> the wall lifts off to that side.
+   !> the wall lifts off to that side. A hinged wall is not held: what pushes it turns it at once.
+   !> NaN for an element that was never created, and for another side than +1 or -1.
    real(wp) function lift_off_drive_of(element, side, push, u_g_ddot) result(drive)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
@@ -345,14 +378,19 @@ contains
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
       real(wp) :: effects(2)
+      integer :: s
+      !! the side whose kinematics hold
 
-      kin = kinematics_at(element%equation, 0.0_wp, side)
-      cable = cable_at(element%equation, 0.0_wp, side)
-      drive = side*push - element%m_w/kin%lever*(kin%c*side*u_g_ddot &
+      drive = ieee_value(drive, ieee_quiet_nan)
+      if (abs(side) /= 1 .or. .not. element%m_w > 0) return
+      s = side_of(element, side)
+      kin = kinematics_at(element%equation, 0.0_wp, s)
+      cable = cable_at(element%equation, 0.0_wp, s)
+      drive = s*push - element%m_w/kin%lever*(kin%c*s*u_g_ddot &
          + element%equation%p%g*(kin%s + cable%moment))
       drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s
-      effects = moment_of_effects(element, side, 0.0_wp, 0.0_wp)
-      drive = drive + element%m_w/kin%lever*element%equation%p%R*effects(1)
+      effects = moment_of_effects(element, s, 0.0_wp, 0.0_wp)
+      drive = s*side*(drive + element%m_w/kin%lever*element%equation%p%R*effects(1))
    end function lift_off_drive_of
 
    !> Inertia that the wall adds to the link when it lifts off [kg].

@@ -1,10 +1,15 @@
 !> When a wall that a host carries as an element hits its base, comes to rest and lifts off.
 !>
-!> The host knows its motion at both ends of a time step; these find the instant inside it.
+!> The host knows its motion at both ends of a time step; these find the instant inside it. Numbers
+!> are finite and at most 1e30 in size; what is not is refused with `err_input`, and where the
+!> caller does not take the error, the answer is that nothing happens, at the time NaN.
 module rwmf_embedding_element_events
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_embedding_element, only: lift_off_drive_of, resting_inertia, velocity_factor, &
-      wall_element_t
+   use rwmf_embedding_element, only: lift_off_drive_of, require_element, resting_inertia, &
+      velocity_factor, wall_element_t
+   use rwmf_embedding_ranges, only: not_negative, require_number, require_numbers
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    implicit none
    private
@@ -18,11 +23,11 @@ contains
    !> The displacement between the ends is the cubic through values and velocities; the parabola of
    !> Newmark's average acceleration is one. At the impact the host multiplies the velocity by
    !> `velocity_factor` and changes the side.
-   pure subroutine next_impact(side, dt, u_0, u_dot_0, u_1, u_dot_1, found, tau)
+   pure subroutine next_impact(side, dt, u_0, u_dot_0, u_1, u_dot_1, found, tau, error)
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(in) :: dt
-      !! length of the step [s]
+      !! >= 0, length of the step [s]
       real(wp), intent(in) :: u_0
       !! displacement of the link at its beginning [m]
       real(wp), intent(in) :: u_dot_0
@@ -34,17 +39,28 @@ contains
       logical, intent(out) :: found
       real(wp), intent(out) :: tau
       !! time since the beginning; dt when there is no impact [s]
+      type(error_t), allocatable, intent(out), optional :: error
+      type(error_t), allocatable :: refusal
       real(wp) :: p(0:3)
       !! sigma u as a polynomial of tau/dt [m]
       real(wp) :: ends(0:3)
       integer :: i
 
+      found = .false.
+      tau = ieee_value(tau, ieee_quiet_nan)
+      if (abs(side) /= 1) call fail(refusal, err_input, 'the side of a rocking wall is 1 or -1')
+      call require_number(dt, 'dt', not_negative, refusal)
+      call require_numbers([u_0, u_dot_0, u_1, u_dot_1], &
+         [character(7) :: 'u_0', 'u_dot_0', 'u_1', 'u_dot_1'], refusal)
+      if (allocated(refusal)) then
+         if (present(error)) call move_alloc(refusal, error)
+         return
+      end if
       p(0) = side*u_0
       p(1) = side*dt*u_dot_0
       p(2) = side*(3*(u_1 - u_0) - dt*(2*u_dot_0 + u_dot_1))
       p(3) = side*(2*(u_0 - u_1) + dt*(u_dot_0 + u_dot_1))
       tau = dt
-      found = .false.
       ends = monotone_pieces(p)
       do i = 1, 3
          if (value_at(p, ends(i)) < 0) then
@@ -100,10 +116,10 @@ contains
    !> First lift-off of a resting wall within a step of the host.
    !>
    !> The host's push on the wall and the ground acceleration vary linearly over the step.
-   subroutine next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau)
+   subroutine next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau, error)
       type(wall_element_t), intent(in) :: element
       real(wp), intent(in) :: dt
-      !! [s]
+      !! >= 0 [s]
       real(wp), intent(in) :: push_0
       !! force of the host on the wall at the beginning, positive towards positive u [N]
       real(wp), intent(in) :: push_1
@@ -116,12 +132,23 @@ contains
       !! to which the wall lifts off, 0 when it rests throughout
       real(wp), intent(out) :: tau
       !! time since the beginning; dt when it rests [s]
+      type(error_t), allocatable, intent(out), optional :: error
+      type(error_t), allocatable :: refusal
       real(wp) :: drive_0
       real(wp) :: drive_1
       real(wp) :: root
       integer :: s
 
       side = 0
+      tau = ieee_value(tau, ieee_quiet_nan)
+      call require_element(element, refusal)
+      call require_number(dt, 'dt', not_negative, refusal)
+      call require_numbers([push_0, push_1, u_g_ddot_0, u_g_ddot_1], &
+         [character(10) :: 'push_0', 'push_1', 'u_g_ddot_0', 'u_g_ddot_1'], refusal)
+      if (allocated(refusal)) then
+         if (present(error)) call move_alloc(refusal, error)
+         return
+      end if
       tau = dt
       do s = -1, 1, 2
          drive_0 = lift_off_drive_of(element, s, push_0, u_g_ddot_0)
@@ -139,11 +166,11 @@ contains
    !>
    !> Flights of duration 2 v e**n/a follow each other when the wall is pressed down on both sides;
    !> when all of them together are shorter than a step, the host cannot tell them from rest, and
-   !> what is dropped is of second order in the step.
-   logical function settles(element, dt, u_dot, push, u_g_ddot, host_mass)
+   !> what is dropped is of second order in the step. A hinged wall never rests.
+   logical function settles(element, dt, u_dot, push, u_g_ddot, host_mass, error)
       type(wall_element_t), intent(in) :: element
       real(wp), intent(in) :: dt
-      !! step of the host [s]
+      !! >= 0, step of the host [s]
       real(wp), intent(in) :: u_dot
       !! velocity of the link after the impact [m/s]
       real(wp), intent(in) :: push
@@ -151,10 +178,22 @@ contains
       real(wp), intent(in) :: u_g_ddot
       !! [m/s2]
       real(wp), intent(in) :: host_mass
-      !! of the host's degree of freedom at the link [kg]
+      !! >= 0, of the host's degree of freedom at the link [kg]
+      type(error_t), allocatable, intent(out), optional :: error
+      type(error_t), allocatable :: refusal
       real(wp) :: pull
       !! towards the base [m/s2]
 
+      settles = .false.
+      call require_element(element, refusal)
+      call require_number(dt, 'dt', not_negative, refusal)
+      call require_numbers([u_dot, push, u_g_ddot], &
+         [character(8) :: 'u_dot', 'push', 'u_g_ddot'], refusal)
+      call require_number(host_mass, 'host_mass', not_negative, refusal)
+      if (allocated(refusal)) then
+         if (present(error)) call move_alloc(refusal, error)
+         return
+      end if
       pull = -max(lift_off_drive_of(element, 1, push, u_g_ddot), &
          lift_off_drive_of(element, -1, push, u_g_ddot))/(resting_inertia(element) + host_mass)
       settles = pull > 0 .and. 2*abs(u_dot) <= pull*(1 - velocity_factor(element))*dt

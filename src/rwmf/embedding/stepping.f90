@@ -11,9 +11,10 @@
 !> both saving and restoring begin the integrator anew, so that a step that is repeated has the
 !> same bits as the step that was rejected.
 module rwmf_embedding_stepping
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_embedding_ranges, only: a_time, any_number, is_number, is_time, positive, &
+      require_number
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_integrator_factory, only: new_integrator
@@ -28,6 +29,7 @@ module rwmf_embedding_stepping
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_hybrid_loop, only: mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_result, only: event_t
    use rwmf_text_strings, only: real_to_text
@@ -137,29 +139,12 @@ contains
          call fail(error, err_input, 'this handle holds a wall already: destroy it first')
       else if (allocated(case%solver%accuracy)) then
          call fail(error, err_input, '&solver: accuracy needs the whole motion; give rtol')
-      else if (allocated(case%frame)) then
-         if (.not. allocated(case%frame%T_s)) then
-            call fail(error, err_input, '&frame: T_s is missing')
-         end if
+      else
+         call check_single_run(case, error)
       end if
-      if (allocated(error)) return
-      if (present(t_begin)) call check_finite(t_begin, 't_begin', error)
-      if (allocated(error)) return
-      if (.not. present(peak)) return
-      call check_finite(peak, 'peak', error)
-      if (.not. allocated(error) .and. .not. peak > 0) then
-         call fail(error, err_input, 'peak = '//trim(real_to_text(peak)) &
-            //', allowed are values > 0')
-      end if
+      if (present(t_begin)) call require_number(t_begin, 't_begin', a_time, error)
+      if (present(peak)) call require_number(peak, 'peak', positive, error)
    end subroutine check_case
-
-   subroutine check_finite(x, name, error)
-      real(wp), intent(in) :: x
-      character(*), intent(in) :: name
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. ieee_is_finite(x)) call fail(error, err_input, name//' is not a finite number')
-   end subroutine check_finite
 
    !> Give everything back. Safe to call twice.
    subroutine destroy_stepping(stepping)
@@ -241,9 +226,9 @@ contains
       if (allocated(error)) return
       associate (instance => stepping%instance)
          if (.not. t > instance%t) return
-         call check_finite(ground%acceleration_at(t), 'ground acceleration', error)
-         if (allocated(error)) return
-         call check_finite(ground%acceleration_at(instance%t), 'ground acceleration', error)
+         call require_number(ground%acceleration_at(t), 'ground acceleration', any_number, error)
+         call require_number(ground%acceleration_at(instance%t), 'ground acceleration', &
+            any_number, error)
          if (allocated(error)) return
          call follow_ground(instance%given_motion, instance%t, t, ground)
          call use_host_motion(instance, ground%acceleration_at(instance%t))
@@ -261,7 +246,7 @@ contains
 
       call require(stepping, error)
       if (allocated(error)) return
-      call check_finite(t, 'the time to advance to', error)
+      call require_number(t, 'the time to advance to', a_time, error)
       if (allocated(error)) return
       if (t < stepping%instance%t) then
          call fail(error, err_input, 'cannot advance to t = '//trim(real_to_text(t))//' s from ' &
@@ -295,9 +280,9 @@ contains
       if (n < 2 .or. size(a) /= n) then
          call fail(error, err_input, 'times and accelerations must be two or more, and as many ' &
             //'of the one as of the other', 'wrong_length')
-      else if (.not. (all(ieee_is_finite(t)) .and. all(ieee_is_finite(a)))) then
-         call fail(error, err_input, 'a time or an acceleration is not a finite number', &
-            'not_finite')
+      else if (.not. (all(is_time(t)) .and. all(is_number(a)))) then
+         call fail(error, err_input, 'a time or an acceleration is not a finite number, or too ' &
+            //'large to be one', 'not_finite')
       else if (any(t(2:) <= t(:n - 1))) then
          call fail(error, err_input, 'the times do not increase strictly', 'backwards')
       else if (abs(t(1) - stepping%instance%t) > 8*spacing(max(abs(t(1)), abs(t(n))))) then

@@ -17,6 +17,7 @@ module rwmf_simulation_run
    use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest, &
       start_hybrid
@@ -38,6 +39,7 @@ module rwmf_simulation_run
 contains
 
    !> Integrate a case under a ground motion that the caller holds (many runs share one).
+   !> Errors: no period of the frame, and those of the integration.
    subroutine run_once(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
@@ -50,6 +52,8 @@ contains
       integer(i8) :: finished
       integer(i8) :: rate
 
+      call check_single_run(case, error)
+      if (allocated(error)) return
       call system_clock(started, rate)
       call build_equation(case, motion, equation)
       call new_integrator(case%solver%method, integrator)

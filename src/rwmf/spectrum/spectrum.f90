@@ -18,7 +18,7 @@ module rwmf_spectrum_spectrum
    use rwmf_spectrum_lanes, only: ordinate_t
    use rwmf_spectrum_quantities, only: asked_of, asked_t, check_asked, follow_from_displacement, &
       take_values, values_from_displacement
-   !$ use omp_lib, only: omp_get_max_threads
+   use rwmf_spectrum_threads, only: choose_threads
    implicit none
    private
 
@@ -59,10 +59,10 @@ contains
    subroutine compute_spectrum(case, threads, spectrum, error, control)
       type(case_t), intent(in) :: case
       integer, intent(in) :: threads
-      !! requested; 0: all that OpenMP offers
+      !! 0: all that OpenMP offers
       type(spectrum_t), intent(out) :: spectrum
       type(error_t), allocatable, intent(out) :: error
-      !! no `&spectrum`, quantities that do not apply, no memory, or interrupted
+      !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted
       type(control_t), intent(in), optional :: control
       type(asked_t) :: asked
       type(motion_t), target :: motion
@@ -70,11 +70,14 @@ contains
       integer(i8) :: started
       integer(i8) :: finished
       integer(i8) :: rate
+      integer :: threads_to_use
 
       if (.not. allocated(case%spectrum)) then
          call fail(error, err_input, 'no &spectrum group: nothing to loop over')
          return
       end if
+      call choose_threads(threads, threads_to_use, error)
+      if (allocated(error)) return
       if (present(control)) signals = control
       call system_clock(started, rate)
       motion = motion_from_case(case)
@@ -83,8 +86,7 @@ contains
       asked = asked_of(case)
       call prepare_grid(case, asked, spectrum, error)
       if (allocated(error)) return
-      spectrum%threads = max(1, threads)
-      !$ if (threads <= 0) spectrum%threads = omp_get_max_threads()
+      spectrum%threads = threads_to_use
       call run_all(case, asked, motion, signals, spectrum)
       if (asked%is_displacement) spectrum%values(:, :, :, 1) = spectrum%u_s_max
       call system_clock(finished)

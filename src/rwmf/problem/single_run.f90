@@ -1,0 +1,40 @@
+!> What one run needs, and a case with `&spectrum` may leave to its ordinates.
+module rwmf_problem_single_run
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_group_values, only: has_group
+   use rwmf_problem_rules, only: fail_group
+   implicit none
+   private
+
+   public :: has_period, check_single_run
+
+contains
+
+   !> Does the case describe one structure? A frame without T_s takes its periods from `&spectrum`.
+   pure logical function has_period(case)
+      type(case_t), intent(in) :: case
+
+      has_period = .true.
+      if (allocated(case%frame)) has_period = allocated(case%frame%T_s)
+   end function has_period
+
+   !> Can the case be run by itself, not only as the ordinates of a spectrum?
+   !>
+   !> Every way to one run asks here before it puts the equation together. Fails with `err_input`.
+   subroutine check_single_run(case, error)
+      type(case_t), intent(in) :: case
+      !! valid
+      type(error_t), allocatable, intent(out) :: error
+      character(*), parameter :: problem = 'the key T_s is missing (undamped period): must be ' &
+         //'given for a single run, a number > 0 [s]; T_s of &spectrum serves spectra only'
+
+      if (has_period(case)) return
+      if (has_group(case%values, 'frame')) then
+         call fail_group(case%values, 'frame', problem, error)
+      else
+         call fail(error, err_input, '&frame: '//problem)
+      end if
+   end subroutine check_single_run
+
+end module rwmf_problem_single_run

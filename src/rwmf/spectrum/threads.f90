@@ -1,0 +1,48 @@
+!> How many threads a spectrum takes.
+!>
+!> What nobody can mean is refused: where the system cannot begin a thread, the OpenMP library ends
+!> the program.
+module rwmf_spectrum_threads
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_text_strings, only: integer_to_text
+   !$ use omp_lib, only: omp_get_max_threads, omp_get_num_procs
+   implicit none
+   private
+
+   public :: choose_threads, most_threads
+
+contains
+
+   !> Threads to use. Fails with `err_input` when they are negative or more than `most_threads`.
+   subroutine choose_threads(asked, threads, error)
+      integer, intent(in) :: asked
+      !! 0: all that OpenMP offers, which OMP_NUM_THREADS bounds
+      integer, intent(out) :: threads
+      !! >= 1
+      type(error_t), allocatable, intent(out) :: error
+      integer :: most
+
+      most = most_threads()
+      threads = max(1, asked)
+      !$ if (asked == 0) threads = omp_get_max_threads()
+      if (asked >= 0 .and. threads >= 1 .and. threads <= most) return
+      if (asked /= 0) then
+         call fail(error, err_input, 'threads = '//trim(integer_to_text(asked)) &
+            //': must be 0 (all) to '//trim(integer_to_text(most))//' on this machine')
+      else
+         call fail(error, err_input, 'OMP_NUM_THREADS = '//trim(integer_to_text(threads)) &
+            //': must be <= '//trim(integer_to_text(most))//' on this machine')
+      end if
+   end subroutine choose_threads
+
+   !> The most threads that a spectrum takes here: 16 for each processor that the process may use,
+   !> and 256 in any case.
+   integer function most_threads()
+      integer, parameter :: always = 256
+      integer, parameter :: for_each_processor = 16
+
+      most_threads = always
+      !$ most_threads = max(always, for_each_processor*omp_get_num_procs())
+   end function most_threads
+
+end module rwmf_spectrum_threads
