@@ -145,6 +145,31 @@ def test_bands_reach_perfect_restitution() -> None:
     assert (found["highest"].squeeze() >= single.squeeze()).all()
 
 
+def test_axes_of_studies_are_what_they_set() -> None:
+    """However a grid writes them; the frame alone gets the same ground motion as both."""
+    case = coupled(solver=QUICK | {"t_end": 3.0})
+    grid = {"frame.t_s": [0.5, 1.0], "A_max_g": [0.2, 0.4], "Wall.B": [0.5]}
+    found = studies.wall_effect(case, grid)
+    alone = found["u_s_max_alone"].squeeze()
+    assert alone.sizes == {"a_max_g": 2, "T_s": 2}
+    np.testing.assert_allclose(alone.sel(a_max_g=0.4) / alone.sel(a_max_g=0.2), 2.0, rtol=1e-5)
+    bands = [
+        studies.sensitivity_bands(case, {T_s: [0.5, 1.0]}, {e: [0.8, 0.9]})
+        for T_s, e in (("T_s", "e"), ("t_s", "impact.E"))
+    ]
+    xr.testing.assert_identical(*bands)
+    with pytest.raises(InputError, match=r"impact\.e.*uncertain"):
+        studies.sensitivity_bands(case, {"T_s": [0.5], "E": [0.9]}, {"e": [0.8, 0.9]})
+
+
+def test_quantities_of_studies_in_any_letters(suite: tuple[RecordFile, ...]) -> None:
+    case = coupled(solver=QUICK)
+    found = studies.suite_spectra(case, {"t_s": [0.5]}, suite, "Theta_Max_Over_Alpha")
+    assert "theta_max_over_alpha_percentiles" in found
+    with pytest.raises(InputError, match="T_s cannot be a further axis"):
+        studies.incremental_dynamic_analysis(case, [1.0], suite, grid={"t_s": [0.5]})
+
+
 def test_equal_response_of_a_linear_frame() -> None:
     case = bare_frame(solver=QUICK)
     found = studies.equal_response(case, [0.5, 1.0], 0.1)

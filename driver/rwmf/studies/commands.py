@@ -22,6 +22,7 @@ from rwmf.studies.overturning import overturning_map
 from rwmf.studies.suite_spectra import suite_spectra
 from rwmf.studies.wall_effect import wall_effect
 from rwmf.sweep.commands import progress
+from rwmf.sweep.quantities import find_quantities
 
 __all__ = ["add_parsers"]
 
@@ -98,9 +99,9 @@ def _numbers(word: str) -> list[float]:
 def _list(parser: argparse.ArgumentParser, name: str, default: str | None, text: str) -> None:
     shown = f" (default {default})" if default else ""
     value = _numbers(default) if default else None
-    parser.add_argument(
-        f"--{name}", metavar="LIST", type=_numbers, default=value, help=text + shown
-    )
+    # the same option without its capitals is the same option
+    words = dict.fromkeys((f"--{name}", f"--{name.lower()}"))
+    parser.add_argument(*words, metavar="LIST", type=_numbers, default=value, help=text + shown)
 
 
 def _add_records(parser: argparse.ArgumentParser, required: bool) -> None:
@@ -183,17 +184,18 @@ def _add_ida(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 
 def _compute_fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    (quantity,) = find_quantities((options.quantity,))
     analysis = incremental_dynamic_analysis(
         case,
         options.levels,
         options.records,
-        options.quantity,
+        quantity,
         unit=options.unit,
         threads=options.threads,
         progress=report,
     )
-    curve = fragility(analysis, options.limit, options.quantity)
-    return curve.assign({options.quantity: analysis[options.quantity]})
+    curve = fragility(analysis, options.limit, quantity)
+    return curve.assign({quantity: analysis[quantity]})
 
 
 def _add_wall(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -14,6 +14,8 @@ from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 from rwmf.studies.wall_effect import without_wall
+from rwmf.sweep.axes import name_axes
+from rwmf.sweep.quantities import find_quantities
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile, find_records
 from rwmf.unsupported import refuse_storeys
@@ -72,6 +74,10 @@ def incremental_dynamic_analysis(
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("incremental dynamic analysis: the case needs &frame T_s")
     T_s = float(case.frame.T_s)
+    further = name_axes(grid or {})
+    fixed = [name for name in ("scale", "T_s") if name in further]
+    if fixed:
+        raise InputError(f"incremental dynamic analysis: {fixed[0]} cannot be a further axis")
     suite = find_records(records, unit=unit, dt=dt)
     alone = sweep(without_wall(case), {"T_s": [T_s]}, suite)["u_s_max"].values.reshape(len(suite))
     intensity = (2 * math.pi / T_s) ** 2 * alone / float(case.model.g)
@@ -79,7 +85,7 @@ def incremental_dynamic_analysis(
         dataclasses.replace(record, scale=record.scale / float(value))
         for record, value in zip(suite, intensity, strict=True)
     ]
-    axes = {"scale": [float(level) for level in levels], "T_s": [T_s]} | dict(grid or {})
+    axes = {"scale": [float(level) for level in levels], "T_s": [T_s]} | further
     found = sweep(case, axes, scaled, quantities=(quantity,), **how)
     found["scale"].attrs["long_name"] = "pseudo-spectral acceleration of the frame alone over g"
     return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])
@@ -108,6 +114,7 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
     InputError
         When the limit is never or always exceeded: there is nothing to fit.
     """
+    (quantity,) = find_quantities((quantity,))
     values = with_overturning(analysis, quantity)
     usable = values.notnull().sum("record")
     exceeded = (values > limit).sum("record")

@@ -192,6 +192,7 @@ def open_executor(engine: str, workers: int = 0) -> Iterator[Executor | None]:
         When there is no such engine, or when its package is missing.
     """
     kind, _, address = engine.partition(":")
+    kind = kind.lower()
     makers = {"processes": _processes, "mpi": _mpi, "dask": _dask}
     if kind == "threads":
         yield None

@@ -103,8 +103,8 @@ def find_records(
             found.append(word)
             continue
         text = os.fspath(word)
-        if text.startswith(_FEMA_PREFIX):
-            suite = fema.export(text.removeprefix(_FEMA_PREFIX))
+        if text.lower().startswith(_FEMA_PREFIX):
+            suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
             found += [_record(path, fema.UNIT, interval) for path, interval in suite]
         else:
             found += [_record(path, unit, dt) for path in _paths(text, Path(folder))]

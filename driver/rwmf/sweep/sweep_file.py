@@ -98,7 +98,8 @@ def read_sweep_file(path: str) -> SweepFile:
     unknown = [name for name in groups if name not in ("sweep", "grid")]
     if unknown:
         raise InputError(f"{path}: unknown group &{unknown[0]}; allowed are &sweep and &grid")
-    values = {key: _checked(path, key, items) for key, items in groups.get("sweep", {}).items()}
+    asked = {key.lower(): items for key, items in groups.get("sweep", {}).items()}
+    values = {key: _checked(path, key, items) for key, items in asked.items()}
     if "case" not in values:
         raise InputError(f"{path}, &sweep: case is missing: the namelist of the case")
     folder = Path(path).parent
@@ -112,11 +113,11 @@ def read_sweep_file(path: str) -> SweepFile:
 
 
 def _located(folder: Path, word: str) -> str:
-    return word if word.startswith("fema:") else str(folder / word)
+    return word if word.lower().startswith("fema:") else str(folder / word)
 
 
 def _axis(path: str, key: str, items: list[Item]) -> list[Item] | list[tuple[Item, ...]]:
-    if key != _PAIR:
+    if key.lower() != _PAIR:
         return items
     if len(items) % 2 > 0:
         raise InputError(f"{path}, &grid: eta: needs pairs eta_0, eta_alpha")
@@ -163,7 +164,8 @@ def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
         elif kind == "end":
             group, items = None, None
         elif kind == "key":
-            if group is None or word in group:
+            # the same key in other letters is the same key
+            if group is None or word.lower() in map(str.lower, group):
                 raise InputError(f"{where}: {word}: outside of a group, or it stands twice")
             items = group.setdefault(word, [])
         elif kind not in ("comment", "comma"):

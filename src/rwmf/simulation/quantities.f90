@@ -2,10 +2,11 @@
 !> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
 !> `docs/outputs.md` read it.
 module rwmf_simulation_quantities
+   use rwmf_text_strings, only: to_lower
    implicit none
    private
 
-   public :: quantity_t, all_quantities, look_up, is_of_ordinate, quantities_text
+   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, quantities_text
 
    !> One quantity.
    type :: quantity_t
@@ -273,6 +274,18 @@ contains
       if (status == 0) place = findloc(all_quantities%key == key(:first - 1)//'{i}'//key(behind:), &
          .true., dim=1)
    end subroutine look_up
+
+   !> A key in the spelling of the outputs: a user's capitals do not matter. What the table does not
+   !> have comes back in small letters, as the keys that carry a number are.
+   elemental character(40) function spelled(key)
+      character(*), intent(in) :: key
+      !! as a user writes it
+      integer :: place
+
+      place = findloc(to_lower(all_quantities%key) == to_lower(key), .true., dim=1)
+      spelled = to_lower(key)
+      if (place > 0) spelled = all_quantities(place)%key
+   end function spelled
 
    !> May a spectrum be asked for it?
    elemental logical function is_of_ordinate(quantity)
