@@ -23,6 +23,7 @@ from rwmf.studies.suite_spectra import suite_spectra
 from rwmf.studies.wall_effect import wall_effect
 from rwmf.sweep.commands import progress
 from rwmf.sweep.quantities import find_quantities
+from rwmf.words import number, shorten, thread_count, whole, written_file
 
 __all__ = ["add_parsers"]
 
@@ -74,25 +75,30 @@ def _new(
     )
     parser.set_defaults(compute=compute, figure=figure, panels=panels)
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
-    parser.add_argument("--plot", metavar="FILE", help="draw the result (png, svg, pdf)")
-    parser.add_argument("--file", metavar="FILE.nc", help="write the result as NetCDF")
-    parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads (0: all)")
+    parser.add_argument(
+        "--plot", metavar="FILE", type=written_file, help="draw the result (png, svg, pdf)"
+    )
+    parser.add_argument(
+        "--file", metavar="FILE.nc", type=written_file, help="write the result as NetCDF"
+    )
+    parser.add_argument(
+        "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"
+    )
     return parser
 
 
 def _numbers(word: str) -> list[float]:
     """Read ``FIRST:LAST:N``, both ends included, or numbers with commas between them."""
+    read = number()
     try:
         if ":" in word:
             first, last, n = word.split(":")
-            count = int(n)
-            if not 1 <= count <= _MOST_NUMBERS:
-                raise ValueError
-            return np.linspace(float(first), float(last), count).tolist()
-        return [float(item) for item in word.split(",")]
-    except ValueError:
+            return np.linspace(read(first), read(last), whole(1, _MOST_NUMBERS)(n)).tolist()
+        return [read(item) for item in word.split(",")]
+    except (ValueError, argparse.ArgumentTypeError):
         raise argparse.ArgumentTypeError(
-            f"{word}: must be FIRST:LAST:N or numbers with commas between them"
+            f"{shorten(word)}: must be FIRST:LAST:N or finite numbers with commas between them, "
+            f"at most {_MOST_NUMBERS}"
         ) from None
 
 
@@ -129,7 +135,9 @@ def _add_overturning(studies: argparse._SubParsersAction[argparse.ArgumentParser
     )
     _list(parser, "omega", "1:8:57", "frequencies of the pulse over p")
     _list(parser, "amplitude", "0.5:12:70", "amplitudes a_p/(alpha g) to scan")
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="width of the bisection")
+    parser.add_argument(
+        "--tolerance", type=number(above=0), default=1e-6, help="width of the bisection"
+    )
 
 
 def _add_spectra(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -180,7 +188,7 @@ def _add_ida(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     _add_records(parser, required=True)
     _list(parser, "levels", "0.1:2:20", "pseudo-spectral accelerations over g")
     parser.add_argument("--quantity", default="u_s_max", help="the demand, see rwmf study spectra")
-    parser.add_argument("--limit", type=float, required=True, help="limit of the demand")
+    parser.add_argument("--limit", type=number(), required=True, help="limit of the demand")
 
 
 def _compute_fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
@@ -284,7 +292,7 @@ def _add_equal(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "inputs/fig06_mild_frame_one_sine.nml --target 0.2 --plot equal.png",
     )
     _list(parser, "T_p", "0.2:3:57", "periods of the pulse in s")
-    parser.add_argument("--target", type=float, required=True, help="displacement in m")
+    parser.add_argument("--target", type=number(above=0), required=True, help="displacement in m")
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -65,6 +65,9 @@ def equal_response(
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("equal response: the case needs &frame T_s")
     pulse = Pulse.of(case, "equal response")
+    for name, value in (("target", target), ("tolerance", tolerance), *(("T_p", T) for T in T_p)):
+        if not 0 < value < np.inf:
+            raise InputError(f"equal response: {name} = {value:g}: must be finite and > 0")
     periods = [float(value) for value in T_p]
     amplitudes: list[float] = []
     with ThreadPoolExecutor(count_threads(threads)) as executor:
@@ -97,6 +100,8 @@ def _search(pulse: Pulse, T_p: float, target: float, tolerance: float) -> float:
             return np.nan
     while high - low > tolerance * high:
         middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
         if reaches(middle):
             high = middle
         else:

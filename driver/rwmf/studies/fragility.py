@@ -81,6 +81,12 @@ def incremental_dynamic_analysis(
     suite = find_records(records, unit=unit, dt=dt)
     alone = sweep(without_wall(case), {"T_s": [T_s]}, suite)["u_s_max"].values.reshape(len(suite))
     intensity = (2 * math.pi / T_s) ** 2 * alone / float(case.model.g)
+    for record, value in zip(suite, intensity, strict=True):
+        if not value > 0:
+            raise InputError(
+                f"incremental dynamic analysis: {record.path}: the frame alone has no response to "
+                "it that could be scaled"
+            )
     scaled = [
         dataclasses.replace(record, scale=record.scale / float(value))
         for record, value in zip(suite, intensity, strict=True)
@@ -159,6 +165,8 @@ def _fit(
     limit: float,
 ) -> tuple[float, float]:
     """Median and dispersion of most likelihood: probit regression by Fisher scoring."""
+    if levels.size < 2 or not (levels > 0).all():
+        raise InputError("fragility: the fit needs two levels of intensity at least, all > 0")
     if not 0 < exceeded.sum() < of.sum():
         raise InputError(f"fragility: the limit {limit:g} is exceeded never or always")
     x = np.column_stack([np.ones(levels.size), np.log(levels)])

@@ -111,13 +111,17 @@ def overturning_map(
     wall = Wall.of(case)
     pulse = Pulse.of(case, "overturning")
     levels = [float(value) for value in amplitude]
-    if levels != sorted(set(levels)):
-        raise InputError("overturning: the amplitudes must increase")
+    if not np.isfinite(levels).all() or levels != sorted(set(levels)):
+        raise InputError("overturning: the amplitudes must be finite and increase")
+    frequencies = [float(value) for value in omega_over_p]
+    if not all(0 < value < math.inf for value in frequencies):
+        raise InputError("overturning: the frequencies omega_over_p must be finite and > 0")
+    if not tolerance > 0:
+        raise InputError(f"overturning: tolerance = {tolerance:g}: must be > 0")
 
     def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
         return _scan(pulse, wall, omega, levels, tolerance)
 
-    frequencies = [float(value) for value in omega_over_p]
     results = []
     with ThreadPoolExecutor(count_threads(threads)) as executor:
         try:
@@ -160,7 +164,7 @@ def _bisect(
     if low[1] == high[1]:
         return []
     middle = 0.5 * (low[0] + high[0])
-    if high[0] - low[0] <= tolerance:
+    if high[0] - low[0] <= tolerance or middle in (low[0], high[0]):
         return [_Boundary(omega, middle, low[1], high[1])]
     centre = (middle, outcome_at(middle))
     return _bisect(outcome_at, omega, low, centre, tolerance) + _bisect(

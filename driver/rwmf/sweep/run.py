@@ -92,6 +92,8 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
+    if not isinstance(chunk, int | np.integer) or chunk < 0:
+        raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
     found = find_records(records, unit=unit, dt=dt) if len(records) else ()
     plan = make_plan(case, grid or {}, found, tuple(quantities), chunk)
     work = _Work(plan, threads, executor, progress, part)

@@ -6,12 +6,14 @@ command. Its few forms (numbers, texts in quotes, lists) are read here.
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rwmf.errors import InputError
 from rwmf.namelist import read_text
+from rwmf.words import problem_of_name, shorten
 
 __all__ = ["SweepFile", "read_sweep_file"]
 
@@ -29,7 +31,7 @@ _TOKEN = re.compile(
     )""",
     re.VERBOSE,
 )
-# key of &sweep: whether it holds texts, and whether it is a list
+# key of &sweep: what it holds (int: whole numbers), and whether it is a list
 _KEYS = {
     "case": (str, False),
     "file": (str, False),
@@ -37,9 +39,12 @@ _KEYS = {
     "unit": (str, False),
     "dt": (float, False),
     "quantities": (str, True),
-    "chunk": (float, False),
+    "chunk": (int, False),
 }
 _PAIR = "eta"
+_PATHS = ("case", "file", "records")
+# beyond any sweep
+_MOST_RUNS = 10**15
 
 
 @dataclass
@@ -107,7 +112,6 @@ def read_sweep_file(path: str) -> SweepFile:
     records = [_located(folder, word) for word in values.pop("records", [])]
     for key, value in (values | {"records": records}).items():
         setattr(found, key, Path(value) if key == "file" else value)
-    found.chunk = int(found.chunk)
     found.grid = {key: _axis(path, key, items) for key, items in groups.get("grid", {}).items()}
     return found
 
@@ -128,14 +132,33 @@ def _checked(path: str, key: str, items: list[Item]) -> object:
     if key not in _KEYS:
         raise InputError(f"{path}, &sweep: unknown key {key}; allowed are {', '.join(_KEYS)}")
     kind, several = _KEYS[key]
-    wanted = "text" if kind is str else "number"
-    if not all(isinstance(item, kind) for item in items) or (len(items) > 1 and not several):
-        shown = ", ".join(str(item) for item in items)
-        raise InputError(
-            f"{path}, &sweep: {key} = {shown}: must be {'a list of' if several else 'one'} {wanted}"
-            + ("s" if several else "")
-        )
+    wanted = {
+        str: "a list of texts" if several else "one text",
+        float: "one finite number > 0",
+        int: "one whole number >= 0",
+    }[kind]
+    accepted = {str: _is_text, float: _is_positive, int: _is_count}[kind]
+    shown = shorten(", ".join(str(item) for item in items))
+    if not all(map(accepted, items)) or (len(items) > 1 and not several):
+        raise InputError(f"{path}, &sweep: {key} = {shown}: must be {wanted}")
+    problems = [problem for item in items if key in _PATHS and (problem := problem_of_name(item))]
+    if problems:
+        raise InputError(f"{path}, &sweep: {key} = {shown}: {problems[0]}")
+    if kind is int:
+        return int(items[0])
     return items if several else items[0]
+
+
+def _is_text(item: Item) -> bool:
+    return isinstance(item, str)
+
+
+def _is_positive(item: Item) -> bool:
+    return isinstance(item, float) and 0 < item < math.inf
+
+
+def _is_count(item: Item) -> bool:
+    return isinstance(item, float) and item.is_integer() and 0 <= item <= _MOST_RUNS
 
 
 def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
