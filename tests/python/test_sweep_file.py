@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
+import rwmf
+import scenes
 import xarray as xr
 from conftest import Runner
 from rwmf import cli
@@ -41,3 +44,25 @@ def test_a_key_in_two_spellings_stands_twice(folder: Path, command: Runner) -> N
     found = command("sweep", "s.nml")
     assert (found.returncode, found.stdout) == (2, "")
     assert found.stderr == "rwmf: s.nml, line 1: CASE: outside of a group, or it stands twice\n"
+
+
+def test_names_that_are_no_utf8(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A NetCDF file holds UTF-8: it shows the bytes of other names by their numbers."""
+    place = folder / os.fsdecode(b"caf\xe9")
+    place.mkdir()
+    monkeypatch.chdir(place)
+    record = os.fsdecode(b"r\xe9.txt")
+    Path(record).write_text("0 0\n.1 .2\n.2 -.1\n", encoding="ascii")
+    motion = scenes.record(Path(record))
+    case = coupled(motion=motion, solver=QUICK)
+    case.to_namelist("case.nml")
+    text = "&sweep case='case.nml' records='" + record + "' unit='g' /\n&grid T_s=1 /\n"
+    Path("s.nml").write_text(text, encoding="utf-8", errors="surrogateescape")
+    assert cli.main(["sweep", "s.nml", "--file", record + ".nc"]) == 0
+    with xr.open_dataset(record + ".nc", engine="h5netcdf") as found:
+        assert found["record"].values.tolist() == ["r\\udce9"]
+    words = ["study", "wall", "case.nml", "--T_s", "1", "--file", "w.nc", "--plot", record + ".png"]
+    assert cli.main(words) == 0
+    xr.testing.assert_identical(
+        rwmf.sweep(case, {"T_s": [1.0]}), rwmf.sweep(case, {"T_s": [1.0]}, file="x.nc").load()
+    )

@@ -256,7 +256,11 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
     for item in layout.coordinates:
         labels = {"units": item.unit} if item.unit else {}
         labels["long_name"] = item.meaning
-        dataset.coords[item.name] = (item.dimension, np.array(item.values), labels)
+        dataset.coords[item.name] = (
+            item.dimension,
+            np.array(list(map(netcdf.readable, item.values))),
+            labels,
+        )
     for name in layout.quantities:
         dataset[name] = (layout.dims, arrays[name], netcdf.QUANTITIES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
