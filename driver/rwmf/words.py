@@ -9,8 +9,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rwmf.errors import OutputError
+from rwmf.namelist import Value
 
-__all__ = ["number", "problem_of_name", "shorten", "thread_count", "whole", "written_file"]
+__all__ = [
+    "number",
+    "problem_of_name",
+    "readable",
+    "shorten",
+    "thread_count",
+    "whole",
+    "written_file",
+]
 
 # bytes of one part of a path, and of a whole one, that Linux takes
 _NAME_BYTES = 255
@@ -138,3 +147,21 @@ def problem_of_name(word: str) -> str | None:
     if len(raw) > _PATH_BYTES or any(len(part) > _NAME_BYTES for part in raw.split(b"/")):
         return f"a name has at most {_NAME_BYTES} bytes, a path {_PATH_BYTES}"
     return None
+
+
+def readable(value: Value) -> Value:
+    """Show bytes of a name that are no UTF-8 by their numbers: NetCDF holds UTF-8 only.
+
+    Parameters
+    ----------
+    value : str or number
+        A text, for example with names of files; numbers stay.
+
+    Returns
+    -------
+    str or number
+        What UTF-8 can hold.
+    """
+    if not isinstance(value, str):
+        return value
+    return value.encode("utf-8", "backslashreplace").decode()

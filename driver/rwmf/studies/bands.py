@@ -65,4 +65,5 @@ def sensitivity_bands(
         "nominal": nominal,
     }
     labels = {"units": "m", "long_name": "displacement of the frame"}
-    return xr.Dataset({name: band.assign_attrs(labels) for name, band in bands.items()})
+    found_bands = {name: band.assign_attrs(labels) for name, band in bands.items()}
+    return xr.Dataset(found_bands, attrs=found.attrs)

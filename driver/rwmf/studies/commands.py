@@ -31,6 +31,8 @@ Add = Callable[..., argparse.ArgumentParser]
 Report = Callable[[int, int], None]
 Compute = Callable[[argparse.Namespace, Case, Report], xr.Dataset]
 _PERIODS = "0.1:3:59"
+_FACTORS = "0.8:1:5"
+_TENSIONS = "0,0,1,5,5,50"
 _MOST_NUMBERS = 1_000_000
 
 
@@ -258,17 +260,31 @@ def _add_bands(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     )
     _add_records(parser, required=False)
     _add_grid(parser)
-    _list(parser, "e", "0.8:1:5", "velocity factors at impact")
-    _list(parser, "eta", "0,0,1,5,5,50", "pairs eta_0, eta_alpha one after the other")
+    texts = (
+        f"velocity factors at impact (default {_FACTORS}, unless a rule of the case gives it)",
+        f"pairs eta_0, eta_alpha one after the other (default {_TENSIONS}, with a cable)",
+    )
+    for name, text in zip(("e", "eta"), texts, strict=True):
+        _list(parser, name, None, text)
 
 
 def _compute_bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    if len(options.eta) % 2 > 0:
-        raise InputError("--eta: needs pairs eta_0, eta_alpha")
-    uncertain = {
-        "e": options.e,
-        "eta": list(zip(options.eta[::2], options.eta[1::2], strict=True)),
-    }
+    factors, tensions = options.e, options.eta
+    if factors is None and case.impact is not None and case.impact.rule == "constant":
+        factors = _numbers(_FACTORS)
+    if tensions is None and case.cable is not None:
+        tensions = _numbers(_TENSIONS)
+    uncertain: dict[str, object] = {}
+    if factors is not None:
+        # a case that gives r takes its square
+        squared = case.impact is not None and "r" in case.impact.given
+        uncertain = {"r": [e**2 for e in factors]} if squared else {"e": factors}
+    if tensions is not None:
+        if len(tensions) % 2 > 0:
+            raise InputError("--eta: needs pairs eta_0, eta_alpha")
+        uncertain["eta"] = list(zip(tensions[::2], tensions[1::2], strict=True))
+    if not uncertain:
+        raise InputError(f"{options.case}: nothing is uncertain: give --e or --eta")
     return sensitivity_bands(
         case,
         _grid(options),
@@ -314,9 +330,21 @@ def _run(options: argparse.Namespace) -> int:
     for path in (options.file, options.plot):
         if path:
             print(f"written: {path}")
+    if "median" in dataset:
+        print(_fit_in_words(dataset))
     if not options.file and not options.plot:
         print(dataset)
     return 0
+
+
+def _fit_in_words(dataset: xr.Dataset) -> str:
+    """Say what a fragility curve comes down to."""
+    unit = dataset["limit"].attrs["units"]
+    limit = f"{float(dataset['limit']):g}" + ("" if unit == "1" else f" {unit}")
+    return (
+        f"{dataset.attrs['quantity']} > {limit}: "
+        f"median {float(dataset['median']):.6g} g, dispersion {float(dataset['dispersion']):.6g}"
+    )
 
 
 def _write(dataset: xr.Dataset, path: Path) -> None:

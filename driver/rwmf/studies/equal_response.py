@@ -12,6 +12,8 @@ from rwmf import _library
 from rwmf.case import Case
 from rwmf.endings import ending_of
 from rwmf.errors import InputError
+from rwmf.quantities import AXES
+from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
 from rwmf.unsupported import refuse_storeys
@@ -81,9 +83,13 @@ def equal_response(
             raise
     text = f"amplitude over g for u_s,max = {target:g} m"
     return xr.Dataset(
-        {"a_max_g": ("T_p", amplitudes, {"units": "1", "long_name": text})},
+        {
+            "a_max_g": ("T_p", amplitudes, {"units": "1", "long_name": text}),
+            "target": ((), target, {"units": "m", "long_name": "displacement that is reached"}),
+            "T_s": ((), float(case.frame.T_s), AXES["T_s"].attributes),
+        },
         {"T_p": ("T_p", periods, {"units": "s", "long_name": "period of the pulse"})},
-        {"target_m": target, "T_s_s": float(case.frame.T_s)},
+        origin_of(case),
     )
 
 

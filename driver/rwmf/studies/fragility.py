@@ -135,8 +135,9 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
             "fitted": ("scale", fitted, {"units": "1"}),
             "median": ((), median, {"units": analysis["scale"].attrs.get("units", "1")}),
             "dispersion": ((), dispersion, {"units": "1"}),
+            "limit": ((), limit, {"units": values.attrs.get("units", "1")}),
         },
-        attrs={"limit": limit, "quantity": quantity},
+        attrs=analysis.attrs | {"quantity": quantity},
     )
 
 

@@ -20,6 +20,7 @@ from rwmf import simulation
 from rwmf.case import Case
 from rwmf.endings import ending_of
 from rwmf.errors import InputError
+from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
 
@@ -134,7 +135,8 @@ def overturning_map(
             raise
     outcomes = [outcome for outcome, _ in results]
     boundaries = [item for _, found in results for item in found]
-    return _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+    found = _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+    return found.assign_attrs(origin_of(case))
 
 
 def _scan(
@@ -215,4 +217,6 @@ def _to_dataset(
         name: (*value, {"units": "1", "long_name": texts[name]}) for name, value in values.items()
     }
     axes = {name: labelled.pop(name) for name in ("omega_over_p", "amplitude")}
-    return xr.Dataset(labelled, axes, {"alpha_rad": wall.alpha, "p_rad_s": wall.p})
+    labelled["alpha"] = ((), wall.alpha, {"units": "rad", "long_name": "slenderness atan(b/h)"})
+    labelled["p"] = ((), wall.p, {"units": "rad/s", "long_name": "frequency parameter of the wall"})
+    return xr.Dataset(labelled, axes)

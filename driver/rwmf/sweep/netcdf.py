@@ -17,10 +17,10 @@ import numpy.typing as npt
 
 from rwmf import quantities
 from rwmf.errors import InputError, OutputError
-from rwmf.namelist import Value
 from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import QUANTITIES
 from rwmf.sweep.task import Chunk
+from rwmf.words import readable
 
 if TYPE_CHECKING:
     from h5netcdf import File, Variable
@@ -30,7 +30,6 @@ __all__ = [
     "attributes",
     "check_package",
     "read_identity",
-    "readable",
     "status_names",
     "write",
 ]
@@ -71,13 +70,6 @@ def attributes(layout: Layout) -> dict[str, str]:
         "motion_crc32": layout.motion_crc32,
         "sweep": layout.to_text(),
     }
-
-
-def readable(value: Value) -> Value:
-    """Show bytes of a name that are no UTF-8 by their numbers: NetCDF holds UTF-8 only."""
-    if not isinstance(value, str):
-        return value
-    return value.encode("utf-8", "backslashreplace").decode()
 
 
 def status_names(layout: Layout, source: Source) -> list[str]:

@@ -12,7 +12,7 @@ DISPLACEMENT = "u_s_max"
 QUANTITIES = {
     quantity.name: quantity
     for quantity in quantities.QUANTITIES.values()
-    if quantity.name and "run" in quantity.outputs.split()
+    if quantity.name and "ordinate" in quantity.outputs.split() and "{i}" not in quantity.name
 }
 
 

@@ -20,6 +20,7 @@ from rwmf.sweep.plan import Plan, make_plan
 from rwmf.sweep.quantities import DISPLACEMENT
 from rwmf.sweep.suite import RecordFile, find_records
 from rwmf.sweep.task import Chunk
+from rwmf.words import readable
 
 __all__ = ["find_records", "journal_of", "merge", "sweep"]
 
@@ -258,7 +259,7 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
         labels["long_name"] = item.meaning
         dataset.coords[item.name] = (
             item.dimension,
-            np.array(list(map(netcdf.readable, item.values))),
+            np.array(list(map(readable, item.values))),
             labels,
         )
     for name in layout.quantities:
