@@ -12,6 +12,7 @@ from rwmf.errors import OutputError
 from rwmf.namelist import Value
 
 __all__ = [
+    "is_name_of_folder",
     "number",
     "problem_of_name",
     "readable",
@@ -119,11 +120,16 @@ def written_file(word: str) -> str:
         When no file can have that name.
     """
     problem = problem_of_name(word)
-    if problem is None and Path(word).name in ("", ".."):
+    if problem is None and is_name_of_folder(word):
         problem = "is a folder, not a file"
     if problem is not None:
         raise OutputError(f"{shorten(word)}: {problem}")
     return word
+
+
+def is_name_of_folder(word: str) -> bool:
+    """Tell whether a name can be nothing but a folder's: ``.``, ``..``, ``/``."""
+    return Path(word).name in ("", "..")
 
 
 def problem_of_name(word: str) -> str | None:

@@ -83,6 +83,7 @@ def test_words_that_are_refused(
         (f"records='{LONG}'", "", "a name has at most 255 bytes"),
         (f"file='{LONG}'", "", "(3000 letters): a name has at most 255 bytes"),
         ("file=''", "", "&sweep: file = : must not be empty"),
+        ("file='..'", "", "&sweep: file = ..: is a folder, not a file"),
         ("records='pipe'", "", "records: pipe: is not a regular file"),
     ],
     ids=lambda text: text[:20].replace("\0", "0"),

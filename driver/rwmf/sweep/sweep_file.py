@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rwmf.errors import InputError
 from rwmf.namelist import read_text
-from rwmf.words import problem_of_name, shorten
+from rwmf.words import is_name_of_folder, problem_of_name, shorten
 
 __all__ = ["SweepFile", "read_sweep_file"]
 
@@ -144,6 +144,8 @@ def _checked(path: str, key: str, items: list[Item]) -> object:
     problems = [problem for item in items if key in _PATHS and (problem := problem_of_name(item))]
     if problems:
         raise InputError(f"{path}, &sweep: {key} = {shown}: {problems[0]}")
+    if key == "file" and is_name_of_folder(items[0]):
+        raise InputError(f"{path}, &sweep: {key} = {shown}: is a folder, not a file")
     if kind is int:
         return int(items[0])
     return items if several else items[0]
