@@ -21,6 +21,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     coupled(solver=QUICK).to_namelist(tmp_path / "case.nml")
     block(initial={"theta_over_alpha": 1.2}).to_namelist(tmp_path / "fallen.nml")
     (tmp_path / "s.nml").write_text("&sweep case='case.nml' /\n&grid T_s=1.0 /\n", "utf-8")
+    (tmp_path / "only.csv").write_text("# part 1/2\n", "utf-8")
+    (tmp_path / "many.csv").write_text(f"# part {'1' * 5000}/2\n", "utf-8")
+    os.mkfifo(tmp_path / "pipe")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -50,6 +53,11 @@ def _told(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, str
         (["study", "wall", "case.nml", "--T_s", "1,nan"], "--T_s/--t_s: 1,nan: must be FIRST:LAST"),
         (["study", "overturning", "fallen.nml", "--tolerance", "-1"], "--tolerance: -1: must be"),
         (["study", "equal-response", "case.nml", "--target", "nan"], "--target: nan: must be"),
+        (["reproduce", "1" * 5000], "... (5000 letters)' is not a figure"),
+        (["merge", "o.csv", "case.nml"], "case.nml: is not written by rwmf-batch --part K/N"),
+        (["merge", "o.csv", "only.csv"], "needs the parts 1 to 2 once each, has 1"),
+        (["merge", "o.csv", "many.csv"], "many.csv: is not written by rwmf-batch --part K/N"),
+        (["merge", "o.csv", "pipe"], "pipe: the file is empty or not a regular file"),
         (["animate", "fallen.nml", "--fps", "0"], "--fps: 0: must be a whole number in [1, 100]"),
         (["animate", "fallen.nml", "--until", "-1"], "--until: -1: must be a finite number > 0"),
     ],
@@ -91,7 +99,6 @@ def test_words_that_are_refused(
 def test_sweep_files_that_are_refused(
     sweep: str, grid: str, message: str, folder: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    os.mkfifo("pipe")
     Path("s.nml").write_text(f"&sweep case='case.nml' {sweep} /\n&grid {grid} /\n", "utf-8")
     before = sorted(folder.iterdir())
     status, told = _told(["sweep", "s.nml"], capfd)

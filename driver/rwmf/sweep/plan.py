@@ -13,7 +13,7 @@ from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.namelist import compose
-from rwmf.quantities import AXES
+from rwmf.quantities import AXES, keys_of
 from rwmf.sweep.axes import (
     Axis,
     Coordinate,
@@ -165,9 +165,9 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
-    wanted = find_quantities(quantities)
-    if "wall" in case.groups or tuple(wanted) != (DISPLACEMENT,):
+    if "wall" in case.groups or keys_of(quantities) != keys_of((DISPLACEMENT,)):
         refuse_storeys(case)
+    wanted = find_quantities(quantities)
     grid = name_axes(grid)
     axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
     axes += [key_axis(name, values) for name, values in grid.items() if name not in AXES]

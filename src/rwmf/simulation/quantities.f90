@@ -141,8 +141,8 @@ module rwmf_simulation_quantities
       quantity_t('mass_participation', 'mass_participation', '1', 'real', 'before', 'run', &
       'storeys', '', '', &
       'mass of the first mode over that of all floors'), &
-      quantity_t('modal_height_m', 'modal_height', 'm', 'real', 'before', 'run', 'storeys', '', '', &
-      'height at which the mass of the first mode acts'), &
+      quantity_t('modal_height_m', 'modal_height', 'm', 'real', 'before', 'run', 'storeys', '', &
+      '', 'height at which the mass of the first mode acts'), &
       quantity_t('roof_factor', 'roof_factor', '1', 'real', 'before', 'run', 'storeys', '', '', &
       'displacement of the roof over that of the first mode'), &
       quantity_t('base_shear_max_over_weight', 'base_shear_max_over_weight', '1', 'real', 'peak', &
