@@ -10,7 +10,7 @@ Five lines from a case to a picture::
     rwmf.plot.spectrum(spectrum)
 """
 
-from rwmf import loops, plot
+from rwmf import loops, plot, studies
 from rwmf._library import version as _kernel_version
 from rwmf.case import Case
 from rwmf.cost import Cost, cost
@@ -33,6 +33,7 @@ __all__ = [
     "plot",
     "simulate",
     "spectrum",
+    "studies",
     "sweep",
 ]
 

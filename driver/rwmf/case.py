@@ -130,9 +130,9 @@ class Case:
         """Return a group; None when the case has none of this name."""
         if name.startswith("_"):
             raise AttributeError(name)
-        if name in self._groups:
-            return self._groups[name]
-        if name in {row[0] for row in _library.schema()}:
+        if name.lower() in self._groups:
+            return self._groups[name.lower()]
+        if name.lower() in {row[0] for row in _library.schema()}:
             return None
         raise AttributeError(f"there is no namelist group &{name}")
 

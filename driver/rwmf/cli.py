@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import argparse
 import functools
+import os
 import sys
 from collections.abc import Callable, Sequence
 
 import rwmf
 from rwmf import animate_command, commands, cost_command
 from rwmf._library import instruction_set
-from rwmf.errors import Interrupted, RwmfError
+from rwmf.errors import Interrupted, OutputError, RwmfError
 from rwmf.reproduce import command as reproduce_command
+from rwmf.streams import ReaderGoneError, guarded
 from rwmf.studies.commands import add_parsers as add_studies
 from rwmf.sweep.commands import add_parsers as add_sweeps
+from rwmf.words import thread_count, written_file
 
 __all__ = ["main", "make_parser"]
+
+# exit status of what the program did not foresee
+_UNFORESEEN = 3
+_SHOW_TRACEBACK = "RWMF_TRACEBACK"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -29,23 +36,55 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0, 1 numerical failure, 2 input, 130 interrupted.
+        Exit status: 0, 1 numerical failure, 2 input or output, 3 an error that the program did not
+        foresee, 130 interrupted.
     """
+    with guarded() as lost:
+        try:
+            status = _run(arguments)
+        except RwmfError as error:
+            print(f"rwmf: {error}", file=sys.stderr)
+            status = error.exit_status
+        except KeyboardInterrupt:
+            print("rwmf: interrupted", file=sys.stderr)
+            status = Interrupted.exit_status
+        except SystemExit as leave:
+            # after --help, --version, and a word that argparse refuses
+            status = int(leave.code or 0)
+        except ReaderGoneError:
+            status = 0
+        except Exception as error:
+            status = _report(error)
+    if not lost:
+        return status
+    if isinstance(lost[0], BrokenPipeError):
+        return 0
+    text = f"the standard output cannot be written: {lost[0].strerror}; files are complete"
+    print(f"rwmf: {text}", file=sys.stderr)
+    return status or OutputError.exit_status
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     options = make_parser().parse_args(arguments)
-    try:
-        status = options.run(options)
-        sys.stdout.flush()
-    except RwmfError as error:
-        print(f"rwmf: {error}", file=sys.stderr)
-        status = error.exit_status
-    except BrokenPipeError:
-        # the reader of a pipe has seen enough; nothing is left to be flushed
-        sys.stdout = None
-        status = 0
-    except KeyboardInterrupt:
-        print("rwmf: interrupted", file=sys.stderr)
-        status = Interrupted.exit_status
+    status = options.run(options)
+    sys.stdout.flush()
     return status
+
+
+def _report(error: Exception) -> int:
+    """Show in one line what no command has foreseen, and return the exit status."""
+    if os.environ.get(_SHOW_TRACEBACK):
+        raise error
+    if isinstance(error, OSError) and error.filename is not None:
+        print(f"rwmf: {error.filename}: {error.strerror}", file=sys.stderr)
+        return OutputError.exit_status
+    text = " ".join(str(error).split())
+    print(
+        f"rwmf: unforeseen {type(error).__name__}{text and ': '}{text} "
+        f"({_SHOW_TRACEBACK}=1 in the environment shows where)",
+        file=sys.stderr,
+    )
+    return _UNFORESEEN
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -102,9 +141,14 @@ def _add_run(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     _add_case(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--plot", metavar="FILE", help="draw the history (png, svg, pdf)")
     parser.add_argument(
-        "--loops", metavar="FILE", help="draw force over displacement of frame, cable and fuses"
+        "--plot", metavar="FILE", type=written_file, help="draw the history (png, svg, pdf)"
+    )
+    parser.add_argument(
+        "--loops",
+        metavar="FILE",
+        type=written_file,
+        help="draw force over displacement of frame, cable and fuses",
     )
     parser.add_argument("--out", metavar="DIR", help="write the CSV files of rwmf-batch there")
 
@@ -119,10 +163,14 @@ def _add_spectrum(subparsers: argparse._SubParsersAction[argparse.ArgumentParser
         "inputs/fig12_one_cosine.nml --csv cosine.csv --plot cosine.png",
     )
     _add_case(parser)
-    parser.add_argument("--csv", metavar="FILE", help="write the spectrum as rwmf-batch does")
-    parser.add_argument("--plot", metavar="FILE", help="draw the spectrum (png, svg, pdf)")
     parser.add_argument(
-        "--threads", metavar="N", type=_thread_count, default=0, help="threads (0: all)"
+        "--csv", metavar="FILE", type=written_file, help="write the spectrum as rwmf-batch does"
+    )
+    parser.add_argument(
+        "--plot", metavar="FILE", type=written_file, help="draw the spectrum (png, svg, pdf)"
+    )
+    parser.add_argument(
+        "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"
     )
     parser.add_argument(
         "--quantity",
@@ -131,13 +179,6 @@ def _add_spectrum(subparsers: argparse._SubParsersAction[argparse.ArgumentParser
         help="what each ordinate reports in place of &spectrum quantities (docs/outputs.md)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-
-
-def _thread_count(word: str) -> int:
-    n = int(word)
-    if n < 0:
-        raise argparse.ArgumentTypeError(f"{n}: must be >= 0")
-    return n
 
 
 def _add_cost(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -187,5 +228,5 @@ def _add_records(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]
         epilog="example: rwmf records export elcentro inputs/records/elcentro.csv",
     )
     export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
-    export.add_argument("file", metavar="FILE", help="file to write")
+    export.add_argument("file", metavar="FILE", type=written_file, help="file to write")
     export.set_defaults(run=commands.export_record)

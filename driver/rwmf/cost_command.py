@@ -8,6 +8,7 @@ import math
 from rwmf import commands, figures, plot_cost
 from rwmf.case import Case
 from rwmf.cost import Cost, Row, cost, count_tasks
+from rwmf.words import number, written_file
 
 __all__ = ["add_arguments", "run"]
 
@@ -22,21 +23,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--plot", metavar="FILE", help="draw error against time (png, svg, pdf)")
+    parser.add_argument(
+        "--plot", metavar="FILE", type=written_file, help="draw error against time (png, svg, pdf)"
+    )
     parser.add_argument(
         "--target",
         metavar="ERROR",
-        type=_error,
+        type=number(0, 1),
         default=1e-6,
         help="relative error of the peak that a setting is recommended for (1e-6)",
     )
-
-
-def _error(word: str) -> float:
-    value = float(word)
-    if not 0 < value < 1:
-        raise argparse.ArgumentTypeError(f"{word}: must be in (0, 1)")
-    return value
 
 
 def run(options: argparse.Namespace) -> int:

@@ -16,7 +16,8 @@ Made by `python -m rwmf.output_reference` from the one table that also orders an
 A key ends with its unit, `over_...` names what a number is divided by; `{i}` is the number of a
 floor or storey, from the ground up. What does not apply to a scene is absent. `rwmf.simulate`
 returns variables of a dataset under the name in the second column; without one a scalar is an
-attribute of the dataset. `rwmf.sweep` keeps any scalar of a run that has a name.
+attribute of the dataset. `rwmf.sweep` keeps any that a spectrum may be asked for, but those of
+single storeys.
 
 How a number is found:
 

@@ -71,15 +71,20 @@ def keys_of(names: Iterable[str]) -> list[str]:
     Parameters
     ----------
     names : iterable of str
-        Names in a dataset, or keys.
+        Names in a dataset, or keys; the case of their letters does not matter.
 
     Returns
     -------
     list of str
         In their order.
     """
-    keys = {item.name: key for key, item in QUANTITIES.items() if "run" in item.outputs.split()}
-    return [keys.get(name, name) for name in names]
+    keys = {key.lower(): key for key in QUANTITIES}
+    keys |= {
+        item.name.lower(): key
+        for key, item in QUANTITIES.items()
+        if item.name and "run" in item.outputs.split()
+    }
+    return [keys.get(name.lower(), name) for name in names]
 
 
 def find(key: str) -> Quantity:

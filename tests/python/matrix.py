@@ -307,10 +307,10 @@ def study_overturning(scene: Scene, _: Path) -> None:
     levels, omega = [1.5, 6.0], 4.0
     quiet = scene.case.replace(output=None)
     found = studies.overturning_map(quiet, [omega], levels, tolerance=10.0)
-    p = found.attrs["p_rad_s"]
+    p = float(found["p"])
     T_p = 2 * math.pi / (omega * p)
     for level, outcome in zip(levels, found["outcome"].values[0], strict=True):
-        motion = {"a_max_g": level * found.attrs["alpha_rad"], "omega_p": None, "T_p": T_p}
+        motion = {"a_max_g": level * float(found["alpha"]), "omega_p": None, "T_p": T_p}
         run = scalars(quiet.replace(motion=motion, solver={"t_end": T_p + 25 / p}))
         assert outcome == (run["impacts"] if run["overturned"] else SURVIVES)
 

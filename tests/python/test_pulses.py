@@ -248,7 +248,7 @@ def test_boundaries_of_overturning(name: str) -> None:
     chosen = int(np.argmax(np.where(stays_on_one_side, room, 0.0)))
     at, step = found.isel(boundary=chosen), 0.5 * float(room[chosen])
     assert step > 1e-3
-    T_p = 2 * math.pi / (2.0 * found.attrs["p_rad_s"])
+    T_p = 2 * math.pi / (2.0 * float(found["p"]))
     for side, outcome in ((-step, int(at["below"])), (step, int(at["above"]))):
         a_max_g = (float(at["boundary_amplitude"]) + side) * alpha
         pulse = {"a_max_g": a_max_g, "T_p": T_p}

@@ -108,6 +108,20 @@ def test_grids(elcentro: Path) -> None:
         assert row.kind in ("real", "int", "logical")
 
 
+def test_names_of_variables_are_without_units() -> None:
+    """What is an attribute of a run has no dimension of its own but what it took and how."""
+    for key, row in QUANTITIES.items():
+        if "run" in row.outputs.split() and not row.name:
+            assert row.found in ("work", "error") or row.kind in ("text", "list") or key == "rtol"
+        suffix = {"s": "_s", "m": "_m", "rad": "_rad", "rad/s": "_rad_s"}.get(row.unit, "_?")
+        assert not row.name.endswith(suffix) or row.name in ("T_s", "u_s"), row.name
+
+
+def test_drift_of_the_frame_is_that_of_its_roof() -> None:
+    for key in ("frame_drift", "frame_drift_max"):
+        assert "roof, over the wall's height" in QUANTITIES[key].meaning
+
+
 def test_numbers_of_storeys() -> None:
     row = quantities.find("floor_12_m")
     assert (row.name, row.meaning) == ("floor_12", "displacement of floor 12")

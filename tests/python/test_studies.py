@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -145,6 +148,31 @@ def test_bands_reach_perfect_restitution() -> None:
     assert (found["highest"].squeeze() >= single.squeeze()).all()
 
 
+def test_axes_of_studies_are_what_they_set() -> None:
+    """However a grid writes them; the frame alone gets the same ground motion as both."""
+    case = coupled(solver=QUICK | {"t_end": 3.0})
+    grid = {"frame.t_s": [0.5, 1.0], "A_max_g": [0.2, 0.4], "Wall.B": [0.5]}
+    found = studies.wall_effect(case, grid)
+    alone = found["u_s_max_alone"].squeeze()
+    assert alone.sizes == {"a_max_g": 2, "T_s": 2}
+    np.testing.assert_allclose(alone.sel(a_max_g=0.4) / alone.sel(a_max_g=0.2), 2.0, rtol=1e-5)
+    bands = [
+        studies.sensitivity_bands(case, {T_s: [0.5, 1.0]}, {e: [0.8, 0.9]})
+        for T_s, e in (("T_s", "e"), ("t_s", "impact.E"))
+    ]
+    xr.testing.assert_identical(*bands)
+    with pytest.raises(InputError, match=r"impact\.e.*uncertain"):
+        studies.sensitivity_bands(case, {"T_s": [0.5], "E": [0.9]}, {"e": [0.8, 0.9]})
+
+
+def test_quantities_of_studies_in_any_letters(suite: tuple[RecordFile, ...]) -> None:
+    case = coupled(solver=QUICK)
+    found = studies.suite_spectra(case, {"t_s": [0.5]}, suite, "Theta_Max_Over_Alpha")
+    assert "theta_max_over_alpha_percentiles" in found
+    with pytest.raises(InputError, match="T_s cannot be a further axis"):
+        studies.incremental_dynamic_analysis(case, [1.0], suite, grid={"t_s": [0.5]})
+
+
 def test_equal_response_of_a_linear_frame() -> None:
     case = bare_frame(solver=QUICK)
     found = studies.equal_response(case, [0.5, 1.0], 0.1)
@@ -188,3 +216,79 @@ def test_commands_draw_and_write(
     assert Path("x.png").stat().st_size > 5000
     with xr.open_dataset("x.nc", engine="h5netcdf") as found:
         assert len(found.variables) > 1
+
+
+def test_studies_come_with_the_package() -> None:
+    code = "import rwmf; assert callable(rwmf.studies.overturning_map)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("impact", "cable", "axes"),
+    [
+        ({"e": None, "rule": "coupled"}, {}, ["eta"]),
+        ({"e": None, "r": 0.81}, None, ["r"]),
+        ({}, None, ["e"]),
+        ({}, {}, ["e", "eta"]),
+    ],
+    ids=["rule", "r", "no cable", "both"],
+)
+def test_bands_vary_what_the_case_leaves_open(
+    impact: dict[str, object],
+    cable: dict[str, object] | None,
+    axes: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    case = coupled(solver=QUICK | {"t_end": 2.0}, impact=impact)
+    (case if cable is not None else case.without("cable")).to_namelist("case.nml")
+    assert cli.main(["study", "bands", "case.nml", "--t_s", "1.0", "--file", "b.nc"]) == 0
+    with xr.open_dataset("b.nc", engine="h5netcdf") as found:
+        outer = json.loads(found.attrs["sweep"])["outer"]
+    assert [name for name, _ in outer] == axes
+
+
+def test_bands_without_anything_uncertain(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    case = coupled(solver=QUICK, impact={"e": None, "rule": "coupled"}).without("cable")
+    case.to_namelist(tmp_path / "case.nml")
+    assert cli.main(["study", "bands", str(tmp_path / "case.nml")]) == 2
+    assert "nothing is uncertain: give --e or --eta" in capsys.readouterr().err
+
+
+def test_fragility_says_what_it_found(
+    suite: tuple[RecordFile, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+) -> None:
+    """Median and dispersion on the screen; case, version and records in the file."""
+    monkeypatch.chdir(tmp_path)
+    bare_frame(solver=QUICK).to_namelist("case.nml")
+    for i, record in enumerate(suite):
+        samples = Path(record.path).read_text("ascii").split()
+        text = "".join(f"{0.04 * k!r} {a}\n" for k, a in enumerate(samples))
+        Path(f"r{i}.txt").write_text(text, "ascii")
+    words = ["--records", "r0.txt", "r1.txt", "--unit", "g", "--levels", "0.1:1:4"]
+    words += ["--limit", "0.1", "--file", "f.nc"]
+    assert cli.main(["study", "fragility", "case.nml", *words]) == 0
+    shown = capsys.readouterr().out
+    with xr.open_dataset("f.nc", engine="h5netcdf") as found:
+        fit = f"median {float(found['median']):.6g} g, dispersion {float(found['dispersion']):.6g}"
+        assert f"u_s_max > 0.1 m: {fit}\n" in shown
+        assert "&frame" in found.attrs["case"]
+        assert found.attrs["version"] == rwmf.__version__
+        assert found["record"].values.tolist() == ["r0", "r1"]
+        assert found["record_crc32"].size == 2
+        assert found["limit"].attrs["units"] == "m"
+
+
+def test_results_of_studies_say_where_they_come_from() -> None:
+    found = [
+        studies.overturning_map(_overturning_block(), [5.0], [1.0, 2.0]),
+        studies.equal_response(bare_frame(solver=QUICK), [0.5], 0.1),
+        studies.sensitivity_bands(coupled(solver=QUICK), {"T_s": [0.5]}, {"e": [0.8, 0.9]}),
+    ]
+    for dataset in found:
+        assert dataset.attrs["version"] == rwmf.__version__
+        assert "&motion" in dataset.attrs["case"]

@@ -176,3 +176,80 @@ def test_an_error_in_the_progress_function_stops_all_kernels() -> None:
     with pytest.raises(ZeroDivisionError):
         rwmf.sweep(case, {"e": np.linspace(0.8, 0.9, 16)}, threads=2, progress=fail)
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("rwmf")]
+
+
+def test_letters_and_groups_of_an_axis_do_not_matter() -> None:
+    """An axis is what it sets, however it is written; nothing is computed without it."""
+    case = coupled(solver=QUICK | {"t_end": 2.0})
+    spellings = {
+        "T_s": ("t_s", "frame.T_s", "FRAME.t_S", "spectrum.T_s"),
+        "gamma": ("Gamma", "frame.GAMMA", "spectrum.gamma"),
+        "b": ("B", "wall.b"),
+        "scale": ("Scale",),
+        "e": ("E", "Impact.E"),
+        "a_max_g": ("A_MAX_G", "motion.a_max_g"),
+    }
+    for name, others in spellings.items():
+        expected = rwmf.sweep(case, {name: [0.4, 0.8]})
+        assert expected["u_s_max"].sizes[name] == 2
+        assert len(np.unique(expected["u_s_max"])) == 2
+        for other in others:
+            xr.testing.assert_identical(rwmf.sweep(case, {other: [0.4, 0.8]}), expected)
+    pairs = [(1, 5), (0, 0)]
+    xr.testing.assert_identical(rwmf.sweep(case, {"ETA": pairs}), rwmf.sweep(case, {"eta": pairs}))
+
+
+def test_letters_of_quantities_do_not_matter() -> None:
+    case = coupled(solver=QUICK | {"t_end": 2.0})
+    for names in (["u_s_max", "impacts"], ["U_s_Max", "IMPACTS"], ["u_s_max_m", "Impacts"]):
+        found = rwmf.sweep(case, quantities=names)
+        assert list(found) == ["u_s_max", "impacts", "status"]
+        found = rwmf.spectrum(case, T_s=[1.0], quantities=names)
+        assert list(found) == ["u_s_max", "impacts", "status"]
+    written = case.replace(spectrum={"T_s": [1.0], "quantities": ["U_S_MAX_M", "impacTS"]})
+    assert list(rwmf.spectrum(written)) == ["u_s_max", "impacts", "status"]
+    with pytest.raises(InputError, match="twice"):
+        case.replace(spectrum={"T_s": [1.0], "quantities": ["U_S_MAX_M", "u_s_max_m"]})
+
+
+def test_letters_of_groups_and_keys_do_not_matter() -> None:
+    case = coupled()
+    upper = rwmf.Case(
+        **{
+            name.upper(): {key.upper(): group[key] for key in group.given}
+            for name, group in case.groups.items()
+        }
+    )
+    assert upper == case
+    assert case.FRAME.t_S == case.frame.T_s
+    assert case.Fuse is None
+
+
+@pytest.mark.parametrize(
+    ("grid", "message"),
+    [
+        ({"t_s": [1.0], "frame.T_s": [2.0]}, "t_s and frame.T_s: both set frame.T_s"),
+        ({"eta": [(1, 5)], "eta_0": [3.0]}, "eta and eta_0: both set cable.eta_0"),
+        ({"spectrum.n": [3]}, "spectrum.n: no axis"),
+        ({5: [3.0]}, "a text"),
+        ({"T_s": "exact"}, "T_s = 'exact': must be a finite number"),
+        ({"b": [0.5, "wide"]}, "b = 'wide': must be a finite number"),
+        ({"T_s": [[1, 2], [3]]}, "T_s.*a list of values"),
+        ({"gamma": [5.0, 5.0]}, "gamma.*twice"),
+        ({"n_pulses": "abc"}, "n_pulses = 'abc'"),
+    ],
+    ids=str,
+)
+def test_axes_that_are_refused(grid: dict[object, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        rwmf.sweep(coupled(), grid)
+
+
+def test_scale_acts_on_the_amplitude_of_another_axis() -> None:
+    """Whichever of both stands first in the grid."""
+    case = bare_frame(solver=QUICK)
+    amplitude, scale = {"a_max_g": [0.2, 0.4]}, {"scale": [1.0, 2.0]}
+    for grid in (amplitude | scale, scale | amplitude):
+        found = rwmf.sweep(case, grid)["u_s_max"].squeeze()
+        twice = found.sel(scale=2.0) / found.sel(scale=1.0)
+        np.testing.assert_allclose(twice, 2.0, rtol=1e-5)

@@ -191,7 +191,7 @@ def _groups(m: list[float], k: list[float], coupling: str, height: float) -> dic
 
 
 def _of_storeys(run: xr.Dataset, what: str, n: int) -> list[float]:
-    return [run.attrs[f"storey_{i + 1}_{what}"] for i in range(n)]
+    return [float(run[f"storey_{i + 1}_{what}"]) for i in range(n)]
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
-# The virtual environment: exactly the versions of tools/requirements.txt, by the machine's own pip
-# configuration.
+# The virtual environment: exactly the files of tools/requirements.lock, by the machine's own pip
+# configuration. A file with another hash is refused.
 # shellcheck shell=bash
 
-venv_key() { hash_of "$root/tools/requirements.txt" "$root/tools/lib/venv.sh"; }
+venv_key() { hash_of "$root/tools/requirements.lock" "$root/tools/lib/venv.sh"; }
 
 # Complete, and made for this folder: a virtual environment does not survive a move.
 venv_is_sound() {
@@ -20,9 +20,9 @@ install_venv() {
       rm -rf "$venv"
       quietly "$cache/venv.log" "$interpreter" -m venv "$venv"
    fi
-   say "installing the Python packages of tools/requirements.txt into .venv"
+   say "installing the Python packages of tools/requirements.lock into .venv"
    quietly "$cache/pip.log" "$python" -m pip install --disable-pip-version-check \
-      --requirement "$root/tools/requirements.txt"
+      --require-hashes --requirement "$root/tools/requirements.lock"
    link_package
    printf '%s\n' "$key" >"$venv/requirements.stamp"
 }

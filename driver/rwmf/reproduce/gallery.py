@@ -13,6 +13,7 @@ from rwmf import figures
 from rwmf.errors import InputError
 from rwmf.reproduce import cable, histories, rotations, spectra
 from rwmf.reproduce.workshop import Workshop
+from rwmf.words import shorten
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,10 +133,10 @@ def find(word: str) -> str:
         When there is no such figure.
     """
     name = word.lower()
-    if match := re.fullmatch(r"(?:fig\.?)?0*(\d+)", name):
+    if match := re.fullmatch(r"(?:fig\.?)?0*(\d{1,2})", name):
         name = f"fig{int(match[1]):02d}"
     if name not in GALLERY:
-        raise InputError(f"{word!r} is not a figure; these are {', '.join(GALLERY)}")
+        raise InputError(f"{shorten(word)!r} is not a figure; these are {', '.join(GALLERY)}")
     return name
 
 

@@ -9,6 +9,7 @@ import xarray as xr
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
+from rwmf.sweep.axes import name_axes
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile
 
@@ -50,9 +51,13 @@ def sensitivity_bands(
     """
     if case.frame is None:
         raise InputError("bands: the case has no &frame, whose displacement they are of")
-    found = sweep(case, {**uncertain, **grid}, records, **how)
+    clear, vague = name_axes(grid), name_axes(uncertain)
+    both = [name for name in vague if name in clear]
+    if both:
+        raise InputError(f"bands: {both[0]}: is in the grid and uncertain")
+    found = sweep(case, vague | clear, records, **how)
     values = with_overturning(found)
-    over = [name for name in values.dims if name in uncertain]
+    over = [name for name in values.dims if name in {name.split(".")[-1] for name in vague}]
     nominal = with_overturning(sweep(case, grid, records, **how))
     bands = {
         "lowest": values.min(over),
@@ -60,4 +65,5 @@ def sensitivity_bands(
         "nominal": nominal,
     }
     labels = {"units": "m", "long_name": "displacement of the frame"}
-    return xr.Dataset({name: band.assign_attrs(labels) for name, band in bands.items()})
+    found_bands = {name: band.assign_attrs(labels) for name, band in bands.items()}
+    return xr.Dataset(found_bands, attrs=found.attrs)

@@ -22,6 +22,8 @@ from rwmf.studies.overturning import overturning_map
 from rwmf.studies.suite_spectra import suite_spectra
 from rwmf.studies.wall_effect import wall_effect
 from rwmf.sweep.commands import progress
+from rwmf.sweep.quantities import find_quantities
+from rwmf.words import number, shorten, thread_count, whole, written_file
 
 __all__ = ["add_parsers"]
 
@@ -29,6 +31,8 @@ Add = Callable[..., argparse.ArgumentParser]
 Report = Callable[[int, int], None]
 Compute = Callable[[argparse.Namespace, Case, Report], xr.Dataset]
 _PERIODS = "0.1:3:59"
+_FACTORS = "0.8:1:5"
+_TENSIONS = "0,0,1,5,5,50"
 _MOST_NUMBERS = 1_000_000
 
 
@@ -73,34 +77,39 @@ def _new(
     )
     parser.set_defaults(compute=compute, figure=figure, panels=panels)
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
-    parser.add_argument("--plot", metavar="FILE", help="draw the result (png, svg, pdf)")
-    parser.add_argument("--file", metavar="FILE.nc", help="write the result as NetCDF")
-    parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads (0: all)")
+    parser.add_argument(
+        "--plot", metavar="FILE", type=written_file, help="draw the result (png, svg, pdf)"
+    )
+    parser.add_argument(
+        "--file", metavar="FILE.nc", type=written_file, help="write the result as NetCDF"
+    )
+    parser.add_argument(
+        "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"
+    )
     return parser
 
 
 def _numbers(word: str) -> list[float]:
     """Read ``FIRST:LAST:N``, both ends included, or numbers with commas between them."""
+    read = number()
     try:
         if ":" in word:
             first, last, n = word.split(":")
-            count = int(n)
-            if not 1 <= count <= _MOST_NUMBERS:
-                raise ValueError
-            return np.linspace(float(first), float(last), count).tolist()
-        return [float(item) for item in word.split(",")]
-    except ValueError:
+            return np.linspace(read(first), read(last), whole(1, _MOST_NUMBERS)(n)).tolist()
+        return [read(item) for item in word.split(",")]
+    except (ValueError, argparse.ArgumentTypeError):
         raise argparse.ArgumentTypeError(
-            f"{word}: must be FIRST:LAST:N or numbers with commas between them"
+            f"{shorten(word)}: must be FIRST:LAST:N or finite numbers with commas between them, "
+            f"at most {_MOST_NUMBERS}"
         ) from None
 
 
 def _list(parser: argparse.ArgumentParser, name: str, default: str | None, text: str) -> None:
     shown = f" (default {default})" if default else ""
     value = _numbers(default) if default else None
-    parser.add_argument(
-        f"--{name}", metavar="LIST", type=_numbers, default=value, help=text + shown
-    )
+    # the same option without its capitals is the same option
+    words = dict.fromkeys((f"--{name}", f"--{name.lower()}"))
+    parser.add_argument(*words, metavar="LIST", type=_numbers, default=value, help=text + shown)
 
 
 def _add_records(parser: argparse.ArgumentParser, required: bool) -> None:
@@ -128,7 +137,9 @@ def _add_overturning(studies: argparse._SubParsersAction[argparse.ArgumentParser
     )
     _list(parser, "omega", "1:8:57", "frequencies of the pulse over p")
     _list(parser, "amplitude", "0.5:12:70", "amplitudes a_p/(alpha g) to scan")
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="width of the bisection")
+    parser.add_argument(
+        "--tolerance", type=number(above=0), default=1e-6, help="width of the bisection"
+    )
 
 
 def _add_spectra(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -179,21 +190,22 @@ def _add_ida(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     _add_records(parser, required=True)
     _list(parser, "levels", "0.1:2:20", "pseudo-spectral accelerations over g")
     parser.add_argument("--quantity", default="u_s_max", help="the demand, see rwmf study spectra")
-    parser.add_argument("--limit", type=float, required=True, help="limit of the demand")
+    parser.add_argument("--limit", type=number(), required=True, help="limit of the demand")
 
 
 def _compute_fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    (quantity,) = find_quantities((options.quantity,))
     analysis = incremental_dynamic_analysis(
         case,
         options.levels,
         options.records,
-        options.quantity,
+        quantity,
         unit=options.unit,
         threads=options.threads,
         progress=report,
     )
-    curve = fragility(analysis, options.limit, options.quantity)
-    return curve.assign({options.quantity: analysis[options.quantity]})
+    curve = fragility(analysis, options.limit, quantity)
+    return curve.assign({quantity: analysis[quantity]})
 
 
 def _add_wall(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -248,17 +260,31 @@ def _add_bands(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     )
     _add_records(parser, required=False)
     _add_grid(parser)
-    _list(parser, "e", "0.8:1:5", "velocity factors at impact")
-    _list(parser, "eta", "0,0,1,5,5,50", "pairs eta_0, eta_alpha one after the other")
+    texts = (
+        f"velocity factors at impact (default {_FACTORS}, unless a rule of the case gives it)",
+        f"pairs eta_0, eta_alpha one after the other (default {_TENSIONS}, with a cable)",
+    )
+    for name, text in zip(("e", "eta"), texts, strict=True):
+        _list(parser, name, None, text)
 
 
 def _compute_bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    if len(options.eta) % 2 > 0:
-        raise InputError("--eta: needs pairs eta_0, eta_alpha")
-    uncertain = {
-        "e": options.e,
-        "eta": list(zip(options.eta[::2], options.eta[1::2], strict=True)),
-    }
+    factors, tensions = options.e, options.eta
+    if factors is None and case.impact is not None and case.impact.rule == "constant":
+        factors = _numbers(_FACTORS)
+    if tensions is None and case.cable is not None:
+        tensions = _numbers(_TENSIONS)
+    uncertain: dict[str, object] = {}
+    if factors is not None:
+        # a case that gives r takes its square
+        squared = case.impact is not None and "r" in case.impact.given
+        uncertain = {"r": [e**2 for e in factors]} if squared else {"e": factors}
+    if tensions is not None:
+        if len(tensions) % 2 > 0:
+            raise InputError("--eta: needs pairs eta_0, eta_alpha")
+        uncertain["eta"] = list(zip(tensions[::2], tensions[1::2], strict=True))
+    if not uncertain:
+        raise InputError(f"{options.case}: nothing is uncertain: give --e or --eta")
     return sensitivity_bands(
         case,
         _grid(options),
@@ -282,7 +308,7 @@ def _add_equal(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "inputs/fig06_mild_frame_one_sine.nml --target 0.2 --plot equal.png",
     )
     _list(parser, "T_p", "0.2:3:57", "periods of the pulse in s")
-    parser.add_argument("--target", type=float, required=True, help="displacement in m")
+    parser.add_argument("--target", type=number(above=0), required=True, help="displacement in m")
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -304,9 +330,21 @@ def _run(options: argparse.Namespace) -> int:
     for path in (options.file, options.plot):
         if path:
             print(f"written: {path}")
+    if "median" in dataset:
+        print(_fit_in_words(dataset))
     if not options.file and not options.plot:
         print(dataset)
     return 0
+
+
+def _fit_in_words(dataset: xr.Dataset) -> str:
+    """Say what a fragility curve comes down to."""
+    unit = dataset["limit"].attrs["units"]
+    limit = f"{float(dataset['limit']):g}" + ("" if unit == "1" else f" {unit}")
+    return (
+        f"{dataset.attrs['quantity']} > {limit}: "
+        f"median {float(dataset['median']):.6g} g, dispersion {float(dataset['dispersion']):.6g}"
+    )
 
 
 def _write(dataset: xr.Dataset, path: Path) -> None:

@@ -135,7 +135,7 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(fine, exceedance(fine, median, dispersion), color="C0", label=text)
     ax.set_xlabel(r"$S_a(T_s)/g$")
     quantity = dataset.attrs["quantity"]
-    limit = f"{dataset.attrs['limit']:g}"
+    limit = f"{float(dataset['limit']):g}"
     ax.set_ylabel(f"P({_SYMBOLS.get(quantity, quantity)} > {limit})")
     ax.set_ylim(0, 1.02)
     # above the axes: the curve may begin or end in any corner
@@ -150,7 +150,7 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     for axis_format in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
         axis_format(lambda value, _: f"{value:g}")
     ax.set_xlabel("$T_p$ (s)")
-    ax.set_ylabel(r"$a_{\max}/g$ for $u_{s,\max}$ = " + f"{dataset.attrs['target_m']:g} m")
+    ax.set_ylabel(r"$a_{\max}/g$ for $u_{s,\max}$ = " + f"{float(dataset['target']):g} m")
     return ax
 
 

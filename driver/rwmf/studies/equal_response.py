@@ -12,6 +12,8 @@ from rwmf import _library
 from rwmf.case import Case
 from rwmf.endings import ending_of
 from rwmf.errors import InputError
+from rwmf.quantities import AXES
+from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
 from rwmf.unsupported import refuse_storeys
@@ -65,6 +67,9 @@ def equal_response(
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("equal response: the case needs &frame T_s")
     pulse = Pulse.of(case, "equal response")
+    for name, value in (("target", target), ("tolerance", tolerance), *(("T_p", T) for T in T_p)):
+        if not 0 < value < np.inf:
+            raise InputError(f"equal response: {name} = {value:g}: must be finite and > 0")
     periods = [float(value) for value in T_p]
     amplitudes: list[float] = []
     with ThreadPoolExecutor(count_threads(threads)) as executor:
@@ -78,9 +83,13 @@ def equal_response(
             raise
     text = f"amplitude over g for u_s,max = {target:g} m"
     return xr.Dataset(
-        {"a_max_g": ("T_p", amplitudes, {"units": "1", "long_name": text})},
+        {
+            "a_max_g": ("T_p", amplitudes, {"units": "1", "long_name": text}),
+            "target": ((), target, {"units": "m", "long_name": "displacement that is reached"}),
+            "T_s": ((), float(case.frame.T_s), AXES["T_s"].attributes),
+        },
         {"T_p": ("T_p", periods, {"units": "s", "long_name": "period of the pulse"})},
-        {"target_m": target, "T_s_s": float(case.frame.T_s)},
+        origin_of(case),
     )
 
 
@@ -97,6 +106,8 @@ def _search(pulse: Pulse, T_p: float, target: float, tolerance: float) -> float:
             return np.nan
     while high - low > tolerance * high:
         middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
         if reaches(middle):
             high = middle
         else:

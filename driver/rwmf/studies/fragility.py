@@ -14,6 +14,8 @@ from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 from rwmf.studies.wall_effect import without_wall
+from rwmf.sweep.axes import name_axes
+from rwmf.sweep.quantities import find_quantities
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile, find_records
 from rwmf.unsupported import refuse_storeys
@@ -72,14 +74,24 @@ def incremental_dynamic_analysis(
     if case.frame is None or case.frame.get("T_s") is None:
         raise InputError("incremental dynamic analysis: the case needs &frame T_s")
     T_s = float(case.frame.T_s)
+    further = name_axes(grid or {})
+    fixed = [name for name in ("scale", "T_s") if name in further]
+    if fixed:
+        raise InputError(f"incremental dynamic analysis: {fixed[0]} cannot be a further axis")
     suite = find_records(records, unit=unit, dt=dt)
     alone = sweep(without_wall(case), {"T_s": [T_s]}, suite)["u_s_max"].values.reshape(len(suite))
     intensity = (2 * math.pi / T_s) ** 2 * alone / float(case.model.g)
+    for record, value in zip(suite, intensity, strict=True):
+        if not value > 0:
+            raise InputError(
+                f"incremental dynamic analysis: {record.path}: the frame alone has no response to "
+                "it that could be scaled"
+            )
     scaled = [
         dataclasses.replace(record, scale=record.scale / float(value))
         for record, value in zip(suite, intensity, strict=True)
     ]
-    axes = {"scale": [float(level) for level in levels], "T_s": [T_s]} | dict(grid or {})
+    axes = {"scale": [float(level) for level in levels], "T_s": [T_s]} | further
     found = sweep(case, axes, scaled, quantities=(quantity,), **how)
     found["scale"].attrs["long_name"] = "pseudo-spectral acceleration of the frame alone over g"
     return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])
@@ -108,6 +120,7 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
     InputError
         When the limit is never or always exceeded: there is nothing to fit.
     """
+    (quantity,) = find_quantities((quantity,))
     values = with_overturning(analysis, quantity)
     usable = values.notnull().sum("record")
     exceeded = (values > limit).sum("record")
@@ -122,8 +135,9 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
             "fitted": ("scale", fitted, {"units": "1"}),
             "median": ((), median, {"units": analysis["scale"].attrs.get("units", "1")}),
             "dispersion": ((), dispersion, {"units": "1"}),
+            "limit": ((), limit, {"units": values.attrs.get("units", "1")}),
         },
-        attrs={"limit": limit, "quantity": quantity},
+        attrs=analysis.attrs | {"quantity": quantity},
     )
 
 
@@ -152,6 +166,8 @@ def _fit(
     limit: float,
 ) -> tuple[float, float]:
     """Median and dispersion of most likelihood: probit regression by Fisher scoring."""
+    if levels.size < 2 or not (levels > 0).all():
+        raise InputError("fragility: the fit needs two levels of intensity at least, all > 0")
     if not 0 < exceeded.sum() < of.sum():
         raise InputError(f"fragility: the limit {limit:g} is exceeded never or always")
     x = np.column_stack([np.ones(levels.size), np.log(levels)])

@@ -20,6 +20,7 @@ from rwmf import simulation
 from rwmf.case import Case
 from rwmf.endings import ending_of
 from rwmf.errors import InputError
+from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
 from rwmf.sweep.engine import count_threads
 
@@ -111,13 +112,17 @@ def overturning_map(
     wall = Wall.of(case)
     pulse = Pulse.of(case, "overturning")
     levels = [float(value) for value in amplitude]
-    if levels != sorted(set(levels)):
-        raise InputError("overturning: the amplitudes must increase")
+    if not np.isfinite(levels).all() or levels != sorted(set(levels)):
+        raise InputError("overturning: the amplitudes must be finite and increase")
+    frequencies = [float(value) for value in omega_over_p]
+    if not all(0 < value < math.inf for value in frequencies):
+        raise InputError("overturning: the frequencies omega_over_p must be finite and > 0")
+    if not tolerance > 0:
+        raise InputError(f"overturning: tolerance = {tolerance:g}: must be > 0")
 
     def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
         return _scan(pulse, wall, omega, levels, tolerance)
 
-    frequencies = [float(value) for value in omega_over_p]
     results = []
     with ThreadPoolExecutor(count_threads(threads)) as executor:
         try:
@@ -130,7 +135,8 @@ def overturning_map(
             raise
     outcomes = [outcome for outcome, _ in results]
     boundaries = [item for _, found in results for item in found]
-    return _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+    found = _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+    return found.assign_attrs(origin_of(case))
 
 
 def _scan(
@@ -160,7 +166,7 @@ def _bisect(
     if low[1] == high[1]:
         return []
     middle = 0.5 * (low[0] + high[0])
-    if high[0] - low[0] <= tolerance:
+    if high[0] - low[0] <= tolerance or middle in (low[0], high[0]):
         return [_Boundary(omega, middle, low[1], high[1])]
     centre = (middle, outcome_at(middle))
     return _bisect(outcome_at, omega, low, centre, tolerance) + _bisect(
@@ -211,4 +217,6 @@ def _to_dataset(
         name: (*value, {"units": "1", "long_name": texts[name]}) for name, value in values.items()
     }
     axes = {name: labelled.pop(name) for name in ("omega_over_p", "amplitude")}
-    return xr.Dataset(labelled, axes, {"alpha_rad": wall.alpha, "p_rad_s": wall.p})
+    labelled["alpha"] = ((), wall.alpha, {"units": "rad", "long_name": "slenderness atan(b/h)"})
+    labelled["p"] = ((), wall.p, {"units": "rad/s", "long_name": "frequency parameter of the wall"})
+    return xr.Dataset(labelled, axes)

@@ -8,6 +8,7 @@ import xarray as xr
 
 from rwmf.case import Case
 from rwmf.studies.statistics import USUAL_PERCENTILES, percentiles, with_overturning
+from rwmf.sweep.quantities import find_quantities
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile
 
@@ -50,6 +51,7 @@ def suite_spectra(
     InputError
         When the case, the grid or a record is not acceptable.
     """
+    (quantity,) = find_quantities((quantity,))
     found = sweep(case, grid, records, quantities=(quantity,), **how)
     values = with_overturning(found, quantity)
     return found.assign({f"{quantity}_percentiles": percentiles(values, q)})

@@ -11,6 +11,7 @@ from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
+from rwmf.sweep.axes import keys_of_axis, name_axes
 from rwmf.sweep.run import sweep
 from rwmf.sweep.suite import RecordFile
 
@@ -37,8 +38,7 @@ def without_wall(case: Case) -> Case:
     """
     if case.frame is None:
         raise InputError("the case has no &frame: nothing is left without the wall")
-    needs = _library.needs_of_groups()
-    gone = {name: None for name in case.groups if name == "wall" or "wall" in needs[name]}
+    gone = {name: None for name in case.groups if name in _groups_of_wall()}
     spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
     output = {"output": {"friction_limit": None}} if "output" in case.groups else {}
     return case.replace(
@@ -89,8 +89,7 @@ def wall_effect(
         When the case or the grid is not acceptable.
     """
     both = sweep(case, grid, records, **how)
-    shared = {key: value for key, value in grid.items() if key in ("T_s", "scale", "t_end", "xi_s")}
-    alone = sweep(without_wall(case), shared, records, **how)["u_s_max"]
+    alone = sweep(without_wall(case), _shared_axes(grid), records, **how)["u_s_max"]
     response = with_overturning(both)
     ratio = (response / alone).assign_attrs(
         units="1", long_name="displacement with the wall over that without it"
@@ -99,3 +98,18 @@ def wall_effect(
         {"ratio": ratio, "u_s_max": response, "u_s_max_alone": alone.astype(np.float64)},
         attrs=both.attrs,
     )
+
+
+def _shared_axes(grid: Mapping[str, object]) -> dict[str, object]:
+    """Take the axes that act on the frame alone: ground motion, period, damping, and so on."""
+    of_wall = _groups_of_wall()
+    return {
+        name: values
+        for name, values in name_axes(grid).items()
+        if name != "gamma" and not any(group in of_wall for group, _ in keys_of_axis(name))
+    }
+
+
+def _groups_of_wall() -> set[str]:
+    """Name the wall, and what is nothing without it."""
+    return {name for name, needs in _library.needs_of_groups().items() if {name, *needs} & {"wall"}}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,12 +13,28 @@ from rwmf.errors import InputError
 from rwmf.namelist import Value
 from rwmf.sweep.suite import RecordFile
 
-__all__ = ["Axis", "Coordinate", "Entries", "KeyAxis", "RecordAxis", "ScaleAxis", "key_axis"]
+__all__ = [
+    "PLACES",
+    "Axis",
+    "Coordinate",
+    "Entries",
+    "KeyAxis",
+    "RecordAxis",
+    "ScaleAxis",
+    "key_axis",
+    "keys_of_axis",
+    "name_axes",
+    "numbers_of_axis",
+]
 
 Entries = dict[str, dict[str, Value]]
+# the axes that the kernel loops over, and what each sets
+PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
 # names of axes that set several keys at once
-_PAIRS = {"eta": ("eta_0", "eta_alpha")}
+_PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
 _AMPLITUDES = ("scale", "a_max_g", "v_p")
+# letters of a wrong value in a message
+_SHOWN = 80
 
 
 @dataclass(frozen=True)
@@ -128,7 +144,7 @@ class ScaleAxis:
     def apply(self, entries: Entries, position: int) -> None:
         """Multiply the amplitude that the motion gives; a record without one has 1."""
         motion = entries.get("motion", {})
-        if motion.get("kind") == "record":
+        if str(motion.get("kind")).lower() == "record":
             motion.setdefault("scale", 1.0)
         for key in list(motion):
             if key.lower() in _AMPLITUDES:
@@ -178,14 +194,78 @@ class RecordAxis:
         ]
 
 
-def key_axis(name: str, values: object) -> KeyAxis | ScaleAxis:
-    """Make the axis of a name in a grid.
+def name_axes(grid: Mapping[str, object]) -> dict[str, object]:
+    """Give every axis of a grid its one name, however the grid spells what it sets.
+
+    Parameters
+    ----------
+    grid : mapping
+        Values by names: ``scale``, ``eta``, or keys of a case, with their group or without it;
+        the case of the letters does not matter.
+
+    Returns
+    -------
+    dict
+        The same values by ``T_s``, ``gamma``, ``b``, ``scale``, ``eta`` or ``group.key``.
+
+    Raises
+    ------
+    InputError
+        When there is no such key, or when two axes set the same.
+    """
+    found: dict[str, object] = {}
+    words: dict[tuple[str, str], str] = {}
+    for word, values in grid.items():
+        name = _axis_name(word)
+        for key in keys_of_axis(name):
+            if key in words:
+                raise InputError(f"grid: {words[key]} and {word}: both set {'.'.join(key)}")
+            words[key] = word
+        found[name] = values
+    return found
+
+
+def _axis_name(word: str) -> str:
+    if not isinstance(word, str):
+        raise InputError(f"grid: {word!r}: the name of an axis is a text")
+    same = [name for name in ("scale", *_PAIRS) if name == word.lower()]
+    if same:
+        return same[0]
+    group, key = _find_key(word)
+    if group == "spectrum" and key not in PLACES:
+        raise InputError(f"grid: {word}: no axis; the periods are the values of T_s")
+    is_place = key in PLACES and group in (PLACES[key][0], "spectrum")
+    return key if is_place else f"{group}.{key}"
+
+
+def keys_of_axis(name: str) -> tuple[tuple[str, str], ...]:
+    """Return the groups and keys that an axis sets.
 
     Parameters
     ----------
     name : str
-        ``scale``; ``eta`` for pairs (eta_0, eta_alpha); or a key of the case, ``e`` or
-        ``frame.xi_s``.
+        From `name_axes`.
+
+    Returns
+    -------
+    tuple of (group, key)
+        In the kernel's spelling; for ``scale`` a key that no case has.
+    """
+    if name in PLACES:
+        return (PLACES[name],)
+    if name == "scale":
+        return (("motion", "amplitude"),)
+    parts = (part.partition(".") for part in _PAIRS.get(name, (name,)))
+    return tuple((group, key) for group, _, key in parts)
+
+
+def key_axis(name: str, values: object) -> KeyAxis | ScaleAxis:
+    """Make an axis of a grid that is looped over outside the kernel.
+
+    Parameters
+    ----------
+    name : str
+        From `name_axes`: ``scale``; ``eta`` for pairs (eta_0, eta_alpha); or ``group.key``.
     values : sequence
         Numbers or texts, for ``eta`` pairs of numbers.
 
@@ -197,24 +277,51 @@ def key_axis(name: str, values: object) -> KeyAxis | ScaleAxis:
     Raises
     ------
     InputError
-        When there is no such key, or when the values do not fit it.
+        When the values do not fit it.
     """
-    rows = _rows(name, values, len(_PAIRS.get(name, (name,))))
+    keys = keys_of_axis(name)
+    rows = _rows(name, values, len(keys))
     if name == "scale":
-        return ScaleAxis(tuple(float(_number(name, row[0])) for row in rows))
-    keys = tuple(_find_key(part) for part in _PAIRS.get(name, (name,)))
+        return ScaleAxis(numbers_of_axis(name, values))
     return KeyAxis(name.split(".")[-1], keys, tuple(_typed(keys, row) for row in rows))
 
 
+def numbers_of_axis(name: str, values: object) -> tuple[float, ...]:
+    """Take the values of an axis of numbers.
+
+    Parameters
+    ----------
+    name : str
+        From `name_axes`.
+    values : float, sequence or array
+        The values.
+
+    Returns
+    -------
+    tuple of float
+        At least one, each once.
+
+    Raises
+    ------
+    InputError
+        When one is no finite number, or when they do not differ.
+    """
+    return tuple(_number(name, row[0]) for row in _rows(name, values, 1))
+
+
 def _rows(name: str, values: object, width: int) -> tuple[tuple[Value, ...], ...]:
-    if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
+    if not isinstance(values, str | Sequence):
+        # an array of numpy or of what makes one; a bare value is a list of one
+        values = np.asarray(values).tolist()
+    if isinstance(values, str) or not isinstance(values, Sequence):
         values = [values]
-    values = values.tolist() if isinstance(values, np.ndarray) else values
-    items = [item.tolist() if isinstance(item, np.generic) else item for item in values]
+    items = [
+        item.tolist() if isinstance(item, np.generic | np.ndarray) else item for item in values
+    ]
     rows = [tuple(item) if isinstance(item, list | tuple) else (item,) for item in items]
     if not rows or any(len(row) != width for row in rows):
         wanted = "a list of values" if width == 1 else f"a list of {width} numbers each"
-        raise InputError(f"grid: {name} = {values!r}: needs {wanted}")
+        raise InputError(f"grid: {name} = {_shown(values)}: needs {wanted}")
     rows = [tuple(_plain(name, value) for value in row) for row in rows]
     if len(set(rows)) < len(rows):
         raise InputError(f"grid: {name}: a value stands there twice")
@@ -225,7 +332,9 @@ def _typed(keys: tuple[tuple[str, str], ...], row: tuple[Value, ...]) -> tuple[V
     """Write whole numbers of integer keys as such."""
     kinds = {(found[0], found[1]): found[2] for found in _library.schema()}
     return tuple(
-        int(value) if kinds[key] == "integer" and float(value).is_integer() else value
+        int(value)
+        if kinds[key] == "integer" and isinstance(value, float) and value.is_integer()
+        else value
         for key, value in zip(keys, row, strict=True)
     )
 
@@ -238,8 +347,13 @@ def _plain(name: str, value: object) -> Value:
 
 def _number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise InputError(f"grid: {name} = {value!r}: must be a finite number or a text")
+        raise InputError(f"grid: {name} = {_shown(value)}: must be a finite number")
     return float(value)
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def _find_key(name: str) -> tuple[str, str]:

@@ -19,10 +19,13 @@ from rwmf.sweep.csv_parts import merge_csv
 from rwmf.sweep.engine import open_executor
 from rwmf.sweep.run import journal_of, merge, sweep
 from rwmf.sweep.sweep_file import SweepFile, read_sweep_file
+from rwmf.words import thread_count, whole, written_file
 
 __all__ = ["add_parsers", "merge_files", "print_counts", "progress", "sweep_file"]
 
 Add = Callable[..., argparse.ArgumentParser]
+# processes on one machine: beyond any, and what the system still starts
+_MOST_WORKERS = 4096
 
 
 def add_parsers(add: Add) -> None:
@@ -40,8 +43,12 @@ def add_parsers(add: Add) -> None:
         "restitution.nml --file restitution.nc",
     )
     parser.add_argument("sweep", metavar="SWEEP.nml", help="namelist with &sweep and &grid")
-    parser.add_argument("--file", metavar="FILE.nc", help="NetCDF file (default: SWEEP.nc)")
-    parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads (0: all)")
+    parser.add_argument(
+        "--file", metavar="FILE.nc", type=written_file, help="NetCDF file (default: SWEEP.nc)"
+    )
+    parser.add_argument(
+        "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"
+    )
     parser.add_argument(
         "--engine",
         metavar="NAME",
@@ -49,7 +56,9 @@ def add_parsers(add: Add) -> None:
         help="threads, processes, mpi (under mpiexec -n N python -m mpi4py.futures -m rwmf), dask "
         "or dask:ADDRESS",
     )
-    parser.add_argument("--workers", metavar="N", type=int, default=0, help="of the engine")
+    parser.add_argument(
+        "--workers", metavar="N", type=whole(0, _MOST_WORKERS), default=0, help="of the engine"
+    )
     parser.add_argument("--part", metavar="K/N", default="1/1", help="only the K-th of N parts")
     parser.add_argument("--restart", action="store_true", help="discard what is there")
     parser = add(
@@ -58,7 +67,9 @@ def add_parsers(add: Add) -> None:
         "Join parts: the journals of rwmf sweep --part, or the CSV files of rwmf-batch --part.",
         "whole.nc whole.nc.part-*.journal",
     )
-    parser.add_argument("file", metavar="FILE", help="file to write, .nc or .csv")
+    parser.add_argument(
+        "file", metavar="FILE", type=written_file, help="file to write, .nc or .csv"
+    )
     parser.add_argument("parts", metavar="PART", nargs="+", help="all parts, in any order")
 
 
@@ -82,6 +93,8 @@ def sweep_file(options: argparse.Namespace) -> int:
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)
         raise
+    except InputError as error:
+        raise InputError(f"{options.sweep}: {error}") from error
     seconds = time.perf_counter() - started
     if part[1] > 1:
         print(f"part {part[0]}/{part[1]} is done: {journal_of(path, part)} ({seconds:.1f} s)")

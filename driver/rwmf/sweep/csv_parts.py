@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rwmf.errors import InputError, OutputError
+from rwmf.namelist import read_text
 
 __all__ = ["merge_csv"]
 
 # written by rwmf-batch --part below the version
-_PART = re.compile(r"# part (\d+)/(\d+)$")
+_PART = re.compile(r"# part (\d{1,9})/(\d{1,9})$")
 
 
 @dataclass(frozen=True)
@@ -57,15 +58,13 @@ def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[s
 
 
 def _read(path: str) -> _Part:
-    try:
-        lines = Path(path).read_bytes().decode("utf-8", "surrogateescape").splitlines(True)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    lines = read_text(path).splitlines(True)
     marks = [i for i, line in enumerate(lines) if _PART.match(line.rstrip("\n"))]
     if len(marks) != 1:
         raise InputError(f"{path}: is not written by rwmf-batch --part K/N")
     match = _PART.match(lines.pop(marks[0]).rstrip("\n"))
-    start = next(i for i, line in enumerate(lines) if not line.startswith("#")) + 1
+    heads = [i for i, line in enumerate(lines) if not line.startswith("#")]
+    start = heads[0] + 1 if heads else len(lines)
     k, n = (int(word) for word in match.groups()) if match else (0, 0)
     return _Part(path, k, n, tuple(lines[:start]), tuple(lines[start:]))
 

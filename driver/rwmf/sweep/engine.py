@@ -200,10 +200,13 @@ def open_executor(engine: str, workers: int = 0) -> Iterator[Executor | None]:
         When there is no such engine, or when its package is missing.
     """
     kind, _, address = engine.partition(":")
+    kind = kind.lower()
+    if workers < 0:
+        raise InputError(f"workers = {workers}: must be >= 0 (0: one a core)")
     makers = {"processes": _processes, "mpi": _mpi, "dask": _dask}
-    if kind == "threads":
+    if kind == "threads" and not address:
         yield None
-    elif kind in makers:
+    elif kind in makers and (kind == "dask" or not address):
         with makers[kind](address, workers or count_threads(0)) as executor:
             yield executor
     else:
@@ -238,9 +241,13 @@ def _dask(address: str, workers: int) -> Iterator[Executor]:
     except ImportError as error:
         raise InputError(f"engine dask: needs the package distributed: {error}") from error
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
-    # silence: workers that come and go are its business, not an alarm on the user's terminal
-    with (
-        Client(address, timeout=30) if address else Client(**here, silence_logs=50) as client,
-        client.get_executor() as executor,
-    ):
+    try:
+        # silence: workers that come and go are its business, not an alarm on the user's terminal
+        client = Client(address, timeout=30) if address else Client(**here, silence_logs=50)
+    except (ValueError, OSError) as error:
+        raise InputError(
+            f"engine dask:{address}: no scheduler answers there: {error}; an address is "
+            "tcp://HOST:PORT"
+        ) from error
+    with client, client.get_executor() as executor:
         yield executor

@@ -20,11 +20,19 @@ from rwmf.errors import InputError, OutputError
 from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import QUANTITIES
 from rwmf.sweep.task import Chunk
+from rwmf.words import readable
 
 if TYPE_CHECKING:
     from h5netcdf import File, Variable
 
-__all__ = ["assemble", "attributes", "check_package", "read_identity", "status_names", "write"]
+__all__ = [
+    "assemble",
+    "attributes",
+    "check_package",
+    "read_identity",
+    "status_names",
+    "write",
+]
 
 Array = npt.NDArray[np.float64] | npt.NDArray[np.uint8]
 Source = Callable[[int], Chunk]
@@ -58,7 +66,7 @@ def attributes(layout: Layout) -> dict[str, str]:
         "title": "Sweep of rocking wall-moment frames",
         "source": f"rwmf {layout.version}",
         "version": layout.version,
-        "case": layout.case,
+        "case": readable(layout.case),
         "motion_crc32": layout.motion_crc32,
         "sweep": layout.to_text(),
     }
@@ -204,7 +212,7 @@ def _write_coordinates(file: File, layout: Layout) -> None:
         texts = isinstance(item.values[0], str)
         dtype = h5py.string_dtype() if texts else "<f8"
         variable = file.create_variable(item.name, (item.dimension,), dtype=dtype)
-        variable[...] = np.array(item.values, dtype=object if texts else float)
+        variable[...] = np.array(list(map(readable, item.values)), dtype=object if texts else float)
         if item.unit:
             variable.attrs["units"] = item.unit
         variable.attrs["long_name"] = item.meaning

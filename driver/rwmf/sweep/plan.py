@@ -13,8 +13,17 @@ from rwmf import _library
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.namelist import compose
-from rwmf.quantities import AXES
-from rwmf.sweep.axes import Axis, Coordinate, Entries, RecordAxis, key_axis
+from rwmf.quantities import AXES, keys_of
+from rwmf.sweep.axes import (
+    Axis,
+    Coordinate,
+    Entries,
+    RecordAxis,
+    ScaleAxis,
+    key_axis,
+    name_axes,
+    numbers_of_axis,
+)
 from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import DISPLACEMENT, find_quantities
 from rwmf.sweep.suite import RecordFile
@@ -83,7 +92,9 @@ class Plan:
 
     def _entries(self, positions: tuple[int, ...]) -> Entries:
         entries = {group: dict(keys) for group, keys in self.base.items()}
-        for axis, position in zip(self.axes, positions, strict=True):
+        placed = zip(self.axes, positions, strict=True)
+        # a factor acts on the amplitude that another axis may set
+        for axis, position in sorted(placed, key=lambda pair: isinstance(pair[0], ScaleAxis)):
             axis.apply(entries, position)
         return entries
 
@@ -154,9 +165,10 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
-    if "wall" in case.groups or quantities != (DISPLACEMENT,):
+    if "wall" in case.groups or keys_of(quantities) != keys_of((DISPLACEMENT,)):
         refuse_storeys(case)
     wanted = find_quantities(quantities)
+    grid = name_axes(grid)
     axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
     axes += [key_axis(name, values) for name, values in grid.items() if name not in AXES]
     names = [axis.name for axis in axes]
@@ -168,7 +180,7 @@ def make_plan(
         if quantity.asked_by:
             base.setdefault("output", {})[quantity.asked_by] = True
     size = chunk or (_CHUNK_RUNS if any(name == "T_s" for name, _ in inner) else _CHUNK_POINTS)
-    layout = _make_layout(case, compose(base), axes, inner, quantities, size)
+    layout = _make_layout(case, compose(base), axes, inner, tuple(wanted), size)
     plan = Plan(layout, base, case.kernel_source(), tuple(axes), inner)
     plan.check()
     return plan
@@ -231,13 +243,8 @@ def _inner_axes(
             raise InputError(f"grid: {name}: the case has no such effect to vary")
         if missing:
             continue
-        if name in grid:
-            values = np.atleast_1d(np.asarray(grid[name], dtype=np.float64)).ravel().tolist()
-        else:
-            values = _values_of_case(case, name, group)
-        if not values or len(set(values)) < len(values):
-            raise InputError(f"grid: {name}: needs values that differ")
-        found.append((name, tuple(values)))
+        values = grid[name] if name in grid else _values_of_case(case, name, group)
+        found.append((name, numbers_of_axis(name, values)))
     return tuple(found)
 
 

@@ -12,7 +12,7 @@ DISPLACEMENT = "u_s_max"
 QUANTITIES = {
     quantity.name: quantity
     for quantity in quantities.QUANTITIES.values()
-    if quantity.name and "run" in quantity.outputs.split()
+    if quantity.name and "ordinate" in quantity.outputs.split() and "{i}" not in quantity.name
 }
 
 
@@ -22,20 +22,22 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     Parameters
     ----------
     names : tuple of str
-        Names in the dataset.
+        Names in the dataset, or keys; the case of their letters does not matter.
 
     Returns
     -------
     dict of str to Quantity
-        In the order of the names.
+        By their names in the dataset, in their order.
 
     Raises
     ------
     InputError
         When there is none, or one is not known.
     """
-    unknown = [name for name in names if name not in QUANTITIES]
+    by_key = {quantity.key: quantity for quantity in QUANTITIES.values()}
+    keys = quantities.keys_of(names)
+    unknown = [name for name, key in zip(names, keys, strict=True) if key not in by_key]
     if unknown or not names:
         wrong = ", ".join(unknown) or "nothing"
         raise InputError(f"quantities: {wrong}: known are {', '.join(QUANTITIES)}")
-    return {name: QUANTITIES[name] for name in names}
+    return {by_key[key].name: by_key[key] for key in keys}

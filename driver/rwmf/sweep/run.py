@@ -20,6 +20,7 @@ from rwmf.sweep.plan import Plan, make_plan
 from rwmf.sweep.quantities import DISPLACEMENT
 from rwmf.sweep.suite import RecordFile, find_records
 from rwmf.sweep.task import Chunk
+from rwmf.words import readable
 
 __all__ = ["find_records", "journal_of", "merge", "sweep"]
 
@@ -92,6 +93,8 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
+    if not isinstance(chunk, int | np.integer) or chunk < 0:
+        raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
     found = find_records(records, unit=unit, dt=dt) if len(records) else ()
     plan = make_plan(case, grid or {}, found, tuple(quantities), chunk)
     work = _Work(plan, threads, executor, progress, part)
@@ -255,7 +258,11 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
     for item in layout.coordinates:
         labels = {"units": item.unit} if item.unit else {}
         labels["long_name"] = item.meaning
-        dataset.coords[item.name] = (item.dimension, np.array(item.values), labels)
+        dataset.coords[item.name] = (
+            item.dimension,
+            np.array(list(map(readable, item.values))),
+            labels,
+        )
     for name in layout.quantities:
         dataset[name] = (layout.dims, arrays[name], netcdf.QUANTITIES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))

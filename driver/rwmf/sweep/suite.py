@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import stat
 import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from pathlib import Path
 from rwmf.errors import InputError
 from rwmf.namelist import Value
 from rwmf.sweep import fema
+from rwmf.words import problem_of_name, shorten
 
 __all__ = ["RecordFile", "find_records"]
 
@@ -103,8 +105,8 @@ def find_records(
             found.append(word)
             continue
         text = os.fspath(word)
-        if text.startswith(_FEMA_PREFIX):
-            suite = fema.export(text.removeprefix(_FEMA_PREFIX))
+        if text.lower().startswith(_FEMA_PREFIX):
+            suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
             found += [_record(path, fema.UNIT, interval) for path, interval in suite]
         else:
             found += [_record(path, unit, dt) for path in _paths(text, Path(folder))]
@@ -114,11 +116,17 @@ def find_records(
 
 
 def _paths(word: str, folder: Path) -> list[Path]:
+    problem = problem_of_name(word)
+    if problem is not None:
+        raise InputError(f"records: {shorten(word)!r}: {problem}")
     path = folder / word
     if any(mark in word for mark in "*?["):
         base = Path(path.anchor) if path.is_absolute() else Path()
         pattern = str(path.relative_to(path.anchor)) if path.is_absolute() else str(path)
-        paths = sorted(item for item in base.glob(pattern) if item.is_file())
+        try:
+            paths = sorted(item for item in base.glob(pattern) if item.is_file())
+        except ValueError as error:
+            raise InputError(f"records: {word}: {error}") from error
     elif path.is_dir():
         paths = _at2_below(path)
     else:
@@ -134,6 +142,9 @@ def _at2_below(folder: Path) -> list[Path]:
 
 def _record(path: Path, unit: str | None, dt: float | None) -> RecordFile:
     try:
+        # a pipe could keep the reader waiting for ever, a device give bytes for ever
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise InputError(f"records: {path}: is not a regular file")
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error

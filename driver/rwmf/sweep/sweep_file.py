@@ -6,12 +6,14 @@ command. Its few forms (numbers, texts in quotes, lists) are read here.
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rwmf.errors import InputError
 from rwmf.namelist import read_text
+from rwmf.words import is_name_of_folder, problem_of_name, shorten
 
 __all__ = ["SweepFile", "read_sweep_file"]
 
@@ -29,7 +31,7 @@ _TOKEN = re.compile(
     )""",
     re.VERBOSE,
 )
-# key of &sweep: whether it holds texts, and whether it is a list
+# key of &sweep: what it holds (int: whole numbers), and whether it is a list
 _KEYS = {
     "case": (str, False),
     "file": (str, False),
@@ -37,9 +39,12 @@ _KEYS = {
     "unit": (str, False),
     "dt": (float, False),
     "quantities": (str, True),
-    "chunk": (float, False),
+    "chunk": (int, False),
 }
 _PAIR = "eta"
+_PATHS = ("case", "file", "records")
+# beyond any sweep
+_MOST_RUNS = 10**15
 
 
 @dataclass
@@ -98,7 +103,8 @@ def read_sweep_file(path: str) -> SweepFile:
     unknown = [name for name in groups if name not in ("sweep", "grid")]
     if unknown:
         raise InputError(f"{path}: unknown group &{unknown[0]}; allowed are &sweep and &grid")
-    values = {key: _checked(path, key, items) for key, items in groups.get("sweep", {}).items()}
+    asked = {key.lower(): items for key, items in groups.get("sweep", {}).items()}
+    values = {key: _checked(path, key, items) for key, items in asked.items()}
     if "case" not in values:
         raise InputError(f"{path}, &sweep: case is missing: the namelist of the case")
     folder = Path(path).parent
@@ -106,17 +112,16 @@ def read_sweep_file(path: str) -> SweepFile:
     records = [_located(folder, word) for word in values.pop("records", [])]
     for key, value in (values | {"records": records}).items():
         setattr(found, key, Path(value) if key == "file" else value)
-    found.chunk = int(found.chunk)
     found.grid = {key: _axis(path, key, items) for key, items in groups.get("grid", {}).items()}
     return found
 
 
 def _located(folder: Path, word: str) -> str:
-    return word if word.startswith("fema:") else str(folder / word)
+    return word if word.lower().startswith("fema:") else str(folder / word)
 
 
 def _axis(path: str, key: str, items: list[Item]) -> list[Item] | list[tuple[Item, ...]]:
-    if key != _PAIR:
+    if key.lower() != _PAIR:
         return items
     if len(items) % 2 > 0:
         raise InputError(f"{path}, &grid: eta: needs pairs eta_0, eta_alpha")
@@ -127,14 +132,35 @@ def _checked(path: str, key: str, items: list[Item]) -> object:
     if key not in _KEYS:
         raise InputError(f"{path}, &sweep: unknown key {key}; allowed are {', '.join(_KEYS)}")
     kind, several = _KEYS[key]
-    wanted = "text" if kind is str else "number"
-    if not all(isinstance(item, kind) for item in items) or (len(items) > 1 and not several):
-        shown = ", ".join(str(item) for item in items)
-        raise InputError(
-            f"{path}, &sweep: {key} = {shown}: must be {'a list of' if several else 'one'} {wanted}"
-            + ("s" if several else "")
-        )
+    wanted = {
+        str: "a list of texts" if several else "one text",
+        float: "one finite number > 0",
+        int: "one whole number >= 0",
+    }[kind]
+    accepted = {str: _is_text, float: _is_positive, int: _is_count}[kind]
+    shown = shorten(", ".join(str(item) for item in items))
+    if not all(map(accepted, items)) or (len(items) > 1 and not several):
+        raise InputError(f"{path}, &sweep: {key} = {shown}: must be {wanted}")
+    problems = [problem for item in items if key in _PATHS and (problem := problem_of_name(item))]
+    if problems:
+        raise InputError(f"{path}, &sweep: {key} = {shown}: {problems[0]}")
+    if key == "file" and is_name_of_folder(items[0]):
+        raise InputError(f"{path}, &sweep: {key} = {shown}: is a folder, not a file")
+    if kind is int:
+        return int(items[0])
     return items if several else items[0]
+
+
+def _is_text(item: Item) -> bool:
+    return isinstance(item, str)
+
+
+def _is_positive(item: Item) -> bool:
+    return isinstance(item, float) and 0 < item < math.inf
+
+
+def _is_count(item: Item) -> bool:
+    return isinstance(item, float) and item.is_integer() and 0 <= item <= _MOST_RUNS
 
 
 def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
@@ -163,7 +189,8 @@ def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
         elif kind == "end":
             group, items = None, None
         elif kind == "key":
-            if group is None or word in group:
+            # the same key in other letters is the same key
+            if group is None or word.lower() in map(str.lower, group):
                 raise InputError(f"{where}: {word}: outside of a group, or it stands twice")
             items = group.setdefault(word, [])
         elif kind not in ("comment", "comma"):

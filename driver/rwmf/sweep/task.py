@@ -14,13 +14,12 @@ from rwmf import _library
 from rwmf.endings import ending_of
 from rwmf.errors import InputError, NumericalError
 from rwmf.namelist import compose
-from rwmf.sweep.axes import Entries
+from rwmf.sweep.axes import PLACES, Entries
 from rwmf.sweep.quantities import QUANTITIES
 
 __all__ = ["Chunk", "Task", "run_task"]
 
 Progress = Callable[[int], None]
-_PLACE = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
 
 
 @dataclass(frozen=True)
@@ -161,7 +160,7 @@ def _run_points(task: Task, progress: Progress | None) -> Chunk:
 def _with_point(task: Task, point: tuple[float, ...]) -> Entries:
     entries = {group: dict(keys) for group, keys in task.entries.items()}
     for (name, _), value in zip(task.grid, point, strict=True):
-        group, key = _PLACE[name]
+        group, key = PLACES[name]
         entries.setdefault(group, {})[key] = value
     return entries
 

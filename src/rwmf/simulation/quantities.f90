@@ -2,10 +2,11 @@
 !> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
 !> `docs/outputs.md` read it.
 module rwmf_simulation_quantities
+   use rwmf_text_strings, only: to_lower
    implicit none
    private
 
-   public :: quantity_t, all_quantities, look_up, is_of_ordinate, quantities_text
+   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, quantities_text
 
    !> One quantity.
    type :: quantity_t
@@ -79,7 +80,8 @@ module rwmf_simulation_quantities
       quantity_t('wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', 'reactions', &
       '', 'displacement of the wall''s top over its height'), &
       quantity_t('frame_drift', 'frame_drift', '1', 'real', 'row', 'history', 'frame', &
-      'reactions', '`&wall`', 'displacement of the frame over the wall''s height'), &
+      'reactions', '`&wall`', &
+      'displacement of the frame, that of its roof, over the wall''s height'), &
       quantity_t('pivot_normal_N', 'pivot_normal_N', 'N', 'real', 'row', 'history', 'wall', &
       'reactions', '`m_w`', 'vertical reaction of the pivot'), &
       quantity_t('pivot_horizontal_N', 'pivot_horizontal_N', 'N', 'real', 'row', 'history', &
@@ -111,10 +113,12 @@ module rwmf_simulation_quantities
       quantity_t('theta_end_over_alpha', 'theta_end_over_alpha', '1', 'real', 'end', &
       'run ordinate', 'fuse', '', '', &
       'rotation in the end over alpha, at which fuses may hold the wall up'), &
-      quantity_t('storey_{i}_ductility', '', '1', 'real', 'peak', 'run ordinate', 'yielding', '', &
-      '`storey_u_y`', 'largest displacement of storey {i} over that at first yield'), &
-      quantity_t('storey_{i}_residual_drift', '', '1', 'real', 'end', 'run ordinate', 'yielding', &
-      '', '`storey_u_y`', 'drift of storey {i} that unloading would leave in the end'), &
+      quantity_t('storey_{i}_ductility', 'storey_{i}_ductility', '1', 'real', 'peak', &
+      'run ordinate', 'yielding', '', '`storey_u_y`', &
+      'largest displacement of storey {i} over that at first yield'), &
+      quantity_t('storey_{i}_residual_drift', 'storey_{i}_residual_drift', '1', 'real', 'end', &
+      'run ordinate', 'yielding', '', '`storey_u_y`', &
+      'drift of storey {i} that unloading would leave in the end'), &
       quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', 'wall', '', &
       '`base = ''rocking''`', 'number of impacts'), &
       quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', 'wall', '', &
@@ -129,42 +133,45 @@ module rwmf_simulation_quantities
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run ordinate', 'wall', '', &
       '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
-      quantity_t('T_s_s', '', 's', 'real', 'before', 'run spectrum', 'frame', '', &
+      quantity_t('T_s_s', 'T_s', 's', 'real', 'before', 'run spectrum', 'frame', '', &
       'in a run `&storeys`', 'period of the frame'), &
-      quantity_t('modal_mass_over_m_w', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
+      quantity_t('modal_mass_over_m_w', 'modal_mass_over_m_w', '1', 'real', 'before', 'run', &
+      'storeys', '', '', &
       'mass of the first mode over that of the wall'), &
-      quantity_t('mass_participation', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
+      quantity_t('mass_participation', 'mass_participation', '1', 'real', 'before', 'run', &
+      'storeys', '', '', &
       'mass of the first mode over that of all floors'), &
-      quantity_t('modal_height_m', '', 'm', 'real', 'before', 'run', 'storeys', '', '', &
-      'height at which the mass of the first mode acts'), &
-      quantity_t('roof_factor', '', '1', 'real', 'before', 'run', 'storeys', '', '', &
+      quantity_t('modal_height_m', 'modal_height', 'm', 'real', 'before', 'run', 'storeys', '', &
+      '', 'height at which the mass of the first mode acts'), &
+      quantity_t('roof_factor', 'roof_factor', '1', 'real', 'before', 'run', 'storeys', '', '', &
       'displacement of the roof over that of the first mode'), &
       quantity_t('base_shear_max_over_weight', 'base_shear_max_over_weight', '1', 'real', 'peak', &
       'run ordinate', '', 'reactions', '', 'largest base shear over weight of wall and frame'), &
-      quantity_t('t_base_shear_max_s', 't_base_shear_max_s', 's', 'real', 'time', 'run ordinate', &
+      quantity_t('t_base_shear_max_s', 't_base_shear_max', 's', 'real', 'time', 'run ordinate', &
       '', 'reactions', '', 'time of the largest base shear'), &
       quantity_t('pivot_normal_min_over_m_w_g', 'pivot_normal_min_over_m_w_g', '1', 'real', &
       'peak', 'run ordinate', 'wall', 'reactions', '', &
       'smallest pivot reaction over weight of wall'), &
-      quantity_t('t_pivot_normal_min_s', 't_pivot_normal_min_s', 's', 'real', 'time', &
+      quantity_t('t_pivot_normal_min_s', 't_pivot_normal_min', 's', 'real', 'time', &
       'run ordinate', 'wall', 'reactions', '', 'time of the smallest pivot reaction'), &
       quantity_t('pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', 'run ordinate', 'wall', &
       'reactions', '', 'whether the pivot reaction was not positive at some time'), &
       quantity_t('friction_demand_max', 'friction_demand_max', '1', 'real', 'peak', &
       'run ordinate', 'wall', 'reactions', '', 'required coefficient of friction'), &
-      quantity_t('t_friction_demand_max_s', 't_friction_demand_max_s', 's', 'real', 'time', &
+      quantity_t('t_friction_demand_max_s', 't_friction_demand_max', 's', 'real', 'time', &
       'run ordinate', 'wall', 'reactions', 'no lift of the pivot', &
       'time of the largest friction demand'), &
       quantity_t('friction_exceeded', 'friction_exceeded', '1', 'logical', 'whether', &
       'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`', &
       'whether the friction demand exceeded the limit'), &
-      quantity_t('t_friction_exceeded_s', 't_friction_exceeded_s', 's', 'real', 'time', &
+      quantity_t('t_friction_exceeded_s', 't_friction_exceeded', 's', 'real', 'time', &
       'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`, exceeded', &
       'first time at which the demand exceeds the limit'), &
       quantity_t('wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', 'run ordinate', 'wall', &
       'reactions', '', 'largest drift of the wall'), &
       quantity_t('frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', 'run ordinate', &
-      'frame', 'reactions', '`&wall`', 'largest drift of the frame'), &
+      'frame', 'reactions', '`&wall`', &
+      'largest displacement of the frame, that of its roof, over the wall''s height'), &
       quantity_t('steps', '', '1', 'int', 'work', 'run cost', '', '', '', &
       'accepted steps of the integrator'), &
       quantity_t('rhs_evaluations', '', '1', 'int', 'work', 'run spectrum cost', '', '', '', &
@@ -273,6 +280,18 @@ contains
       if (status == 0) place = findloc(all_quantities%key == key(:first - 1)//'{i}'//key(behind:), &
          .true., dim=1)
    end subroutine look_up
+
+   !> A key in the spelling of the outputs: a user's capitals do not matter. What the table does not
+   !> have comes back in small letters, as the keys that carry a number are.
+   elemental character(40) function spelled(key)
+      character(*), intent(in) :: key
+      !! as a user writes it
+      integer :: place
+
+      place = findloc(to_lower(all_quantities%key) == to_lower(key), .true., dim=1)
+      spelled = to_lower(key)
+      if (place > 0) spelled = all_quantities(place)%key
+   end function spelled
 
    !> May a spectrum be asked for it?
    elemental logical function is_of_ordinate(quantity)

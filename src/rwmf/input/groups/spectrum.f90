@@ -8,7 +8,7 @@ module rwmf_input_groups_spectrum
       has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, spelled
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -72,8 +72,9 @@ contains
       integer :: i
 
       call get_texts(values, 'spectrum', 'quantities', asked)
+      if (.not. allocated(asked)) return
       do i = 1, size(asked)
-         call look_up(trim(asked(i)), place, storey)
+         call look_up(trim(spelled(asked(i))), place, storey)
          if (place > 0) then
             if (.not. is_of_ordinate(all_quantities(place))) place = 0
          end if
@@ -85,7 +86,7 @@ contains
             end do
             call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is unknown; ' &
                //'allowed, where they apply:'//known, error)
-         else if (any(asked(:i - 1) == asked(i))) then
+         else if (any(spelled(asked(:i - 1)) == spelled(asked(i)))) then
             call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is given twice', &
                error)
          end if
@@ -137,9 +138,14 @@ contains
    subroutine fill_spectrum(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: asked(:)
 
       allocate (case%spectrum)
-      call get_texts(case%values, 'spectrum', 'quantities', case%spectrum%quantities)
+      call get_texts(case%values, 'spectrum', 'quantities', asked)
+      if (allocated(asked)) then
+         allocate (character(40) :: case%spectrum%quantities(size(asked)))
+         case%spectrum%quantities(:) = spelled(asked)
+      end if
       call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)
       call get_list(case%values, 'spectrum', 'b', case%spectrum%b)
       call get_list(case%values, 'spectrum', 'T_s', case%spectrum%T_s)
