@@ -6,10 +6,11 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
+from rwmf import files
 from rwmf.animate import animate
 from rwmf.case import Case
 from rwmf.commands import progress_bar
-from rwmf.errors import InputError, OutputError
+from rwmf.errors import InputError
 from rwmf.simulation import simulate
 
 __all__ = ["add_parser", "run"]
@@ -54,5 +55,4 @@ def _check(case: Case, options: argparse.Namespace, path: Path) -> None:
         raise InputError(f"--speed {options.speed:g}: must be > 0")
     if options.until is not None and not options.until > 0:
         raise InputError(f"--until {options.until:g}: must be > 0")
-    if not path.parent.is_dir():
-        raise OutputError(f"{path.parent}: the folder does not exist")
+    files.check_outputs([path], case.inputs)
