@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import argparse
 import functools
+import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
+from typing import TextIO
 
 import rwmf
 from rwmf import animate_command, commands, cost_command
 from rwmf._library import instruction_set
-from rwmf.errors import Interrupted, RwmfError
+from rwmf.errors import Interrupted, OutputError, RwmfError
 from rwmf.reproduce import command as reproduce_command
 from rwmf.studies.commands import add_parsers as add_studies
 from rwmf.sweep.commands import add_parsers as add_sweeps
 
 __all__ = ["main", "make_parser"]
+
+_STANDARD_ERROR = 2
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -31,11 +37,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit status: 0, 1 numerical failure, 2 input, 130 interrupted.
     """
-    options = make_parser().parse_args(arguments)
+    _fill_standard_streams()
     try:
-        status = options.run(options)
-        sys.stdout.flush()
+        with redirect_stdout(_StandardOutput(sys.stdout)):
+            status = _run(arguments)
     except RwmfError as error:
+        if isinstance(error, _StandardOutputError):
+            # Python must not try again when it ends
+            sys.stdout = None
         print(f"rwmf: {error}", file=sys.stderr)
         status = error.exit_status
     except BrokenPipeError:
@@ -46,6 +55,66 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("rwmf: interrupted", file=sys.stderr)
         status = Interrupted.exit_status
     return status
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    try:
+        options = make_parser().parse_args(arguments)
+    except SystemExit:
+        # after --help, --version
+        sys.stdout.flush()
+        raise
+    status = options.run(options)
+    sys.stdout.flush()
+    return status
+
+
+class _StandardOutputError(OutputError):
+    """The standard output is full or closed."""
+
+
+class _StandardOutput:
+    """The standard output, whose failures are told apart from those of files."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        with self._told():
+            return self._stream.write(text)
+
+    def flush(self) -> None:
+        with self._told():
+            self._stream.flush()
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stream, name)
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            text = f"the standard output cannot be written: {error.strerror}"
+            raise _StandardOutputError(text) from error
+
+
+def _fill_standard_streams() -> None:
+    """Let no file of results get the number of a standard stream that the caller has closed.
+
+    What is printed would go into it. What takes the number instead can only be read, so that
+    printing on a closed standard output fails as on a full one.
+    """
+    while (descriptor := os.open(os.devnull, os.O_RDONLY)) <= _STANDARD_ERROR:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
+    if sys.stderr is None:
+        # without it messages would go to the standard output
+        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115
 
 
 def make_parser() -> argparse.ArgumentParser:
