@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 from rwmf.figures import new_figure
@@ -66,24 +67,20 @@ def animate(
     """
     writer = _writer(path, frames_per_second)
     factor = magnification(dataset["theta"].values)
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
-    try:
+    with files.replacing(path, path.suffix) as stream, new_figure(6.4, 5.2) as figure:
+        # a layout that is found again for every frame would tremble
+        figure.set_layout_engine("none")
+        draw = _stage(figure, case, dataset, factor)
         try:
-            with new_figure(6.4, 5.2) as figure:
-                # a layout that is found again for every frame would tremble
-                figure.set_layout_engine("none")
-                draw = _stage(figure, case, dataset, factor)
-                with writer.saving(figure, str(temporary), dpi=100):
-                    for i in range(dataset.sizes["time"]):
-                        draw(i)
-                        writer.grab_frame()
-                        if progress is not None:
-                            progress(i + 1, dataset.sizes["time"])
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+            with writer.saving(figure, stream.name, dpi=100):
+                for i in range(dataset.sizes["time"]):
+                    draw(i)
+                    writer.grab_frame()
+                    if progress is not None:
+                        progress(i + 1, dataset.sizes["time"])
+        except CalledProcessError as error:
+            # the program that writes the film may find the disk full
+            raise OutputError(f"{path}: cannot be written: {error}") from error
     return factor
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from rwmf import files
 from rwmf.animate import animate
 from rwmf.case import Case
 from rwmf.commands import progress_bar
-from rwmf.errors import InputError, OutputError
+from rwmf.errors import InputError
 from rwmf.simulation import simulate
 from rwmf.words import number, whole, written_file
 
@@ -59,5 +60,4 @@ def _check(case: Case, options: argparse.Namespace, path: Path) -> None:
     """Complain before the computation, not after it."""
     if case.wall is None:
         raise InputError(f"{options.case}: without &wall nothing rocks")
-    if not path.parent.is_dir():
-        raise OutputError(f"{path.parent}: the folder does not exist")
+    files.check_outputs([path], case.inputs)

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NoReturn
 
-from rwmf import _library
-from rwmf.errors import InputError, OutputError
+from rwmf import _library, files
+from rwmf.errors import InputError
 from rwmf.group import Group
 from rwmf.namelist import Value, compose, read_text
 
@@ -122,6 +122,13 @@ class Case:
         return self._text
 
     @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Files that the case was read from: its namelist, if it has one, then its records."""
+        own = [] if self._source is None else [self._folder / Path(self._source).name]
+        names = [group["file"] for group in self._groups.values() if "file" in group]
+        return (*own, *(self._folder / str(name) for name in names if name))
+
+    @property
     def groups(self) -> dict[str, Group]:
         """All groups of the case by name, in the kernel's order."""
         return dict(self._groups)
@@ -216,6 +223,8 @@ class Case:
 
         Raises
         ------
+        InputError
+            When the file is one of the case's records.
         OutputError
             When the file cannot be written.
         """
@@ -231,7 +240,9 @@ class Case:
             entries[group]["file"] = str(full)
         text = compose(entries)
         if path is not None:
-            _write_atomically(Path(path), text)
+            # the case's own file may be written anew; the records stay what the text names
+            files.check_not_read(path, self.inputs[self._source is not None :])
+            files.write_bytes(path, text.encode("utf-8", "surrogateescape"))
         return text
 
     @property
@@ -291,15 +302,3 @@ class Case:
 
 def _restore(text: str, source: str | None) -> Case:
     return Case.from_text(text, source)
-
-
-def _write_atomically(path: Path, text: str) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        try:
-            temporary.write_text(text, encoding="utf-8", errors="surrogateescape")
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error

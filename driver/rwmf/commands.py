@@ -5,27 +5,32 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rwmf import _library, figures, loops, records, simulation
+from rwmf import _library, figures, files, loops, records, simulation
 from rwmf.case import Case
 from rwmf.endings import ENDINGS
-from rwmf.errors import OutputError
 from rwmf.quantities import keys_of
 from rwmf.spectrum import count_ordinates, with_grid
 from rwmf.spectrum import start as start_spectrum
 from rwmf.spectrum import to_dataset as spectrum_dataset
 
-__all__ = ["check", "export_record", "list_records", "progress_bar", "run", "spectrum"]
+__all__ = [
+    "check",
+    "check_plot",
+    "export_record",
+    "list_records",
+    "progress_bar",
+    "run",
+    "spectrum",
+]
 
 # lines of `rwmf check`: word of the kernel's inventory, how it is shown, and when there is none
 _INVENTORY = (
@@ -45,9 +50,9 @@ _LOOP_POINTS = 40000
 def run(options: argparse.Namespace) -> int:
     """Simulate one case (``rwmf run``)."""
     case = Case.from_namelist(options.case)
-    _check_outputs(options.plot, options.loops, folder=options.out)
-    _check_plot(options.plot)
-    _check_plot(options.loops)
+    files.check_outputs([options.plot, options.loops], case.inputs, options.out)
+    check_plot(options.plot)
+    check_plot(options.loops)
     if options.loops:
         loops.check_springs(case)
     with simulation.start(case) as result:
@@ -88,8 +93,8 @@ def spectrum(options: argparse.Namespace) -> int:
     """Compute a spectrum (``rwmf spectrum``)."""
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantity)
-    _check_outputs(options.plot, options.csv)
-    _check_plot(options.plot)
+    files.check_outputs([options.plot, options.csv], case.inputs)
+    check_plot(options.plot)
     with (
         progress_bar(count_ordinates(case)) as report,
         start_spectrum(case, options.threads, report) as sweep,
@@ -134,22 +139,8 @@ def export_record(options: argparse.Namespace) -> int:
     return 0
 
 
-def _check_outputs(*paths: str | None, folder: str | None = None) -> None:
-    """Complain about a place that cannot be written before the computation, not after it."""
-    folders = {Path(path).parent for path in paths if path}
-    if folder:
-        folders.add(Path(folder))
-    for place in folders:
-        if not place.is_dir():
-            raise OutputError(f"{place}: the folder does not exist")
-        if not os.access(place, os.W_OK):
-            raise OutputError(f"{place}: the folder cannot be written")
-    for path in paths:
-        if path and Path(path).is_dir():
-            raise OutputError(f"{path}: is a folder, not a file")
-
-
-def _check_plot(path: str | None) -> None:
+def check_plot(path: str | None) -> None:
+    """Complain about the name of a figure before the computation, not after it."""
     if path:
         figures.check_format(path)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 
-from rwmf import commands, figures, plot_cost
+from rwmf import commands, figures, files, plot_cost
 from rwmf.case import Case
 from rwmf.cost import Cost, Row, cost, count_tasks
 from rwmf.words import number, written_file
@@ -49,8 +49,8 @@ def run(options: argparse.Namespace) -> int:
         Exit status.
     """
     case = Case.from_namelist(options.case)
-    commands._check_outputs(options.plot)
-    commands._check_plot(options.plot)
+    files.check_outputs([options.plot], case.inputs)
+    commands.check_plot(options.plot)
     with commands.progress_bar(count_tasks()) as report:
         found = cost(case, options.target, report)
     if options.plot:

@@ -1,4 +1,4 @@
-"""Figures as files: written beside their place and moved there when they are complete."""
+"""Figures as files."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from rwmf import loops, plot
+from rwmf import files, loops, plot
 from rwmf.case import Case
-from rwmf.errors import InputError, OutputError
+from rwmf.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -90,19 +90,11 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     OutputError
         When the file cannot be written.
     """
-    target = Path(path)
-    kind = check_format(target)
-    temporary = target.with_name(f".{target.stem}.{os.getpid()}.tmp.{kind}")
+    kind = check_format(path)
     # without a date the same figure is the same file
     dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    try:
-        try:
-            figure.savefig(temporary, format=kind, metadata=dated.get(kind))
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written: {error.strerror}") from error
+    with files.replacing(path) as stream:
+        figure.savefig(stream, format=kind, metadata=dated.get(kind))
 
 
 def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rwmf.errors import InputError, OutputError
+from rwmf import files
+from rwmf.errors import InputError
 
 __all__ = ["RECORDS", "Record", "export", "find", "list_records"]
 
@@ -166,16 +167,10 @@ def export(name: str, path: str | os.PathLike[str]) -> str:
     if not record.is_at2:
         content = _header(record, source) + content
     target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    try:
+    with files.reported(target):
         target.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            temporary.write_bytes(content)
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written: {error.strerror}") from error
+    files.check_outputs([target], [source])
+    files.write_bytes(target, content)
     return f"{target}: {record.variant}; {_facts(record, source)}"
 
 

@@ -1,17 +1,18 @@
 !> `rwmf-batch`: runs the cases of namelist files and writes CSV files.
 program rwmf_batch
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use, intrinsic :: iso_fortran_env, only: error_unit
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
       error_t, instruction_set, read_case_file, result_t, simulate, spectrum_t, version, &
       write_result, write_spectrum
    use rwmf_app_cli, only: command_line_t, read_command_line, usage
-   use rwmf_app_signals, only: is_interrupted, watch_interrupts
+   use rwmf_app_signals, only: ignore_file_limit, is_interrupted, watch_interrupts
+   use rwmf_app_streams, only: fill_standard_streams, put
    use rwmf_core_error, only: add_context, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_output_csv, only: case_name
+   use rwmf_output_csv, only: case_name, check_outputs
    use rwmf_problem_single_run, only: has_period
    use rwmf_spectrum_spectrum, only: spectrum_periods
-   use rwmf_text_atomic_file, only: check_folder, join_path
+   use rwmf_text_atomic_file, only: check_folder, join_path, remove_leftovers
    use rwmf_text_strings, only: string_t
    implicit none
 
@@ -20,13 +21,15 @@ program rwmf_batch
    integer :: status
 
    status = 0
+   call fill_standard_streams()
+   call ignore_file_limit()
    call read_command_line(command_line, error)
    if (allocated(error)) then
       call report(error, status)
    else if (command_line%help) then
-      write (output_unit, '(a)') usage
+      call say(usage, status)
    else if (command_line%version) then
-      write (output_unit, '(a)') 'rwmf '//version//' ('//trim(instruction_set())//')'
+      call say('rwmf '//version//' ('//trim(instruction_set())//')', status)
    else
       call run_batch(command_line, status)
    end if
@@ -73,7 +76,31 @@ contains
       end do
       call check_folder(command_line%folder, error)
       call report(error, status)
+      if (status /= 0) return
+      call check_inputs(command_line, cases, error)
+      call report(error, status)
+      call remove_leftovers(command_line%folder)
    end subroutine read_cases
+
+   !> Fails when what a case writes is read by one of them.
+   subroutine check_inputs(command_line, cases, error)
+      type(command_line_t), intent(in) :: command_line
+      type(case_t), intent(in) :: cases(:)
+      !! (files)
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: name
+      integer :: reads
+      integer :: writes
+
+      do writes = 1, size(cases)
+         call name_output(command_line%cases(writes)%text, command_line, name)
+         do reads = 1, size(cases)
+            call check_outputs(command_line%folder, name, cases(reads), error, &
+               command_line%cases(reads)%text)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine check_inputs
 
    !> Would the last of these files write to the names of an earlier one?
    subroutine check_name(paths, error)
@@ -127,6 +154,19 @@ contains
       write (text, '(i0, a, i0)') command_line%part, between, command_line%parts
    end function part_name
 
+   !> What the names of a case's files begin with.
+   subroutine name_output(path, command_line, name)
+      character(*), intent(in) :: path
+      !! of the namelist
+      type(command_line_t), intent(in) :: command_line
+      character(:), allocatable, intent(out) :: name
+
+      name = case_name(path)
+      if (command_line%parts > 1) then
+         name = name//'.part-'//trim(part_name(command_line, '-of-'))
+      end if
+   end subroutine name_output
+
    !> Run what the case asks for: one simulation, a spectrum, or both. A part is of a spectrum only.
    subroutine run_case(case, path, command_line, control, status)
       type(case_t), intent(in) :: case
@@ -138,40 +178,45 @@ contains
       type(error_t), allocatable :: error
 
       if (has_period(case) .and. command_line%parts == 1) then
-         call run_simulation(case, path, command_line%folder, control, error)
+         call run_simulation(case, path, command_line%folder, control, status, error)
       end if
       if (.not. allocated(error) .and. allocated(case%spectrum)) then
-         call run_spectrum(case, path, command_line, control, error)
+         call run_spectrum(case, path, command_line, control, status, error)
       end if
       if (allocated(error)) call add_context(error, path)
       call report(error, status)
    end subroutine run_case
 
    !> One simulation: summary and history.
-   subroutine run_simulation(case, path, folder, control, error)
+   subroutine run_simulation(case, path, folder, control, status, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
       character(*), intent(in) :: folder
       type(control_t), intent(in) :: control
+      integer, intent(inout) :: status
+      !! unchanged when what is to be said was printed
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: result
+      character(40) :: seconds
 
       call simulate(case, result, error, control)
       if (allocated(error)) return
       call report_warnings(path, result)
-      call write_result(case, result, folder, case_name(path), error)
+      call write_result(case, result, folder, case_name(path), error, path)
       if (allocated(error)) return
-      write (output_unit, '(a, f0.3, a)') path//': summary' &
-         //trim(merge(', history', '         ', allocated(result%history))) &
-         //' written (', result%seconds, ' s)'
+      write (seconds, '(f0.3)') result%seconds
+      call say(path//': summary'//trim(merge(', history', '         ', allocated(result%history))) &
+         //' written ('//trim(seconds)//' s)', status)
    end subroutine run_simulation
 
    !> The spectrum. Ordinates that fail are NaN with a reason; they do not stop the others.
-   subroutine run_spectrum(case, path, command_line, control, error)
+   subroutine run_spectrum(case, path, command_line, control, status, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
       type(command_line_t), intent(in) :: command_line
       type(control_t), intent(in) :: control
+      integer, intent(inout) :: status
+      !! unchanged when what is to be said was printed
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: all_threads = 0
       type(spectrum_t) :: spectrum
@@ -184,9 +229,9 @@ contains
       if (allocated(error)) return
       failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned' &
          .and. spectrum%status /= 'collapsed')
-      write (output_unit, '(a, i0, a, f0.3, a, i0, a)') path//': spectrum written (', &
-         size(spectrum%status), ' ordinates, ', spectrum%seconds, ' s, ', spectrum%threads, &
-         ' threads)'
+      write (counts, '(i0, a, f0.3, a, i0, a)') size(spectrum%status), ' ordinates, ', &
+         spectrum%seconds, ' s, ', spectrum%threads, ' threads)'
+      call say(path//': spectrum written ('//trim(counts), status)
       if (failed > 0) then
          write (counts, '(i0, " of ", i0)') failed, size(spectrum%status)
          call fail(error, err_numerical, &
@@ -203,14 +248,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: name
 
-      name = case_name(path)
+      call name_output(path, command_line, name)
+      name = join_path(command_line%folder, name//'.spectrum.csv')
       if (command_line%parts == 1) then
-         call write_spectrum(case, spectrum, &
-            join_path(command_line%folder, name//'.spectrum.csv'), error)
+         call write_spectrum(case, spectrum, name, error)
       else
-         name = name//'.part-'//trim(part_name(command_line, '-of-'))//'.spectrum.csv'
-         call write_spectrum(case, spectrum, join_path(command_line%folder, name), error, &
-            trim(part_name(command_line, '/')))
+         call write_spectrum(case, spectrum, name, error, trim(part_name(command_line, '/')))
       end if
    end subroutine save_spectrum
 
@@ -225,6 +268,17 @@ contains
          write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(result%warnings(i))
       end do
    end subroutine report_warnings
+
+   !> Print a line. What is computed and written does not depend on whether anybody gets it.
+   subroutine say(line, status)
+      character(*), intent(in) :: line
+      integer, intent(inout) :: status
+      !! unchanged when all went well
+      type(error_t), allocatable :: error
+
+      call put(line, error)
+      call report(error, status)
+   end subroutine say
 
    !> Tell the user what went wrong, if anything did.
    subroutine report(error, status)

@@ -4,13 +4,14 @@
 !> Part of the program, not of the library: a signal handler receives nothing but the number of the
 !> signal, so that the flag has to be a variable of the module.
 module rwmf_app_signals
-   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, &
+      c_null_funptr
    use rwmf_core_control, only: control_t
    use rwmf_core_kinds, only: i8
    implicit none
    private
 
-   public :: watch_interrupts, is_interrupted
+   public :: ignore_file_limit, watch_interrupts, is_interrupted
 
    integer(i8), target :: interrupted = 0_i8
    !! non-zero after a signal
@@ -26,6 +27,17 @@ module rwmf_app_signals
    end interface
 
 contains
+
+   !> A file that grows over the user's limit (ulimit -f) is a failed write like that of a full
+   !> disk: what is unfinished is removed, and it is reported. The signal would end the program
+   !> before.
+   subroutine ignore_file_limit()
+      integer(c_int), parameter :: sigxfsz = 25_c_int
+      integer(c_intptr_t), parameter :: sig_ign = 1_c_intptr_t
+      type(c_funptr) :: previous
+
+      previous = c_signal(sigxfsz, transfer(sig_ign, c_null_funptr))
+   end subroutine ignore_file_limit
 
    !> From now on a signal sets the cancel flag of this control instead of ending the program.
    subroutine watch_interrupts(control)

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 _PARTS = 8
 
 
-def slowly_unloaded(  # noqa: PLR0913
+def slowly_unloaded(
     u: float, z: float, u_y: float, hardening: float, beta: float, exponent: float
 ) -> float:
     """Displacement [m] at which Bouc and Wen's force is gone after a slow motion back.

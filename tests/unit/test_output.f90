@@ -30,6 +30,8 @@ program test_output
    call test_missing_folder()
    call test_target_is_folder()
    call test_full_disk()
+   call test_input_stays()
+   call test_link_stays()
    call execute_command_line('rm -rf '//folder)
    call checks%finish()
 
@@ -210,6 +212,54 @@ contains
       call checks%that(line_of('run.summary.csv', 6) == earlier, 'earlier file untouched')
       call checks%that(count_files() == before, 'temporary files removed')
    end subroutine test_full_disk
+
+   !> What the case was read from is no place for a result, under whatever name.
+   subroutine test_input_stays()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: before
+
+      call execute_command_line('cd '//folder//' && echo samples > motion.txt' &
+         //' && ln -s motion.txt link.history.csv && ln motion.txt hard.summary.csv')
+      call make_case(case)
+      call make_result(result)
+      allocate (case%record)
+      case%motion%path = folder//'/../'//folder//'/motion.txt'
+      before = count_files()
+      call write_result(case, result, folder, 'link', error)
+      call checks%has_error(error, err_input, 'link.history.csv', 'a link to the record')
+      call write_result(case, result, folder, 'hard', error)
+      call checks%has_error(error, err_input, 'hard.summary.csv', 'another name of the record')
+      deallocate (case%record)
+      call write_result(case, result, folder, 'case', error, folder//'/motion.txt')
+      call checks%no_error(error, 'nothing is read that is written')
+      call write_result(case, result, folder, 'hard', error, folder//'/motion.txt')
+      call checks%has_error(error, err_input, 'hard.summary.csv', 'another name of the case')
+      call checks%that(line_of('motion.txt', 1) == 'samples', 'the record stays')
+      call checks%that(count_files() == before + 1, 'nothing else was written')
+   end subroutine test_input_stays
+
+   !> A link stays and leads to the result; a device stays what it is.
+   subroutine test_link_stays()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: status
+
+      call execute_command_line('cd '//folder//' && mkdir place' &
+         //' && ln -s place/target linked.summary.csv && ln -s /dev/null null.summary.csv')
+      call make_case(case)
+      call make_result(result)
+      call write_result(case, result, folder, 'linked', error)
+      call checks%no_error(error, 'written to the target of a link')
+      call checks%that(line_of('place/target', 3) == '# &wall h = 2.0 /', 'the target')
+      call write_result(case, result, folder, 'null', error)
+      call checks%no_error(error, 'written to a device')
+      call execute_command_line('cd '//folder//' && test -h linked.summary.csv' &
+         //' && test -h null.summary.csv && test -c /dev/null', exitstat=status)
+      call checks%that(status == 0, 'links and device stay')
+   end subroutine test_link_stays
 
    !> Files may grow to this size from now on.
    subroutine limit_file_size(bytes)

@@ -93,8 +93,12 @@ install_system_packages() {
 
 # What only tests use: they are skipped without it, so that its lack stops nothing.
 install_test_packages() {
-   ! command -v valgrind >/dev/null || return 0
+   local package missing=()
+   for package in valgrind strace; do
+      command -v "$package" >/dev/null || missing+=("$package")
+   done
+   [[ ${#missing[@]} -gt 0 ]] || return 0
    if may_install && command -v apt-get >/dev/null &&
-      (trap drop_apt EXIT; install_packages valgrind); then return 0; fi
-   say "no valgrind: tests that need it are skipped"
+      (trap drop_apt EXIT; install_packages "${missing[@]}"); then return 0; fi
+   say "no ${missing[*]}: tests that need it are skipped"
 }

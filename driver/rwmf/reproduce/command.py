@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from rwmf import files
 from rwmf.commands import progress_bar
 from rwmf.errors import InputError, OutputError
 from rwmf.reproduce import gallery, pages, report
@@ -46,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     """Make what the command line asks for and return exit status 0; errors as `collect`."""
     started = time.perf_counter()
     names = list(dict.fromkeys(gallery.find(word) for word in options.figures or gallery.GALLERY))
-    _check_folders(options)
+    _check_folders(options, names)
     work = Workshop(options.inputs, options.validation)
     with progress_bar(len(names)) as step:
         for done, name in enumerate(names):
@@ -62,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _check_folders(options: argparse.Namespace) -> None:
+def _check_folders(options: argparse.Namespace, names: list[str]) -> None:
     """Complain before the computation, not after it."""
     for folder in (options.inputs, options.validation):
         if not folder.is_dir():
@@ -74,15 +75,21 @@ def _check_folders(options: argparse.Namespace) -> None:
             except OSError as error:
                 text = f"{folder}: the folder cannot be made: {error.strerror}"
                 raise OutputError(text) from error
+    pages_of = [options.out / "report.html"] if options.report else []
+    if options.docs:
+        pages_of += [options.docs / "claims.md", options.docs / "validation.md"]
+    drawn = [options.out / f"{name}.{kind}" for name in names for kind in gallery.FORMATS]
+    read = [*options.inputs.rglob("*"), *options.validation.rglob("*")]
+    files.check_outputs([*drawn, *pages_of], read)
 
 
 def _write_pages(work: Workshop, names: list[str], options: argparse.Namespace) -> None:
     print("claims and validation", file=sys.stderr, flush=True)
     contents = collect(work, {name: options.out / f"{name}.png" for name in names})
     if options.report:
-        pages.write_text(options.out / "report.html", report.compose(contents))
+        files.write_bytes(options.out / "report.html", report.compose(contents).encode())
         print(f"written: {options.out / 'report.html'}")
     if options.docs:
-        pages.write_text(options.docs / "claims.md", pages.claims_page(contents))
-        pages.write_text(options.docs / "validation.md", pages.validation_page(contents))
+        files.write_bytes(options.docs / "claims.md", pages.claims_page(contents).encode())
+        files.write_bytes(options.docs / "validation.md", pages.validation_page(contents).encode())
         print(f"written: {options.docs / 'claims.md'}, {options.docs / 'validation.md'}")

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf import files
 from rwmf.errors import InputError
 
 __all__ = ["COLUMNS", "Difference", "EngineHistory", "compare", "crossings", "read", "write"]
@@ -110,7 +111,7 @@ def write(path: Path, facts: dict[str, Any], history: Array) -> None:
 
     Raises
     ------
-    OSError
+    OutputError
         When the file cannot be written.
     """
     used = np.flatnonzero(~np.isnan(history).all(axis=0))
@@ -118,7 +119,7 @@ def write(path: Path, facts: dict[str, Any], history: Array) -> None:
     lines += [
         ",".join([f"{row[0]:.4f}", *(f"{x:.6g}" for x in row[1:])]) for row in history[:, used]
     ]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    files.write_bytes(path, ("\n".join(lines) + "\n").encode())
 
 
 def compare(response: xr.Dataset, engine: EngineHistory) -> Difference:

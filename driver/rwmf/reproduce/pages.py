@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
-from rwmf.errors import OutputError
 from rwmf.reproduce import tables
 from rwmf.reproduce.contents import Contents
 from rwmf.reproduce.forms import ETAS, SHIPPED_ETAS
@@ -18,7 +14,6 @@ __all__ = [
     "VALIDATION_NOTE",
     "claims_page",
     "validation_page",
-    "write_text",
 ]
 
 _GENERATED = "<!-- made by: tools/run reproduce --docs docs; do not edit -->\n"
@@ -188,29 +183,3 @@ _MISSING = """## What is not validated here
   place of the corner that is down. The rigid wall hardly slides; the deformable one does at a blow,
   in `g5` by about as much as its u_s differs from the model's.
 """
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file; a failure leaves an earlier file untouched.
-
-    Parameters
-    ----------
-    path : path
-        File to write.
-    text : str
-        Its contents.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        try:
-            temporary.write_text(text, encoding="utf-8")
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from rwmf import figures
+from rwmf import figures, files
 from rwmf.case import Case
-from rwmf.errors import InputError, OutputError
+from rwmf.errors import InputError
+from rwmf.netcdf_file import new_file
 from rwmf.studies import draw
 from rwmf.studies.bands import sensitivity_bands
 from rwmf.studies.equal_response import equal_response
@@ -23,6 +23,7 @@ from rwmf.studies.suite_spectra import suite_spectra
 from rwmf.studies.wall_effect import wall_effect
 from rwmf.sweep.commands import progress
 from rwmf.sweep.quantities import find_quantities
+from rwmf.sweep.suite import find_records
 from rwmf.words import number, shorten, thread_count, whole, written_file
 
 __all__ = ["add_parsers"]
@@ -314,9 +315,10 @@ def _add_equal(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
 def _run(options: argparse.Namespace) -> int:
     """Compute a study, write it, draw it (``rwmf study``)."""
     case = Case.from_namelist(options.case)
-    for path in (options.plot, options.file):
-        if path and not os.access(Path(path).parent, os.W_OK):
-            raise OutputError(f"{Path(path).parent}: the folder cannot be written")
+    words = getattr(options, "records", None) or ()
+    records = find_records(words, unit=options.unit) if words else ()
+    inputs = [*case.inputs, *(record.path for record in records)]
+    files.check_outputs([options.plot, options.file], inputs)
     if options.plot:
         figures.check_format(options.plot)
     with progress() as report:
@@ -348,12 +350,5 @@ def _fit_in_words(dataset: xr.Dataset) -> str:
 
 
 def _write(dataset: xr.Dataset, path: Path) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        try:
-            dataset.to_netcdf(temporary, engine="h5netcdf")
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error}") from error
+    with new_file(path) as (file, _):
+        dataset.dump_to_store(xr.backends.H5NetCDFStore(file))

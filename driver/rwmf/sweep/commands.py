@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from rwmf import files
 from rwmf.case import Case
 from rwmf.commands import progress_bar
 from rwmf.errors import InputError, Interrupted
@@ -78,6 +79,7 @@ def sweep_file(options: argparse.Namespace) -> int:
     asked = read_sweep_file(options.sweep)
     path = Path(options.file) if options.file else asked.file
     part = _parse_part(options.part)
+    files.check_outputs([path], [options.sweep, asked.case])
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:

@@ -6,9 +6,9 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from rwmf.errors import InputError, OutputError
+from rwmf import files
+from rwmf.errors import InputError
 from rwmf.namelist import read_text
 
 __all__ = ["merge_csv"]
@@ -54,7 +54,8 @@ def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[s
         given = ", ".join(str(part.k) for part in found)
         raise InputError(f"merge: needs the parts 1 to {first.n} once each, has {given}")
     text = "".join([*first.head, *_interleave(found)])
-    _write(Path(file), text)
+    files.check_outputs([file], parts)
+    files.write_bytes(file, text.encode("utf-8", "surrogateescape"))
 
 
 def _read(path: str) -> _Part:
@@ -88,15 +89,3 @@ def _curves(part: _Part) -> list[list[str]]:
     for row in part.rows:
         curves.setdefault(tuple(row.split(",")[:-3]), []).append(row)
     return list(curves.values())
-
-
-def _write(path: Path, text: str) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        try:
-            temporary.write_bytes(text.encode("utf-8", "surrogateescape"))
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error

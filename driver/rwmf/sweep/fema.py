@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rwmf.errors import InputError, OutputError
+from rwmf import files
+from rwmf.errors import InputError
 
 __all__ = ["SETS", "UNIT", "export"]
 
@@ -100,13 +101,6 @@ def _cache_folder() -> Path:
 
 
 def _write(path: Path, a: np.ndarray) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
+    with files.reported(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            temporary.write_text("".join(f"{value!r}\n" for value in a.tolist()), encoding="ascii")
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
+    files.write_bytes(path, "".join(f"{value!r}\n" for value in a.tolist()).encode())

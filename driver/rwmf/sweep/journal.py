@@ -9,16 +9,17 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import stat
 import struct
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
 
 import numpy as np
 
+from rwmf import files
 from rwmf.errors import InputError, OutputError
 from rwmf.sweep.layout import Layout, difference
 from rwmf.sweep.task import Chunk
@@ -40,6 +41,8 @@ class Journal:
         The file; it is made, or continued when it belongs to the same layout.
     layout : Layout
         The sweep.
+    restart : bool
+        Begin a journal that is there anew, whatever sweep it belongs to.
 
     Raises
     ------
@@ -49,34 +52,37 @@ class Journal:
         When it cannot be written, or when another process writes it.
     """
 
-    def __init__(self, path: Path, layout: Layout) -> None:
+    def __init__(self, path: Path, layout: Layout, *, restart: bool = False) -> None:
         self.path = path
         self.layout = layout
-        with _writing(path):
+        with files.reported(path):
             self._file: BinaryIO = _open_locked(path)
         try:
-            self._index = self._scan()
+            self._index = self._scan(restart)
         except BaseException:
             self._file.close()
             raise
 
-    def _scan(self) -> dict[int, int]:
+    def _scan(self, restart: bool) -> dict[int, int]:
         """Find the complete entries, or begin the file; what follows them is cut off."""
         text = self.layout.to_text().encode()
         index: dict[int, int] = {}
         end = 0
         for number, offset, payload, following in _entries(self._file, self.path):
+            if restart:
+                break
             if number == _LAYOUT:
                 self._compare(payload.decode())
             else:
                 index[number] = offset
             end = following
-        with _writing(self.path):
+        with files.reported(self.path):
             self._file.seek(end)
             self._file.truncate()
             if end == 0:
-                self._file.write(_MAGIC)
+                self._write(_MAGIC)
                 self._append(_LAYOUT, text)
+                files.sync_folder(self.path.parent)
         return index
 
     def _compare(self, old: str) -> None:
@@ -108,16 +114,21 @@ class Journal:
         OutputError
             When the file cannot be written.
         """
-        with _writing(self.path):
+        with files.reported(self.path):
             self._file.seek(0, os.SEEK_END)
             self._index[chunk.number] = self._append(chunk.number, _pack(chunk, self.layout))
 
     def _append(self, number: int, payload: bytes) -> int:
         offset = self._file.tell()
-        self._file.write(_frame(number, payload))
-        self._file.flush()
+        self._write(_frame(number, payload))
         os.fsync(self._file.fileno())
         return offset
+
+    def _write(self, content: bytes) -> None:
+        # without a buffer: what the disk refuses would be tried again when the file is closed
+        rest = memoryview(content)
+        while rest:
+            rest = rest[self._file.write(rest) :]
 
     def get(self, number: int) -> Chunk:
         """Read a chunk.
@@ -226,20 +237,31 @@ def _unpack(number: int, payload: bytes, layout: Layout) -> Chunk:
 
 
 def _open_locked(path: Path) -> BinaryIO:
-    file = path.open("a+b")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
+    """Open or make the file that the name stands for, and lock it.
+
+    The name may change hands until the lock is there: whoever finishes a sweep removes its journal.
+    """
+    while True:
+        file = open(path, "a+b", buffering=0, opener=_open_regular)  # noqa: SIM115
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.path.samestat(os.fstat(file.fileno()), path.lstat()):
+                return file
+        except FileNotFoundError:
+            pass
+        except BlockingIOError as error:
+            file.close()
+            raise OutputError(f"{path}: another process writes it") from error
+        except BaseException:
+            file.close()
+            raise
         file.close()
-        raise OutputError(f"{path}: another process writes it") from error
-    return file
 
 
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OutputError:
-        raise
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
+def _open_regular(path: str, flags: int) -> int:
+    """Open a file; neither through a link, which may be planted, nor what is no file."""
+    descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise InputError(f"{path}: is no journal of a sweep")
+    return descriptor

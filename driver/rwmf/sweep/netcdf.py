@@ -7,7 +7,6 @@ same results are the same bytes.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import quantities
-from rwmf.errors import InputError, OutputError
+from rwmf.errors import InputError
+from rwmf.netcdf_file import new_file
 from rwmf.sweep.layout import Layout
 from rwmf.sweep.quantities import QUANTITIES
 from rwmf.sweep.task import Chunk
@@ -142,10 +142,13 @@ def read_identity(path: Path) -> str:
     import h5netcdf
 
     try:
-        with h5netcdf.File(path, "r") as file:
-            return str(file.attrs["sweep"])
-    except (OSError, KeyError) as error:
-        raise InputError(f"{path}: is there and is not the result of a sweep") from error
+        # of a pipe there is nothing to be read yet
+        with h5netcdf.File(path if path.is_file() else "", "r") as file:
+            if str(file.attrs["source"]).startswith("rwmf "):
+                return str(file.attrs["sweep"])
+    except (OSError, KeyError):
+        pass
+    raise InputError(f"{path}: is there and is not the result of a sweep")
 
 
 def write(layout: Layout, source: Source, path: Path) -> None:
@@ -165,21 +168,11 @@ def write(layout: Layout, source: Source, path: Path) -> None:
     OutputError
         When the file cannot be written.
     """
-    import h5netcdf
-
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        try:
-            with h5netcdf.File(temporary, "w") as file:
-                _fill(file, layout, source)
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error}") from error
+    with new_file(path) as (file, check):
+        _fill(file, layout, source, check)
 
 
-def _fill(file: File, layout: Layout, source: Source) -> None:
+def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None]) -> None:
     names = status_names(layout, source)
     file.dimensions = dict(zip(layout.dims, layout.shape, strict=True))
     for key, value in attributes(layout).items():
@@ -194,6 +187,7 @@ def _fill(file: File, layout: Layout, source: Source) -> None:
         head = () if position is None else (position,)
         for name, values in assemble(layout, source, names, head).items():
             variables[name][head if head else ...] = values
+        check()
 
 
 def status_attributes(names: list[str]) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -10,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from rwmf import files
 from rwmf.case import Case
-from rwmf.errors import InputError, Interrupted
+from rwmf.errors import InputError, Interrupted, OutputError
 from rwmf.sweep import netcdf
 from rwmf.sweep.engine import count_threads, run_in_threads, run_on
 from rwmf.sweep.journal import Journal
@@ -68,7 +70,7 @@ def sweep(
     progress : callable, optional
         Called with the number of finished runs and of all.
     restart : bool
-        Discard what an earlier call left in the place of `file`.
+        Discard what an earlier call left in the place of `file`; nothing else than a sweep.
     part : (int, int)
         (K, N): only the K-th of N parts of the chunks, to be joined by `merge`; needs `file`.
     chunk : int
@@ -87,7 +89,7 @@ def sweep(
     Raises
     ------
     InputError
-        When something is not acceptable, or when `file` belongs to another sweep.
+        When something is not acceptable, when `file` is read by the sweep or belongs to another.
     OutputError
         When the file cannot be written.
     Interrupted
@@ -102,7 +104,8 @@ def sweep(
         _check_part(part, in_memory=True)
         chunks = {chunk.number: chunk for chunk in work.run(set())}
         return _to_dataset(plan.layout, chunks.__getitem__)
-    return _sweep_to_file(work, Path(file), restart)
+    inputs = [*case.inputs, *(record.path for record in found)]
+    return _sweep_to_file(work, Path(file), inputs, restart)
 
 
 class _Work:
@@ -149,17 +152,26 @@ class _Work:
             tell()
 
 
-def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
+def _sweep_to_file(
+    work: _Work, path: Path, inputs: Sequence[str | os.PathLike[str]], restart: bool
+) -> xr.Dataset:
     netcdf.check_package()
+    files.check_outputs([path], inputs)
+    if not files.is_regular_or_new(path):
+        raise InputError(f"{path}: a sweep is read again, it needs a regular file")
     layout = work.plan.layout
     journal_path = journal_of(path, work.part)
-    if restart:
-        path.unlink(missing_ok=True)
-        journal_path.unlink(missing_ok=True)
     if path.exists():
-        _check_same(path, layout)
-        return open_result(path)
-    with Journal(journal_path, layout) as journal:
+        if not restart:
+            _check_same(path, layout)
+            if work.part[1] == 1:
+                _drop_journal(journal_path, layout)
+            return open_result(path)
+        # nothing else is discarded than a sweep
+        netcdf.read_identity(path)
+    with Journal(journal_path, layout, restart=restart) as journal:
+        if restart:
+            files.remove(path)
         done = {number for number in range(layout.n_chunks) if number in journal}
         try:
             for result in work.run(done):
@@ -172,8 +184,17 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
         if work.part[1] > 1:
             return xr.Dataset(attrs=netcdf.attributes(layout))
         netcdf.write(layout, journal.get, path)
-    journal_path.unlink()
+        # under its lock: what another process finds is the file
+        files.remove(journal_path)
     return open_result(path)
+
+
+def _drop_journal(path: Path, layout: Layout) -> None:
+    """Remove the journal that a run left which was killed when the file was complete."""
+    if path.exists():
+        # that of another sweep, or of a running one, is not ours to remove
+        with contextlib.suppress(InputError, OutputError), Journal(path, layout):
+            files.remove(path)
 
 
 def journal_of(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
@@ -207,6 +228,7 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
     from rwmf.sweep.journal import read_layout
 
     netcdf.check_package()
+    files.check_outputs([file], parts)
     layout = read_layout(Path(parts[0]))
     journals: list[Journal] = []
     try:

@@ -296,7 +296,7 @@ contains
 
       from => find(handle)
       kept => find(run)
-      call write_result(from%case, kept%result, folder, case_name(source), error)
+      call write_result(from%case, kept%result, folder, case_name(source), error, source)
       call put_error(error, status, message, message_length)
    end subroutine result_write
 

@@ -12,19 +12,20 @@ module rwmf_output_csv
    use rwmf_problem_record, only: record_t
    use rwmf_simulation_result, only: history_t, result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
-   use rwmf_text_atomic_file, only: atomic_file_t, discard, finish, join_path, open_atomic, &
-      publish, write_line
+   use rwmf_text_atomic_file, only: atomic_file_t, check_not_read, discard, finish, join_path, &
+      open_atomic, publish, write_line
    use rwmf_text_strings, only: integer_to_text, next_line, real_to_text
    implicit none
    private
 
-   public :: write_result, write_spectrum, case_name
+   public :: write_result, write_spectrum, case_name, check_outputs
 
 contains
 
    !> Write `NAME.summary.csv` and, where the case asks for a history, `NAME.history.csv`. Both
-   !> appear only when both are complete.
-   subroutine write_result(case, result, folder, name, error)
+   !> appear only when both are complete, and neither takes the place of a file that the case was
+   !> read from.
+   subroutine write_result(case, result, folder, name, error, source)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       character(*), intent(in) :: folder
@@ -32,9 +33,13 @@ contains
       character(*), intent(in) :: name
       !! of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: source
+      !! path of the namelist
       type(atomic_file_t) :: summary
       type(atomic_file_t) :: history
 
+      call check_outputs(folder, name, case, error, source)
+      if (allocated(error)) return
       call write_summary(summary, case, result, join_path(folder, name//'.summary.csv'), error)
       if (allocated(error)) return
       if (allocated(result%history)) then
@@ -58,7 +63,8 @@ contains
       character(:), allocatable :: names
       integer :: i
 
-      call open_atomic(file, path, error)
+      call check_output(path, case, error)
+      if (.not. allocated(error)) call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case, part)
       names = 'T_s_s,'
@@ -71,6 +77,42 @@ contains
       call finish(file, error)
       if (.not. allocated(error)) call publish(file, error)
    end subroutine write_spectrum
+
+   !> Fails when a file that a case of this name may write is one that a case was read from.
+   subroutine check_outputs(folder, name, case, error, source)
+      character(*), intent(in) :: folder
+      character(*), intent(in) :: name
+      !! of the case that writes, see `case_name`
+      type(case_t), intent(in) :: case
+      !! that was read
+      type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: source
+      !! path of its namelist
+      character(12), parameter :: endings(3) = [character(12) :: &
+         'summary.csv', 'history.csv', 'spectrum.csv']
+      integer :: i
+
+      do i = 1, size(endings)
+         call check_output(join_path(folder, name//'.'//trim(endings(i))), case, error, source)
+         if (allocated(error)) return
+      end do
+   end subroutine check_outputs
+
+   !> Fails when a file is one that a case was read from.
+   subroutine check_output(path, case, error, source)
+      character(*), intent(in) :: path
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: source
+
+      if (present(source)) call check_not_read(path, source, error)
+      if (.not. allocated(error) .and. allocated(case%record)) then
+         call check_not_read(path, case%motion%path, error)
+      end if
+      if (.not. allocated(error) .and. allocated(case%vertical_record)) then
+         call check_not_read(path, case%vertical%path, error)
+      end if
+   end subroutine check_output
 
    !> Its length: without ending, that of 'case' when nothing is left.
    pure integer function name_length(source) result(length)

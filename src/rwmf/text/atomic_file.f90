@@ -1,34 +1,51 @@
 !> Text files that appear complete or not at all.
 !>
-!> Lines go to a temporary file in the folder of the target, which is renamed when everything has
-!> reached the disk. A failure (no permission, full disk) removes the temporary file and leaves an
-!> earlier target untouched. C streams are used because `close` of gfortran does not report a
-!> failed last write.
+!> Lines go to a new file in the folder of the target, which takes its name when everything has
+!> reached the disk: write, fsync, rename, fsync of the folder. A failure (no permission, full
+!> disk) removes the new file and leaves an earlier target untouched. A link stays, its target is
+!> replaced; what is no regular file (a pipe, a device, an open descriptor as /dev/stdout) gets the
+!> lines as it is. docs/files.md has the rules. C streams are used because `close` of gfortran does
+!> not report a failed last write.
 module rwmf_text_atomic_file
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, &
-      c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
+      c_null_ptr, c_ptr, c_size_t
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_core_kinds, only: i8
-   use rwmf_text_file, only: c_fclose, c_fopen
+   use rwmf_text_file, only: c_fclose
    implicit none
    private
 
    public :: atomic_file_t, open_atomic, write_line, finish, publish, discard
-   public :: check_folder, join_path
+   public :: check_folder, check_not_read, join_path, remove_leftovers, c_fileno
 
    !> A file that is being written.
    type :: atomic_file_t
       private
       type(c_ptr) :: stream = c_null_ptr
-      !! C stream of the temporary file; null when it is not open
+      !! C stream of the new file; null when it is not open
       character(:), allocatable :: path
-      !! the target
+      !! the target as it is called
+      character(:), allocatable :: target
+      !! the target behind the links
       character(:), allocatable :: temporary
-      !! name of the temporary file; unallocated when there is none
+      !! name of the new file; unallocated when there is none
    end type atomic_file_t
+
+   integer, parameter :: longest_path = 4096
+   !! characters, with the null that C needs
+
+   ! answers of `rwmf_find_target`
+   integer(c_int), parameter :: written_through = 1_c_int, refused = -1_c_int
 
    ! allow(assumed-size): that is what a C string is
    interface
+      function c_fdopen(descriptor, mode) bind(c, name='fdopen') result(stream)
+         import :: c_char, c_int, c_ptr
+         implicit none
+         integer(c_int), intent(in), value :: descriptor
+         character(kind=c_char), intent(in) :: mode(*)
+         type(c_ptr) :: stream
+      end function c_fdopen
+
       function c_fwrite(bytes, size, count, stream) bind(c, name='fwrite') result(written)
          import :: c_char, c_ptr, c_size_t
          implicit none
@@ -45,6 +62,27 @@ module rwmf_text_atomic_file
          type(c_ptr), intent(in), value :: stream
          integer(c_int) :: status
       end function c_ferror
+
+      function c_fflush(stream) bind(c, name='fflush') result(status)
+         import :: c_int, c_ptr
+         implicit none
+         type(c_ptr), intent(in), value :: stream
+         integer(c_int) :: status
+      end function c_fflush
+
+      function c_fileno(stream) bind(c, name='fileno') result(descriptor)
+         import :: c_int, c_ptr
+         implicit none
+         type(c_ptr), intent(in), value :: stream
+         integer(c_int) :: descriptor
+      end function c_fileno
+
+      function c_fsync(descriptor) bind(c, name='fsync') result(status)
+         import :: c_int
+         implicit none
+         integer(c_int), intent(in), value :: descriptor
+         integer(c_int) :: status
+      end function c_fsync
 
       function c_rename(old, new) bind(c, name='rename') result(status)
          import :: c_char, c_int
@@ -69,11 +107,52 @@ module rwmf_text_atomic_file
          integer(c_int) :: status
       end function c_access
 
-      function c_getpid() bind(c, name='getpid') result(pid)
-         import :: c_int
+      function c_find_target(path, target, size) bind(c, name='rwmf_find_target') result(answer)
+         import :: c_char, c_int, c_ptr
          implicit none
-         integer(c_int) :: pid
-      end function c_getpid
+         character(kind=c_char), intent(in) :: path(*)
+         type(c_ptr), intent(in), value :: target
+         integer(c_int), intent(in), value :: size
+         integer(c_int) :: answer
+      end function c_find_target
+
+      function c_open_through(target) bind(c, name='rwmf_open_through') result(descriptor)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: target(*)
+         integer(c_int) :: descriptor
+      end function c_open_through
+
+      function c_create_new(folder, path, size) bind(c, name='rwmf_create_new') &
+         result(descriptor)
+         import :: c_char, c_int, c_ptr
+         implicit none
+         character(kind=c_char), intent(in) :: folder(*)
+         type(c_ptr), intent(in), value :: path
+         integer(c_int), intent(in), value :: size
+         integer(c_int) :: descriptor
+      end function c_create_new
+
+      function c_sync_folder(folder) bind(c, name='rwmf_sync_folder') result(status)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: folder(*)
+         integer(c_int) :: status
+      end function c_sync_folder
+
+      function c_is_same_file(path, other) bind(c, name='rwmf_is_same_file') result(is_same)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(in) :: other(*)
+         integer(c_int) :: is_same
+      end function c_is_same_file
+
+      subroutine c_remove_leftovers(folder) bind(c, name='rwmf_remove_leftovers')
+         import :: c_char
+         implicit none
+         character(kind=c_char), intent(in) :: folder(*)
+      end subroutine c_remove_leftovers
    end interface
 
 contains
@@ -84,27 +163,35 @@ contains
       character(*), intent(in) :: path
       !! the target; an earlier file of this name stays until `publish`
       type(error_t), allocatable, intent(out) :: error
-      integer, parameter :: tries = 100
-      character(:), allocatable :: temporary
-      integer :: i
+      character(longest_path), target :: buffer
+      integer(c_int) :: answer
+      integer(c_int) :: descriptor
 
-      call check_folder(folder_of(path), error)
-      if (allocated(error)) then
-         error%message = 'cannot write '//path//': '//error%message
-         return
-      end if
-      do i = 1, tries
-         call name_temporary(path, i, temporary)
-         ! 'x' refuses an existing file: another thread or process may write the same target
-         file%stream = c_fopen(temporary//c_null_char, 'wbx'//c_null_char)
-         if (c_associated(file%stream)) exit
-      end do
-      if (.not. c_associated(file%stream)) then
-         call fail(error, err_input, 'cannot write '//path//': its folder takes no new file')
+      answer = c_find_target(path//c_null_char, c_loc(buffer), int(len(buffer), c_int))
+      if (answer == refused) then
+         call fail(error, err_input, 'cannot write '//path//': the name is too long, or a link ' &
+            //'of another user in a folder that all may write')
          return
       end if
       file%path = path
-      file%temporary = temporary
+      file%target = buffer(:index(buffer, c_null_char) - 1)
+      if (answer == written_through) then
+         descriptor = c_open_through(file%target//c_null_char)
+      else
+         call check_folder(folder_of(file%target), error)
+         if (allocated(error)) then
+            error%message = 'cannot write '//path//': '//error%message
+            return
+         end if
+         descriptor = c_create_new(folder_of(file%target)//c_null_char, c_loc(buffer), &
+            int(len(buffer), c_int))
+         if (descriptor >= 0_c_int) file%temporary = buffer(:index(buffer, c_null_char) - 1)
+      end if
+      if (descriptor >= 0_c_int) file%stream = c_fdopen(descriptor, 'w'//c_null_char)
+      if (.not. c_associated(file%stream)) then
+         call discard(file)
+         call fail(error, err_input, 'cannot write '//path//': its folder takes no new file')
+      end if
    end subroutine open_atomic
 
    !> Add a line. A failure stays with the stream and is reported by `finish`.
@@ -118,41 +205,53 @@ contains
          file%stream)
    end subroutine write_line
 
-   !> Write what is still buffered and close. On failure the temporary file is removed.
+   !> Bring everything to the disk. On failure the new file is removed.
    subroutine finish(file, error)
       type(atomic_file_t), intent(inout) :: file
       type(error_t), allocatable, intent(out) :: error
       logical :: failed
 
-      ! an error before, or that of writing what `fclose` still finds in the buffer
+      ! an error before, or that of writing what is still in the buffer
       failed = c_ferror(file%stream) /= 0_c_int
-      failed = c_fclose(file%stream) /= 0_c_int .or. failed
-      file%stream = c_null_ptr
-      if (failed) then
-         call discard(file)
-         call fail(error, err_input, 'cannot write '//file%path//': the disk may be full')
+      failed = c_fflush(file%stream) /= 0_c_int .or. failed
+      if (allocated(file%temporary)) then
+         failed = c_fsync(c_fileno(file%stream)) /= 0_c_int .or. failed
       end if
+      if (.not. failed) return
+      call discard(file)
+      call fail(error, err_input, 'cannot write '//file%path &
+         //': the disk may be full, or the file larger than is allowed')
    end subroutine finish
 
-   !> Give a finished file its name. On failure the temporary file is removed.
+   !> Give a finished file its name and close it. On failure the new file is removed.
    subroutine publish(file, error)
       type(atomic_file_t), intent(inout) :: file
       type(error_t), allocatable, intent(out) :: error
+      logical :: failed
 
-      if (c_rename(file%temporary//c_null_char, file%path//c_null_char) /= 0_c_int) then
-         call discard(file)
-         call fail(error, err_input, 'cannot write '//file%path//': the name cannot be replaced')
-      else
-         deallocate (file%temporary)
+      if (allocated(file%temporary)) then
+         ! before it is closed: under its lock nobody takes it for the file of a killed run
+         failed = c_rename(file%temporary//c_null_char, file%target//c_null_char) /= 0_c_int
+         if (failed) then
+            call fail(error, err_input, 'cannot write '//file%path &
+               //': the name cannot be replaced')
+         else
+            deallocate (file%temporary)
+            if (c_sync_folder(join_path(folder_of(file%target), '.')//c_null_char) &
+               /= 0_c_int) then
+               call fail(error, err_input, 'cannot write '//file%path//': the disk fails')
+            end if
+         end if
       end if
+      call discard(file)
    end subroutine publish
 
-   !> Drop a file that has not been published; harmless when there is none.
+   !> Close a file, and drop it when it has not been published; harmless when there is none.
    subroutine discard(file)
       type(atomic_file_t), intent(inout) :: file
       integer(c_int) :: status
 
-      ! the statuses do not matter: nothing else can be done about a file that is dropped
+      ! the statuses do not matter: what counts has been brought to the disk before
       if (c_associated(file%stream)) status = c_fclose(file%stream)
       file%stream = c_null_ptr
       if (allocated(file%temporary)) then
@@ -195,18 +294,24 @@ contains
       folder = path
    end function folder_of
 
-   !> A hidden name beside the target that no other process or thread is likely to use.
-   subroutine name_temporary(path, attempt, name)
+   !> Fails when a file that is to be written is one that the run reads, under whatever name.
+   subroutine check_not_read(path, input, error)
       character(*), intent(in) :: path
-      integer, intent(in) :: attempt
-      !! 1, 2, ...: a new name for every attempt
-      character(:), allocatable, intent(out) :: name
-      character(48) :: unique
-      integer(i8) :: ticks
+      !! to be written
+      character(*), intent(in) :: input
+      !! read by the run
+      type(error_t), allocatable, intent(out) :: error
 
-      call system_clock(ticks)
-      write (unique, '(i0, "-", i0, "-", i0)') c_getpid(), ticks, attempt
-      name = folder_of(path)//'.'//path(len(folder_of(path)) + 1:)//'.'//trim(unique)//'.tmp'
-   end subroutine name_temporary
+      if (c_is_same_file(path//c_null_char, input//c_null_char) == 0_c_int) return
+      call fail(error, err_input, 'cannot write '//path//': it is read by this run, as '//input)
+   end subroutine check_not_read
+
+   !> Remove what killed runs of this user have left unfinished in a folder, and nothing else.
+   subroutine remove_leftovers(folder)
+      character(*), intent(in) :: folder
+      !! '' is the current one
+
+      call c_remove_leftovers(join_path(folder, '.')//c_null_char)
+   end subroutine remove_leftovers
 
 end module rwmf_text_atomic_file

