@@ -31,7 +31,8 @@ def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
     xarray.Dataset
         Variables over ``time`` (none without an interval), coordinates over ``event``, maxima
         and counts without dimension, each with its unit in ``attrs``; what the computation took
-        in the attributes of the dataset.
+        in the attributes of the dataset. Energies at the end are ``energy_input_J_per_kg`` and
+        so on, over time ``energy_input``.
 
     Raises
     ------
@@ -110,7 +111,9 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
     columns, values = run.history()
     for i, column in enumerate(columns):
         quantity = find(column)
-        variables[quantity.name] = ("time", values[i], quantity.attributes)
+        # energies are scalars as well, of the end
+        name = quantity.name.removesuffix("_J_per_kg") if column in summary else quantity.name
+        variables[name] = ("time", values[i], quantity.attributes)
     coordinates: dict[str, Any] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)

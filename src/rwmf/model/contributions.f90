@@ -11,7 +11,7 @@ module rwmf_model_contributions
    private
 
    public :: choose_contributions
-   public :: state_sizes, effects_energy, effects_frame_force
+   public :: state_sizes, effects_energy, effects_frame_energy, effects_frame_force
 
 contains
 
@@ -92,6 +92,23 @@ contains
          end associate
       end do
    end function state_sizes
+
+   !> Kinetic and strain energy of the frame beyond those of a single mass on an elastic spring
+   !> [J/kg].
+   function effects_frame_energy(equation, y) result(energy)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: energy(2)
+      integer :: i
+
+      energy = 0
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         if (associated(equation%effects(i)%frame_energy)) energy = energy &
+            + equation%effects(i)%frame_energy(equation%effects(i), equation, y)
+      end do
+   end function effects_frame_energy
 
    !> Energy that further effects store [J/kg].
    real(wp) function effects_energy(equation, y) result(energy)

@@ -6,7 +6,7 @@ module rwmf_model_energy
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at, equation_t, ground_at, kinematics_at
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_contributions, only: effects_energy
+   use rwmf_model_contributions, only: effects_energy, effects_frame_energy
    use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
    use rwmf_model_effects_storeys_yielding_storeys, only: storeys_loss
    use rwmf_model_hysteresis_spring_set, only: springs_loss
@@ -51,20 +51,24 @@ contains
       !! (states)
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
+      real(wp) :: beyond(2)
+      !! the elastic frame of a single mass: kinetic and strain energy [J/kg]
       real(wp) :: phi
       !! [rad]
 
       stored%effects = effects_energy(equation, y)
+      beyond = effects_frame_energy(equation, y)
       associate (p => equation%p)
          if (.not. equation%has_wall) then
-            stored%kinetic = y(2)**2/2
-            stored%strain = (p%omega_s*y(1))**2/2
+            stored%kinetic = y(2)**2/2 + beyond(1)
+            stored%strain = (p%omega_s*y(1))**2/2 + beyond(2)
             return
          end if
          kin = kinematics_at(equation, y(1))
          cable = cable_at(equation, y(1))
-         stored%kinetic = p%R**2*(equation%inertia + p%gamma*kin%j**2)*y(2)**2/2
-         stored%strain = p%gamma*(p%R*p%omega_s*kin%u)**2/2
+         stored%kinetic = p%R**2*(equation%inertia + p%gamma*kin%j**2)*y(2)**2/2 &
+            + beyond(1)
+         stored%strain = p%gamma*(p%R*p%omega_s*kin%u)**2/2 + beyond(2)
          phi = equation%state%side*y(1)
          if (equation%has_impacts) then
             stored%gravity = p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2))

@@ -46,7 +46,9 @@ module rwmf_model_equation
       logical :: is_kinematic = .false.
       !! it changes the kinematics that the loops of others read
       procedure(energy_i), pointer, nopass :: energy => null()
-      !! not associated: stores nothing
+      !! of its own; not associated: stores nothing
+      procedure(frame_energy_i), pointer, nopass :: frame_energy => null()
+      !! not associated: the frame holds what an elastic one of a single mass does
       procedure(force_i), pointer, nopass :: force => null()
       !! asked only for reactions; not associated: no force on the wall
       procedure(frame_force_i), pointer, nopass :: frame_force => null()
@@ -286,6 +288,18 @@ module rwmf_model_equation
          real(wp), intent(in) :: y(:)
          !! (states)
       end function energy_i
+
+      !> Kinetic and strain energy of the frame beyond those of a single mass on an elastic spring
+      !> [J/kg].
+      function frame_energy_i(effect, equation, y) result(energy)
+         import :: contribution_t, equation_t, wp
+         implicit none
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp) :: energy(2)
+      end function frame_energy_i
 
       !> Drifts over their limits, and how fast these ratios change.
       subroutine drifts_i(effect, equation, y, ratio, rate)

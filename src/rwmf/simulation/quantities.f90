@@ -199,11 +199,13 @@ module rwmf_simulation_quantities
    !> Parts of the energy ledger, and its residual.
    type(quantity_t), parameter :: energies(*) = [ &
       quantity_t('energy_input_J_per_kg', 'energy_input_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', '', 'energy', '', 'work of the ground motion'), &
+      'history run ordinate', '', 'energy', '', &
+      'work of the ground (energies over m_w; no wall: over m_s, `full`: of the roof)'), &
       quantity_t('energy_kinetic_J_per_kg', 'energy_kinetic_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', '', 'energy', '', 'kinetic energy'), &
+      'history run ordinate', '', 'energy', '', 'kinetic energy of wall and floors'), &
       quantity_t('energy_strain_J_per_kg', 'energy_strain_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', 'frame', 'energy', '', 'strain energy of the frame'), &
+      'history run ordinate', 'frame', 'energy', '', &
+      'energy that the springs of the frame hold'), &
       quantity_t('energy_gravity_J_per_kg', 'energy_gravity_J_per_kg', 'J/kg', 'real', 'end', &
       'history run ordinate', 'wall', 'energy', '', 'potential energy of the wall'), &
       quantity_t('energy_cable_J_per_kg', 'energy_cable_J_per_kg', 'J/kg', 'real', 'end', &

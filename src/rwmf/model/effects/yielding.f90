@@ -232,13 +232,13 @@ contains
       if (.not. yielding%is_present) return
       if (equation%floors%n > 0) return
       if (is_elastic_plastic(case%yielding)) then
-         yielding%energy => yielding_energy
+         yielding%frame_energy => yielding_energy
       else
          call prepare_bouc_wen(case, equation)
          yielding%n_coef = 4
          yielding%law = equation%hysteresis%factors
          yielding%coefficients => bouc_wen_coefficients
-         yielding%energy => bouc_wen_energy
+         yielding%frame_energy => bouc_wen_energy
          yielding%states = 1
          yielding%sizes => bouc_wen_sizes
       end if

@@ -135,14 +135,16 @@ contains
       sizes = min(1.0_wp, frame_travel(equation)*size_guess(1)/equation%hysteresis%u_y)
    end subroutine bouc_wen_sizes
 
-   !> Energy stored beyond that of the elastic frame, which the ledger has [J/kg].
-   real(wp) function bouc_wen_energy(effect, equation, y) result(energy)
+   !> Energy in the frame beyond that of an elastic one, all of it strain [J/kg].
+   function bouc_wen_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      real(wp) :: energy(2)
 
+      energy(1) = 0
       associate (law => equation%hysteresis)
-         energy = frame_mass(equation)*equation%p%omega_s**2*(1 - law%hardening)/2 &
+         energy(2) = frame_mass(equation)*equation%p%omega_s**2*(1 - law%hardening)/2 &
             *((law%u_y*y(law%place))**2 - frame_displacement(equation, equation%state%side, &
             y(1))**2)
       end associate

@@ -1,5 +1,5 @@
-!> Where Bouc and Wen's hysteresis stands after a slow loading, from nothing to a displacement or from
-!> a state to no force.
+!> Where Bouc and Wen's hysteresis stands after a slow loading, from nothing to a displacement or
+!> from a state to no force.
 !>
 !> With x = u/u_y, and z >= 0 counted from where it is zero, dx = dz/(1 - c z**n); c = 1 while |z|
 !> grows, 1 - 2 beta <= 0 while it falls. With z = 1 - exp(-w) the way is the integral of

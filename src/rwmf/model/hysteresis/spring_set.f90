@@ -199,11 +199,12 @@ contains
       end do
    end function fuses_energy
 
-   !> Energy in the yielding frame beyond the elastic one that the ledger has [J/kg].
-   real(wp) function yielding_energy(effect, equation, y) result(energy)
+   !> Energy in the yielding frame beyond that of an elastic one, all of it strain [J/kg].
+   function yielding_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      real(wp) :: energy(2)
       real(wp) :: x
       integer :: i
 
@@ -212,8 +213,9 @@ contains
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
                     branch => equation%state%springs(i))
-            if (place == place_frame) energy = energy + frame_mass(equation)*(spring_energy( &
-               spring, branch, x) - equation%springs(i)%share*(equation%p%omega_s*x)**2/2)
+            if (place == place_frame) energy(2) = energy(2) + frame_mass(equation) &
+               *(spring_energy(spring, branch, x) - equation%springs(i)%share &
+               *(equation%p%omega_s*x)**2/2)
          end associate
       end do
    end function yielding_energy

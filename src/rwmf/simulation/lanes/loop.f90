@@ -825,8 +825,9 @@ contains
          hybrid%is_rising = lane%goal == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
-         if ((team%is_watched(i) .or. allocated(team%work)) .and. hybrid%t > table(i, of_time)) &
+         if ((team%is_watched(i) .or. allocated(team%work)) .and. hybrid%t > table(i, of_time)) then
             call pass_step(lane, i, team, hybrid%t, hybrid%y)
+         end if
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)

@@ -258,8 +258,8 @@ contains
          longest_angle(2)/rate
    end function longest_step
 
-   !> Which steps have to be looked into for what no event tells? All of them for histories and lists
-   !> of events, those that are not plain for reactions, and those that may hold the peak of
+   !> Which steps have to be looked into for what no event tells? All of them for histories and
+   !> lists of events, those that are not plain for reactions, and those that may hold the peak of
    !> |theta'|.
    subroutine find_steps_to_watch(lanes, team)
       type(lane_t), intent(in) :: lanes(:)

@@ -199,28 +199,31 @@ contains
       end associate
    end subroutine storey_sizes
 
-   !> Energy of the floors and storeys; the roof by itself is counted elsewhere [J/kg].
-   real(wp) function storey_energy(effect, equation, y) result(energy)
+   !> Kinetic energy of the floors below the roof, and strain of the storeys beyond that of the roof
+   !> on the spring of the uppermost one [J/kg].
+   function storey_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      real(wp) :: energy(2)
       real(wp) :: u(0:size(equation%floors%m))
       real(wp) :: v(size(equation%floors%m))
       integer :: n
 
       n = size(v)
       call floor_motion(equation, equation%state%side, y, u, v)
-      energy = (sum(equation%floors%m(:n - 1)*v(:n - 1)**2) - equation%floors%k(n)*u(n)**2)/2
+      energy(1) = sum(equation%floors%m(:n - 1)*v(:n - 1)**2)/2
+      energy(2) = -equation%floors%k(n)*u(n)**2/2
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            energy = energy + sum(equation%state%storeys%slope*(u(1:) - u(:n - 1))**2 &
+            energy(2) = energy(2) + sum(equation%state%storeys%slope*(u(1:) - u(:n - 1))**2 &
                + laws%force_at_z1*laws%u_y*y(laws%place)**2)/2
          end associate
       else if (equation%floors%yields) then
-         energy = energy + sum(spring_energy(equation%floors%springs, equation%state%storeys, &
-            u(1:) - u(:n - 1)))
+         energy(2) = energy(2) + sum(spring_energy(equation%floors%springs, &
+            equation%state%storeys, u(1:) - u(:n - 1)))
       else
-         energy = energy + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
+         energy(2) = energy(2) + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
       end if
    end function storey_energy
 

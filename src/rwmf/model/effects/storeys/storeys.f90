@@ -150,7 +150,7 @@ contains
       storeys%states = floor_states(storeys%n, storeys%law)
       storeys%n_coef = floor_coefficients(storeys%n, storeys%law)
       storeys%coefficients => storey_coefficients
-      storeys%energy => storey_energy
+      storeys%frame_energy => storey_energy
       storeys%sizes => storey_sizes
    end subroutine prepare_storeys
 
