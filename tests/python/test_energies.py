@@ -48,7 +48,7 @@ def test_smooth_hysteresis_holds_its_elastic_part() -> None:
 
 @pytest.mark.parametrize("with_wall", [False, True])
 def test_storeys_hold_the_strain_of_all_storeys(with_wall: bool) -> None:
-    """`full`: the springs' energy from the drifts, the masses' from the velocities of the floors."""
+    """`full`: the springs' energy from the drifts, that of the masses from the floors' speed."""
     m, k = np.array([1.5, 1.2, 0.8]), np.array([600.0, 500.0, 400.0])
     make = coupled if with_wall else bare_frame
     changes = {} if not with_wall else {"cable": None, "wall": {"h": 5.0, "b": 1.0}}

@@ -434,10 +434,9 @@ def test_growth(Q: float, xi: float, method: str) -> None:
     run = rwmf.simulate(case.replace(solver=rtol))
     assert float(run["t_collapse"]) == pytest.approx(t_collapse, rel=SAME)
     assert float(run["u_s_max"]) == pytest.approx(0.1 * h_f, rel=1e-10)
-    written = np.isfinite(run["time"].to_numpy())
-    assert run["time"].to_numpy()[written].max() <= t_collapse
-    assert (np.isfinite(run["u_s"].to_numpy()) == written).all()
-    assert not written.all()
+    # a row every 60/50 s
+    assert t_collapse - 1.2 <= float(run["time"][-1]) <= t_collapse
+    assert np.isfinite(run["u_s"].to_numpy()).all()
 
 
 @pytest.mark.parametrize("formulation", [None, *FORMULATIONS])

@@ -30,8 +30,8 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
-   use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_impact, &
-      observe_piece, observe_rest, observe_state, recorder_t
+   use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_grazing, &
+      observe_impact, observe_piece, observe_rest, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
    use rwmf_text_strings, only: real_to_text
@@ -463,6 +463,8 @@ contains
       real(wp) :: after
       logical :: rests
 
+      if (abs(hybrid%y(2)) < 100*sqrt(hybrid%rtol)*recorder%theta_dot_ends) call look_for_grazing( &
+         hybrid, equation, recorder)
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
       call observe_impact(recorder, equation, hybrid%y(2), after)
@@ -492,6 +494,18 @@ contains
          call leave_without_velocity(hybrid, equation)
       end if
    end subroutine apply_one_impact
+
+   !> An impact so slow that the acceleration away from the base would have ended the way at once.
+   subroutine look_for_grazing(hybrid, equation, recorder)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      real(wp) :: away
+      !! from the base [rad/s2]
+
+      away = equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
+      if (away > 0) call observe_grazing(recorder, hybrid%rtol, hybrid%t, hybrid%y(2)**2/(2*away))
+   end subroutine look_for_grazing
 
    !> The wall touches its base without velocity while one side is pulled.
    subroutine leave_without_velocity(hybrid, equation)

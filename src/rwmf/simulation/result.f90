@@ -139,6 +139,8 @@ module rwmf_simulation_result
       !! a drift passed the limit of an effect; absent unless an effect has one
       real(wp), allocatable :: t_collapse
       !! when it did [s]; absent unless it has
+      real(wp), allocatable :: t_grazing
+      !! when the wall first turned back on its base, or hardly above it [s]; absent unless it has
       integer(i8) :: steps
       !! accepted steps of the integrator
       integer(i8) :: rhs_evaluations

@@ -26,7 +26,7 @@ module rwmf_simulation_run
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_warnings, only: warn_of_fuses, warn_of_reactions, &
-      warn_of_short_history, warn_of_weight
+      warn_of_grazing, warn_of_short_history, warn_of_weight
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -60,6 +60,7 @@ contains
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
+      call warn_of_grazing(result)
       call warn_of_short_history(case%solver%t_end, result)
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
@@ -295,6 +296,8 @@ contains
       ! a pass at coarser tolerances may have ended differently
       if (allocated(result%t_collapse)) deallocate (result%t_collapse)
       if (hybrid%mode == mode_collapsed) result%t_collapse = hybrid%t
+      if (allocated(result%t_grazing)) deallocate (result%t_grazing)
+      if (recorder%t_grazing >= 0) result%t_grazing = recorder%t_grazing
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y

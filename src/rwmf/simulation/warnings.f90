@@ -8,7 +8,8 @@ module rwmf_simulation_warnings
    implicit none
    private
 
-   public :: warn_of_fuses, warn_of_reactions, warn_of_short_history, warn_of_weight
+   public :: warn_of_fuses, warn_of_reactions, warn_of_grazing, warn_of_short_history
+   public :: warn_of_weight
 
 contains
 
@@ -45,6 +46,16 @@ contains
          end if
       end associate
    end subroutine warn_of_reactions
+
+   !> Whether the wall touches its base may be decided by the errors of the run.
+   subroutine warn_of_grazing(result)
+      type(result_t), intent(inout) :: result
+
+      if (.not. allocated(result%t_grazing)) return
+      call add_warning(result, 'at t = '//trim(real_to_text(result%t_grazing)) &
+         //' s the wall turns back on its base or hardly above it: what follows may depend ' &
+         //'on the tolerance; &solver verify = .true. shows how much')
+   end subroutine warn_of_grazing
 
    !> Rows of the history end with the motion.
    subroutine warn_of_short_history(t_end, result)

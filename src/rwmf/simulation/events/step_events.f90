@@ -11,7 +11,8 @@ module rwmf_simulation_events_step_events
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       is_steady, sample_state, step_view_t, until
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, recorder_t
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, &
+      observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak
    implicit none
@@ -140,6 +141,9 @@ contains
       if (allocated(error)) return
       if (.not. is_plain) call search_piece(hybrid, until(span, t_peak, y_peak), event, error)
       if (allocated(error) .or. (event /= 0 .and. .not. is_plain)) return
+      if (hybrid%mode == mode_rocking .and. span%equation%state%side*span%y_a(2) < 0) then
+         call observe_grazing(recorder, hybrid%rtol, t_peak, abs(y_peak(1)))
+      end if
       call observe_state(recorder, span%equation, t_peak, y_peak)
       call observe_event(recorder, event_peak, t_peak, y_peak)
       if (is_plain) return

@@ -34,8 +34,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, team_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_piece, observe_state, &
-      recorder_t
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_piece, &
+      observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak
    use rwmf_text_strings, only: real_to_text
@@ -830,6 +830,9 @@ contains
          end if
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
+            if (hybrid%mode == mode_rocking .and. equation%state%side*team%y(i, 2) < 0) then
+               call observe_grazing(lane%recorder, hybrid%rtol, hybrid%t, abs(hybrid%y(1)))
+            end if
             call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
             call observe_event(lane%recorder, event_peak, hybrid%t, hybrid%y)
          end if

@@ -31,7 +31,7 @@ module rwmf_simulation_recorder_recorder
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
    public :: needs_all_steps
    public :: observe_rest
-   public :: observe_impact, observe_branch, observe_event, finish_recorder
+   public :: observe_impact, observe_branch, observe_event, observe_grazing, finish_recorder
 
    !> What has been counted, and the largest values so far.
    type :: peaks_t
@@ -48,6 +48,8 @@ module rwmf_simulation_recorder_recorder
       !! the same at the ends of steps, whether or not it is looked for inside them
       integer(i8) :: impacts = 0
       integer(i8) :: lift_offs = 0
+      real(wp) :: t_grazing = -1
+      !! when the wall first turned back on its base, or hardly above it; negative: never [s]
    end type peaks_t
 
    !> Running maxima, counts and records.
@@ -407,6 +409,27 @@ contains
          recorder%energy%impact = recorder%energy%impact + impact_loss(equation, before, after)
       end if
    end subroutine observe_impact
+
+   !> The wall comes back to its base and is driven off again. An error of a tolerance of the
+   !> largest rotation changes its velocity by the half of it over the clearance: is that 1e-4?
+   subroutine observe_grazing(recorder, rtol, t, clearance)
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), intent(in) :: rtol
+      !! [-]
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: clearance
+      !! rotation that is left, or by which it would have gone on [rad]
+      real(wp), parameter :: seen = 1.0e-4_wp
+      real(wp), parameter :: largest = 0.01_wp
+      !! clearance over the largest rotation that is ever called grazing [-]
+
+      if (recorder%t_grazing >= 0) return
+      associate (largest_rotation => max(recorder%theta_max, -recorder%theta_min))
+         if (clearance > min(largest, rtol/(2*seen))*largest_rotation) return
+      end associate
+      recorder%t_grazing = t
+   end subroutine observe_grazing
 
    !> A spring changes its branch: what it stores before and not after is dissipated (rupture).
    subroutine observe_branch(recorder, equation, y, part)
