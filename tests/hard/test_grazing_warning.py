@@ -1,4 +1,4 @@
-"""A wall that turns back on its base, or hardly above it: the run says that little decides there."""
+"""A wall that turns back on its base, or hardly above it: the run says what decides there."""
 
 from __future__ import annotations
 
