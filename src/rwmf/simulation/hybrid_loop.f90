@@ -30,6 +30,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
+   use rwmf_simulation_recorder_reaction_extremes, only: observe_instant
    use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_grazing, &
       observe_impact, observe_piece, observe_rest, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
@@ -486,6 +487,7 @@ contains
             negligible*hybrid%rtol*recorder%theta_dot_ends)
       end if
       if (rests) then
+         if (allocated(recorder%forces)) call observe_end_of_chatter(hybrid, equation, recorder)
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
          call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
@@ -494,6 +496,36 @@ contains
          call leave_without_velocity(hybrid, equation)
       end if
    end subroutine apply_one_impact
+
+   !> Reactions at the end of the chatter that a wall at rest is spared: those of a wall that leaves
+   !> its base on either side without velocity, when the flights, of 2 v/a each, will have ended.
+   subroutine observe_end_of_chatter(hybrid, equation, recorder)
+      type(hybrid_t), intent(in) :: hybrid
+      !! after the impact
+      type(equation_t), intent(inout) :: equation
+      !! returns as it was
+      type(recorder_t), intent(inout) :: recorder
+      real(wp) :: y(equation%n), pull(2)
+      !! towards the base on the side that the wall leaves to, and on the other [rad/s2]
+      real(wp) :: t, e
+      integer :: i
+
+      if (abs(hybrid%y(2)) <= 0) return
+      y = hybrid%y
+      y(:2) = 0
+      do i = 1, 2
+         pull(i) = -equation%state%side*second_derivative(equation, hybrid%t, y)
+         call enter_side(equation%model_t, equation%state, -equation%state%side)
+      end do
+      if (minval(pull) <= 0) return
+      e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
+      t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
+      t = min(t, interval_end(equation%motion, interval_of(equation)))
+      do i = 1, 2
+         call observe_instant(recorder%forces, equation, t, y, second_derivative(equation, t, y))
+         call enter_side(equation%model_t, equation%state, -equation%state%side)
+      end do
+   end subroutine observe_end_of_chatter
 
    !> An impact so slow that the acceleration away from the base would have ended the way at once.
    subroutine look_for_grazing(hybrid, equation, recorder)

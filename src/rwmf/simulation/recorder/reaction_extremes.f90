@@ -27,7 +27,7 @@ module rwmf_simulation_recorder_reaction_extremes
    private
 
    public :: reaction_extremes_recorder_t, create_reaction_extremes
-   public :: observe_last, observe_moving, observe_resting
+   public :: observe_instant, observe_last, observe_moving, observe_resting
 
    !> Running maxima.
    type :: reaction_extremes_recorder_t
@@ -72,8 +72,22 @@ contains
       !! theta'' or u''
 
       if (forces%largest(shear) >= 0) return
-      call keep_largest(forces, t, quantities(reactions_at(equation, t, y, y_ddot)))
+      call observe_instant(forces, equation, t, y, y_ddot)
    end subroutine observe_last
+
+   !> One state.
+   subroutine observe_instant(forces, equation, t, y, y_ddot)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' or u''
+
+      call keep_largest(forces, t, quantities(reactions_at(equation, t, y, y_ddot)))
+   end subroutine observe_instant
 
    !> Smooth motion inside the last step of the integrator.
    subroutine observe_moving(forces, piece, error)
