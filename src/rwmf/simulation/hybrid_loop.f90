@@ -22,7 +22,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
    use rwmf_model_rest, only: may_rest
    use rwmf_model_restitution, only: factor_at, largest_factor
-   use rwmf_motion_ground_motion, only: interval_at, interval_end
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_events_drift_events, only: cut_step, has_collapsed
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
@@ -279,9 +279,31 @@ contains
       if (hybrid%must_restart) call integrator%start(hybrid%t, hybrid%y, span, error)
       if (allocated(error)) return
       hybrid%must_restart = .false.
+      t_limit = min(t_limit, hybrid%t + longest_step(equation))
       call integrator%step(t_limit, error)
       if (.not. allocated(error)) call end_step(hybrid, equation, integrator, recorder, error)
    end subroutine integrate_step
+
+   !> Longest step under a pulse far shorter than the periods of the scene, else no limit [s].
+   !>
+   !> Such a pulse leaves much less velocity than it has given in between; the tolerance, which goes
+   !> by the largest one, would let long steps err by all of what is left.
+   pure real(wp) function longest_step(equation) result(longest)
+      type(equation_t), intent(in) :: equation
+      real(wp), parameter :: short = 10
+      !! rate of the pulse over those of the scene [-]
+      real(wp), parameter :: angle = 0.1_wp
+      !! of the pulse in a step [rad]
+      real(wp) :: rate
+
+      longest = huge(longest)
+      rate = fastest_rate(equation%motion)
+      if (rate <= short*max(equation%p%omega_s, equation%floors%max_frequency)) return
+      if (equation%has_wall) then
+         if (rate <= short*sqrt(equation%p%g_over_R)) return
+      end if
+      if (is_curved(equation%motion, interval_of(equation))) longest = angle/rate
+   end function longest_step
 
    !> How far the next step may go, and what a new piece of motion needs to know.
    subroutine begin_step(hybrid, equation, steps, t_target, t_limit, span)
