@@ -37,7 +37,9 @@ def test_many_threads_change_nothing() -> None:
 @pytest.mark.parametrize("number", TOO_MANY)
 def test_the_command(number: str, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["spectrum", str(file), "--threads", number]) == 2
-    assert f"threads = {number}: must be" in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert "threads" in err
+    assert f"{number}: must be" in err
 
 
 @pytest.mark.parametrize("number", TOO_MANY)

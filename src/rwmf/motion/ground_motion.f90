@@ -17,7 +17,8 @@ module rwmf_motion_ground_motion
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
-   public :: is_curved, interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
+   public :: is_curved
+   public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
    public :: is_piecewise_linear, motion_end
 
    integer, parameter :: shape_linear = 1
