@@ -483,11 +483,14 @@ contains
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
+      real(wp), parameter :: slow = 1000
+      !! impacts faster than that over the largest velocity, times sqrt(rtol), do not graze [-]
       real(wp) :: after
       logical :: rests
 
-      if (abs(hybrid%y(2)) < 100*sqrt(hybrid%rtol)*recorder%theta_dot_ends) call look_for_grazing( &
-         hybrid, equation, recorder)
+      if (abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
+         call look_for_grazing(hybrid, equation, recorder)
+      end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
       call observe_impact(recorder, equation, hybrid%y(2), after)
