@@ -11,17 +11,20 @@ module rwmf_integrator_sundials_common
    use fsundials_nvector_mod, only: FN_VDestroy, N_Vector
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, integrator_t, tolerance_t
+   use rwmf_integrator_integrator, only: fail_step, integrator_t, step_too_small, &
+      tolerance_t
    use rwmf_model_assembly, only: equation_t, rhs
    implicit none
    private
 
    public :: sundials_t, evaluate_rhs, data_of, stay_silent
    public :: has_failed, made, create_common, destroy_common, free_vector
-   public :: first_end, step_end
+   public :: first_end, step_end, too_small
 
    integer(c_int), parameter :: no_memory = -20
    !! flag of CVODE and ARKODE
+   integer(c_int), parameter :: too_small = -1000
+   !! flag of our own: steps no longer move the time
 
    !> What both families share: context, vectors, equation.
    type, abstract, extends(integrator_t) :: sundials_t
@@ -110,6 +113,8 @@ contains
          cause = 'the corrector iteration does not converge: try another method'
       case (-8, -9, -10, -11)
          cause = 'the right-hand side is not finite: check parameters and motion'
+      case (too_small)
+         cause = step_too_small
       case (no_memory, -21, -28)
          cause = 'out of memory'
       case default
