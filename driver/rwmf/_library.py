@@ -43,6 +43,7 @@ __all__ = [
     "instruction_set",
     "quantities",
     "read_case",
+    "result_names",
     "schema",
     "start_simulation",
     "start_spectrum",
@@ -115,6 +116,22 @@ def quantities() -> list[list[str]]:
         One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
     """
     return split_table(fetch_text(_kernel.quantities))
+
+
+def result_names(source: str) -> list[str]:
+    """Return the files that the batch program may write for a case.
+
+    Parameters
+    ----------
+    source : str
+        Path of its namelist.
+
+    Returns
+    -------
+    list of str
+        Their names, without folder.
+    """
+    return fetch_text(_kernel.result_names, encode(source)).splitlines()
 
 
 class _Memory:

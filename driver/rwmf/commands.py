@@ -9,6 +9,7 @@ import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ import xarray as xr
 from rwmf import _library, figures, files, loops, records, simulation
 from rwmf.case import Case
 from rwmf.endings import ENDINGS
-from rwmf.quantities import keys_of
+from rwmf.quantities import names_by_key
 from rwmf.spectrum import count_ordinates, with_grid
 from rwmf.spectrum import start as start_spectrum
 from rwmf.spectrum import to_dataset as spectrum_dataset
@@ -50,7 +51,9 @@ _LOOP_POINTS = 40000
 def run(options: argparse.Namespace) -> int:
     """Simulate one case (``rwmf run``)."""
     case = Case.from_namelist(options.case)
-    files.check_outputs([options.plot, options.loops], case.inputs, options.out)
+    written = _library.result_names(options.case) if options.out else ()
+    outputs = [options.plot, options.loops, *(Path(options.out, name) for name in written)]
+    files.check_outputs(outputs, case.inputs)
     check_plot(options.plot)
     check_plot(options.loops)
     if options.loops:
@@ -208,7 +211,7 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
     if "gamma" in dataset.dims:
         found["gamma"] = dataset["gamma"].values
         found["b_m"] = dataset["b"].values
-    for key, name in zip(keys_of(dataset.data_vars), dataset.data_vars, strict=True):
+    for key, name in names_by_key(dataset.data_vars).items():
         found[key] = dataset[name].values
     for key in ("seconds", "threads", "rhs_evaluations"):
         found[key] = dataset.attrs[key]
@@ -236,8 +239,8 @@ def _print_ordinates(dataset: xr.Dataset) -> None:
     """One line a period, one column a mass ratio and half width."""
     bare = "gamma" not in dataset.dims
     columns = dataset if bare else dataset.stack(column=("b", "gamma"))
-    names = [name for name in dataset.data_vars if name != "status"]
-    for key, name in zip(keys_of(names), names, strict=True):
+    names = names_by_key(name for name in dataset.data_vars if name != "status")
+    for key, name in names.items():
         heads = [key]
         if not bare:
             if len(names) > 1:

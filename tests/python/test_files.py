@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 import rwmf
 from conftest import Runner
-from rwmf import cli, files
+from rwmf import _library, cli, files
 from rwmf.errors import InputError, OutputError
 from scenes import coupled
 from writers import RWMF, WRITERS, Writer, prepare
@@ -351,6 +351,9 @@ def test_an_input_is_never_written(
         found = start(words)
         status, errors = found.returncode, found.stderr
     else:
+        # refused before anything is computed
+        for name in ("start_simulation", "start_spectrum"):
+            monkeypatch.delattr(_library, name)
         status, errors = cli.main(words), capsys.readouterr().err
     assert status == 2, errors
     assert re.search(r"is (read|written twice) by this run", errors), errors

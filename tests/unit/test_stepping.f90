@@ -268,8 +268,8 @@ contains
       call destroy_stepping(wall)
    end subroutine test_ground_function
 
-   !> A motion that is no number for a while ends the advance there, whether the wall rocks or rests,
-   !> long before the steps have come to their bound.
+   !> A motion that is no number for a while ends the advance there, whether the wall rocks or
+   !> rests, long before the steps have come to their bound.
    subroutine test_motion_with_gap(method, amplitude)
       character(*), intent(in) :: method
       real(wp), intent(in) :: amplitude

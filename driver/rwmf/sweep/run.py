@@ -156,11 +156,11 @@ def _sweep_to_file(
     work: _Work, path: Path, inputs: Sequence[str | os.PathLike[str]], restart: bool
 ) -> xr.Dataset:
     netcdf.check_package()
-    files.check_outputs([path], inputs)
+    journal_path = journal_of(path, work.part)
+    files.check_outputs([path, journal_path], inputs)
     if not files.is_regular_or_new(path):
         raise InputError(f"{path}: a sweep is read again, it needs a regular file")
     layout = work.plan.layout
-    journal_path = journal_of(path, work.part)
     if path.exists():
         if not restart:
             _check_same(path, layout)
