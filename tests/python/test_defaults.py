@@ -167,6 +167,37 @@ def test_the_default_rule_follows_the_grid(method: str) -> None:
         assert float(found.u_s_max.sel(at)) == pytest.approx(alone, rel=2e-7)
 
 
+@pytest.mark.parametrize(
+    "effect",
+    [
+        *(
+            {"storeys": STOREYS | {"coupling": word}, "frame": {"T_s": None, "gamma": None}}
+            for word in ("reduced", "every_floor", "full")
+        ),
+        {"vertical": {"ratio": 0.5}},
+        {"inerter": {"inertance_over_m_w": 0.5}},
+        {"link": {"L": 6.0}},
+        {"yielding": {"u_y": 0.1}, "p_delta": {}},
+    ],
+    ids=lambda effect: "-".join(map(str, effect.values()))[-40:],
+)
+def test_the_default_rule_with_every_effect(effect: dict[str, dict[str, object]]) -> None:
+    case = without_choices(**effect)
+    run = rwmf.simulate(case)
+    assert float(run.e) == float(run.e_max)
+    assert lines(case) == []
+    spectrum = rwmf.spectrum(case, T_s=[0.8, 1.6])
+    assert (spectrum.status == "ok").all()
+    # lift-off and impacts take part, of a yielding frame but one
+    assert int(run.impacts) > 0
+
+
+def test_friction_with_the_default_rule() -> None:
+    found = studies.friction_spectra(without_choices(), {"T_s": [0.6, 1.5], "gamma": [5.0, 100.0]})
+    assert np.isfinite(found.friction_demand_max).all()
+    assert found.attrs["warnings"] == ""
+
+
 def test_bands_replace_the_rule_by_what_is_uncertain() -> None:
     grid = {"T_s": [1.0, 2.0]}
     case = coupled(solver=SHORT, **TRUE)
