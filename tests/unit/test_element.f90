@@ -255,7 +255,7 @@ contains
          'the period of the frame has no effect on the element')
    end subroutine test_period
 
-   !> Without a rule the momentum balance of what the case has: with `&frame` its mass, else the wall.
+   !> Without a rule the momentum balance of what the case has: the wall, with `&frame` its mass.
    subroutine test_default_rule()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: frames(2) = [character(50) :: &
