@@ -41,6 +41,7 @@ __all__ = [
     "Sweep",
     "check_threads",
     "instruction_set",
+    "law_warning",
     "quantities",
     "read_case",
     "result_names",
@@ -134,6 +135,22 @@ def result_names(source: str) -> list[str]:
     return fetch_text(_kernel.result_names, encode(source)).splitlines()
 
 
+def law_warning(laws: int) -> str:
+    """Say in one line which laws are broken.
+
+    Parameters
+    ----------
+    laws : int
+        The bits of `KernelCase.broken_laws`, of one case or of several.
+
+    Returns
+    -------
+    str
+        The line, '' for none.
+    """
+    return fetch_text(_kernel.law_warning, laws)
+
+
 class _Memory:
     """Memory of the kernel behind a handle, given back when nothing refers to it any more."""
 
@@ -182,7 +199,7 @@ class KernelCase:
         -------
         dict of str to list of str
             ``effects``, ``absent`` (effects that are not simulated), ``states``, ``events``,
-            ``scalars``, and ``columns`` when there is a history.
+            ``scalars``, ``columns`` when there is a history, and ``notes`` (sentences).
 
         Raises
         ------
@@ -206,6 +223,10 @@ class KernelCase:
             When the case cannot be simulated.
         """
         return self._ask(_kernel.applicable).split("\t")
+
+    def broken_laws(self) -> int:
+        """Laws of conservation that the case asks to break: bits 0 energy, 1 angular momentum."""
+        return int(_kernel.broken_laws(self.handle))
 
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text that the kernel may refuse."""
@@ -348,6 +369,10 @@ class Run(_Result):
 
 class Sweep(_Result):
     """Result of a spectrum."""
+
+    def warnings(self) -> list[str]:
+        """Say what to keep in mind about all ordinates."""
+        return law_warning(self._case.broken_laws()).splitlines()
 
     def facts(self) -> dict[str, Any]:
         """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds."""

@@ -7,7 +7,7 @@ import json
 import math
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ __all__ = [
     "check_plot",
     "export_record",
     "list_records",
+    "print_warnings",
     "progress_bar",
     "run",
     "spectrum",
@@ -66,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
             _plot_history(case, result, options.plot)
         if options.loops:
             _plot_loops(case, result, options.loops)
-    _print_warnings(options.case, summary)
+    print_warnings(options.case, summary["warnings"])
     if options.json:
         _print_json(summary)
     else:
@@ -105,6 +106,7 @@ def spectrum(options: argparse.Namespace) -> int:
         dataset = spectrum_dataset(sweep)
         if options.csv:
             sweep.write(options.csv)
+    print_warnings(options.case, dataset.attrs["warnings"])
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
     if options.json:
@@ -124,6 +126,9 @@ def check(options: argparse.Namespace) -> int:
     n = count_ordinates(case)
     if n > 0:
         print(f"spectrum: {n} simulations")
+    warning = _library.law_warning(case.kernel.broken_laws())
+    for kind, lines in (("note", found["notes"]), ("warning", warning.splitlines())):
+        print("".join(f"{kind}: {line}\n" for line in lines), end="")
     print("values, those that the case does not give in parentheses:")
     for name, group in case.groups.items():
         print(f"  {name:8s} {group!r}")
@@ -185,8 +190,9 @@ def progress_bar(total: int) -> Iterator[Callable[[int, int], None] | None]:
         yield report
 
 
-def _print_warnings(path: str, summary: dict[str, Any]) -> None:
-    for warning in summary.get("warnings", []):
+def print_warnings(path: str, warnings: Sequence[str]) -> None:
+    """Tell on the error output what to keep in mind about the results of a file."""
+    for warning in warnings:
         print(f"rwmf: {path}: warning: {warning}", file=sys.stderr)
 
 
@@ -213,7 +219,7 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
         found["b_m"] = dataset["b"].values
     for key, name in names_by_key(dataset.data_vars).items():
         found[key] = dataset[name].values
-    for key in ("seconds", "threads", "rhs_evaluations"):
+    for key in ("seconds", "threads", "rhs_evaluations", "warnings"):
         found[key] = dataset.attrs[key]
     return found
 

@@ -54,7 +54,8 @@ def spectrum(
     xarray.Dataset
         The quantities, ``u_s_max`` [m], and ``status`` over (b, gamma, T_s), for the bare frame
         over T_s. An ordinate that failed is NaN, its status the name of the reason. Counts and yes
-        (1) or no (0) are numbers; what has not happened has no time, NaN.
+        (1) or no (0) are numbers; what has not happened has no time, NaN. Its attribute
+        ``warnings`` lists what the case does not conserve.
 
     Raises
     ------
@@ -197,6 +198,7 @@ def to_dataset(sweep: _library.Sweep) -> xr.Dataset:
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),
             "rhs_evaluations": int(facts["rhs_evaluations"]),
+            "warnings": sweep.warnings(),
         },
     )
 

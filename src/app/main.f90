@@ -201,7 +201,7 @@ contains
 
       call simulate(case, result, error, control)
       if (allocated(error)) return
-      call report_warnings(path, result)
+      if (allocated(result%warnings)) call report_warnings(path, result%warnings)
       call write_result(case, result, folder, case_name(path), error, path)
       if (allocated(error)) return
       write (seconds, '(f0.3)') result%seconds
@@ -225,6 +225,7 @@ contains
 
       call compute_spectrum(case, all_threads, spectrum, error, control)
       if (allocated(error)) return
+      call report_warnings(path, spectrum%warnings)
       call save_spectrum(case, spectrum, path, command_line, error)
       if (allocated(error)) return
       failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned' &
@@ -258,14 +259,13 @@ contains
    end subroutine save_spectrum
 
    !> Tell the user what to keep in mind about a result.
-   subroutine report_warnings(path, result)
+   subroutine report_warnings(path, warnings)
       character(*), intent(in) :: path
-      type(result_t), intent(in) :: result
+      character(*), intent(in) :: warnings(:)
       integer :: i
 
-      if (.not. allocated(result%warnings)) return
-      do i = 1, size(result%warnings)
-         write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(result%warnings(i))
+      do i = 1, size(warnings)
+         write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(warnings(i))
       end do
    end subroutine report_warnings
 

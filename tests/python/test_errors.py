@@ -66,7 +66,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "e": ("e = 0.9", "e = 1.1", "impact.*e = 1.1.*1"),
     "r": ("e = 0.9", "r = -0.1", "impact.*r = -0.1.*0"),
     "e and r": ("e = 0.9", "e = 0.9, r = 0.81", "impact.*e.*r"),
-    "neither e nor r": ("   e = 0.9\n", "", "impact.*e.*r"),
+    "neither e nor r": ("e = 0.9\n", "rule = 'constant'\n", "impact.*e.*r"),
     "e with a rule": ("e = 0.9", "e = 0.9, rule = 'housner'", "impact.*e.*housner"),
     "rule": ("e = 0.9", "rule = 'magic'", "impact.*rule.*magic.*constant.*housner.*coupled"),
     "kind": ("'one_sine'", "'two_sine'", "motion.*kind.*two_sine.*one_sine"),
@@ -82,7 +82,11 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "unit": (MOTION, RECORD.replace("'g'", "'gal'"), "motion.*unit.*gal.*cm/s2"),
     "theta_over_alpha": ("&solver", "&initial theta_over_alpha = 99 /\n&solver", "initial.*99"),
     "formulation": ("&solver", "&model formulation = 'mine' /\n&solver", "model.*mine.*published"),
-    "published truss": ("eta_0 = 1.0", "eta_0 = 1.0, law = 'truss'", "published.*truss|truss.*pub"),
+    "published truss": (
+        "&cable",
+        "&model formulation = 'published' /\n&cable law = 'truss'",
+        "published.*truss|truss.*pub",
+    ),
     "overturning": (
         "&solver",
         "&model overturning_angle = 2 /\n&solver",

@@ -225,7 +225,8 @@ def test_runs_that_are_dropped_leave_no_memory() -> None:
 
 def test_numbers_stay_numbers() -> None:
     """The kinds of the summary, and more scalars than are fetched at once."""
-    case = coupled(output={"energy": True, "reactions": True})
+    balanced = {"rule": "coupled", "e": None}
+    case = coupled(output={"energy": True, "reactions": True}, impact=balanced)
     with _library.start_simulation(case.kernel, "") as run:
         whole = run.summary()
         room, _library._FIRST_ROOM = _library._FIRST_ROOM, 2

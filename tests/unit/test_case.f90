@@ -32,6 +32,7 @@ program test_case
    call test_bad_motions()
    call test_bad_runs()
    call test_files()
+   call test_implied_rules()
    call test_description()
    call test_schema()
    call checks%finish()
@@ -44,7 +45,7 @@ contains
       call accept(scene//'&cable eta_0 = 2.0 /', case)
       call checks%close_to(case%cable%eta_alpha, 2.0_wp, 'eta_alpha is eta_0')
       call checks%that(case%cable%law == 'linear', 'law')
-      call checks%that(case%model%formulation == 'published', 'formulation')
+      call checks%that(case%model%formulation == 'exact', 'formulation')
       call checks%close_to(case%model%g, real(9.81_dp, wp), 'g')
       call checks%close_to(case%model%overturning_angle, pi/2, 'overturning angle', &
          rtol=epsilon(1.0_wp) + real(epsilon(1.0_dp), wp))
@@ -205,7 +206,8 @@ contains
       call refuse('&frame xi_s = 0 /'//ends, '&frame (line 1): the key T_s is missing')
       call refuse(wall//frame, 'the key t_end is missing')
       call refuse(wall//'&motion kind = ''none'' / &solver /', '&solver (line 2): the key t_end')
-      call refuse(scene//'&impact /', 'exactly one of the keys e and r must be given')
+      call refuse(scene//"&impact rule = 'constant' /", &
+         'exactly one of the keys e and r must be given')
       call refuse(scene//'&impact e = 1, r = 1 /', 'r = 1 (line 4): must not be given beside e')
       call refuse(scene//'&impact rule = ''housner'', e = 1 /', "with rule = 'housner'")
       call refuse(scene//'&impact rule = ''coupled'', r = 1 /', "with rule = 'coupled'")
@@ -221,7 +223,8 @@ contains
       call refuse(bare//ends//'&inerter inertance_over_m_w = 1 /', 'be given without &wall')
       call refuse('&wall h = 2, b = 0.5, base = ''pinned'' /'//frame//ends &
          //'&cable eta_0 = 1 /', 'a straight cable through the hinge is not stretched')
-      call refuse(scene//'&cable eta_0 = 1, law = ''truss'' /', "law = 'truss' (line 4): must be " &
+      call refuse(scene//"&model formulation = 'published' / &cable eta_0 = 1, law = 'truss' /", &
+         "law = 'truss' (line 4): must be " &
          //"'linear' with &model formulation = 'published'")
    end subroutine test_bad_scenes
 
@@ -277,6 +280,21 @@ contains
    end subroutine test_bad_runs
 
    !> The file's name comes first; folders and devices are refused, not waited for.
+   !> The keys that are given say which rule of impacts it is.
+   subroutine test_implied_rules()
+      character(*), parameter :: keys(6) = [character(40) :: '', 'e = 0.9', 'r = 0.81', &
+         'table_e = 1, 0.9, table_theta_dot = 1, 2', "rule = 'housner'", "rule = 'constant', e = 1"]
+      character(*), parameter :: rules(size(keys)) = [character(8) :: 'coupled', 'constant', &
+         'constant', 'table', 'housner', 'constant']
+      type(case_t) :: case
+      integer :: i
+
+      do i = 1, size(keys)
+         call accept(scene//'&impact '//trim(keys(i))//' /', case)
+         call checks%that(case%impact%rule == trim(rules(i)), 'rule of &impact '//trim(keys(i)))
+      end do
+   end subroutine test_implied_rules
+
    subroutine test_files()
       character(*), parameter :: names(3) = [character(9) :: 'none.nml', '.', '/dev/zero']
       type(case_t) :: case

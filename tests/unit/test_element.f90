@@ -30,6 +30,7 @@ program test_element
    call test_lift_off()
    call test_hinged()
    call test_period()
+   call test_default_rule()
    call test_bad_calls()
    call test_bad_steps()
    call checks%finish()
@@ -253,6 +254,28 @@ contains
       call checks%that(all(abs(answers(:, 2:) - answers(:, [1, 1])) <= 0), &
          'the period of the frame has no effect on the element')
    end subroutine test_period
+
+   !> Without a rule the momentum balance of what the case has: the wall, with `&frame` its mass.
+   subroutine test_default_rule()
+      character(*), parameter :: nl = new_line('a')
+      character(*), parameter :: frames(2) = [character(50) :: &
+         '', '&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /']
+      type(wall_element_t) :: element
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: sine
+      integer :: i
+
+      sine = sin(atan2(0.5_wp, 2.0_wp))
+      do i = 1, size(frames)
+         call read_case_text('&wall h = 2.0, b = 0.5 /'//nl//trim(frames(i))//nl//'&impact /' &
+            //nl//'&solver t_end = 1.0 /', '', case, error)
+         if (.not. allocated(error)) call create_element(element, case, error)
+         call checks%no_error(error, 'element without a rule')
+         call checks%close_to(velocity_factor(element), &
+            1 - 1.5_wp*sine**2/(1 + (i - 1)*15*(1 - sine**2)), 'its factor', rtol=1.0e-15_wp)
+      end do
+   end subroutine test_default_rule
 
    !> What a step cannot be: refused, and without an error nothing happens, at no time.
    subroutine test_bad_steps()

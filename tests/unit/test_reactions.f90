@@ -195,7 +195,7 @@ contains
       call checks%that(result%reactions%is_exceeded, 'limit exceeded')
       call checks%close_to(result%reactions%t_exceeded, asin(0.6_wp)/(2*pi), &
          'first time of excess', rtol=round_off)
-      call checks%that(size(result%warnings) == 1, 'a warning')
+      call checks%that(count(index(result%warnings, 'friction demand') > 0) == 1, 'a warning')
       case%output%friction_limit = 1.01_wp*peak
       call simulate(case, result, error)
       call checks%that(.not. result%reactions%is_exceeded, 'limit kept')

@@ -55,7 +55,9 @@ def sensitivity_bands(
     both = [name for name in vague if name in clear]
     if both:
         raise InputError(f"bands: {both[0]}: is in the grid and uncertain")
-    found = sweep(case, vague | clear, records, **how)
+    # a factor that is uncertain takes the place of the case's rule
+    own_loss = {"impact.e", "impact.r"} & set(vague) and "impact" in case.groups
+    found = sweep(case.without("impact") if own_loss else case, vague | clear, records, **how)
     values = with_overturning(found)
     over = [name for name in values.dims if name in {name.split(".")[-1] for name in vague}]
     nominal = with_overturning(sweep(case, grid, records, **how))

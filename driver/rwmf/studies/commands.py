@@ -11,6 +11,7 @@ import xarray as xr
 
 from rwmf import figures, files
 from rwmf.case import Case
+from rwmf.commands import print_warnings
 from rwmf.errors import InputError
 from rwmf.netcdf_file import new_file
 from rwmf.studies import draw
@@ -158,7 +159,7 @@ def _add_spectra(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -
             progress=report,
         ),
         draw.draw_suite,
-        "inputs/fig13_elcentro_slender_wall.nml --records fema:far_field --plot suite.png",
+        "inputs/study_elcentro.nml --records fema:far_field --plot suite.png",
     )
     _add_records(parser, required=True)
     _add_grid(parser)
@@ -186,7 +187,7 @@ def _add_ida(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         "Incremental dynamic analysis of a suite and the probability to exceed a limit.",
         _compute_fragility,
         draw.draw_fragility,
-        "inputs/fig06_mild_frame_one_sine.nml --records fema:far_field --limit 0.2 --plot f.png",
+        "inputs/study_one_sine.nml --records fema:far_field --limit 0.2 --plot f.png",
     )
     _add_records(parser, required=True)
     _list(parser, "levels", "0.1:2:20", "pseudo-spectral accelerations over g")
@@ -223,7 +224,7 @@ def _add_wall(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
             progress=report,
         ),
         draw.draw_wall_effect,
-        "inputs/fig13_elcentro_slender_wall.nml --gamma 5,10,100 --plot wall.png",
+        "inputs/study_elcentro.nml --gamma 5,10,100 --plot wall.png",
     )
     _add_records(parser, required=False)
     _add_grid(parser)
@@ -243,7 +244,7 @@ def _add_friction(studies: argparse._SubParsersAction[argparse.ArgumentParser]) 
             progress=report,
         ),
         draw.draw_friction,
-        "inputs/fig12_one_sine.nml --gamma 5,100,1000 --plot friction.png",
+        "inputs/study_one_sine.nml --gamma 5,100,1000 --plot friction.png",
         panels=2,
     )
     _add_records(parser, required=False)
@@ -257,7 +258,7 @@ def _add_bands(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "Range of the spectrum over uncertain restitution and post-tension.",
         _compute_bands,
         draw.draw_bands,
-        "inputs/fig12_one_sine.nml --gamma 5,100 --e 0.8,0.9 --plot bands.png",
+        "inputs/study_one_sine.nml --gamma 5,100 --e 0.8,0.9 --plot bands.png",
     )
     _add_records(parser, required=False)
     _add_grid(parser)
@@ -306,7 +307,7 @@ def _add_equal(studies: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
             case, options.T_p, options.target, threads=options.threads, progress=report
         ),
         draw.draw_equal_response,
-        "inputs/fig06_mild_frame_one_sine.nml --target 0.2 --plot equal.png",
+        "inputs/study_one_sine.nml --target 0.2 --plot equal.png",
     )
     _list(parser, "T_p", "0.2:3:57", "periods of the pulse in s")
     parser.add_argument("--target", type=number(above=0), required=True, help="displacement in m")
@@ -323,6 +324,7 @@ def _run(options: argparse.Namespace) -> int:
         figures.check_format(options.plot)
     with progress() as report:
         dataset = options.compute(options, case, report)
+    print_warnings(options.case, dataset.attrs["warnings"].splitlines())
     if options.file:
         _write(dataset, Path(options.file))
     if options.plot:

@@ -20,6 +20,10 @@ def origin_of(case: Case) -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        Version of the kernel and text of the case.
+        Version of the kernel, text of the case, and what it does not conserve.
     """
-    return {"version": _library.version(), "case": readable(case.to_namelist())}
+    return {
+        "version": _library.version(),
+        "case": readable(case.to_namelist()),
+        "warnings": _library.law_warning(case.kernel.broken_laws()),
+    }

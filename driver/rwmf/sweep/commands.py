@@ -14,7 +14,7 @@ import xarray as xr
 
 from rwmf import files
 from rwmf.case import Case
-from rwmf.commands import progress_bar
+from rwmf.commands import print_warnings, progress_bar
 from rwmf.errors import InputError, Interrupted
 from rwmf.sweep.csv_parts import merge_csv
 from rwmf.sweep.engine import open_executor
@@ -98,6 +98,7 @@ def sweep_file(options: argparse.Namespace) -> int:
     except InputError as error:
         raise InputError(f"{options.sweep}: {error}") from error
     seconds = time.perf_counter() - started
+    print_warnings(options.sweep, dataset.attrs["warnings"].splitlines())
     if part[1] > 1:
         print(f"part {part[0]}/{part[1]} is done: {journal_of(path, part)} ({seconds:.1f} s)")
     else:

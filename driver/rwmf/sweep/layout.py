@@ -37,6 +37,8 @@ class Layout:
         What is kept of each run.
     motion_crc32 : str
         Checksum of the case's own record, '' without one.
+    warnings : str
+        What is not conserved in some of its runs, in one line; '' for nothing.
     """
 
     version: str
@@ -47,6 +49,7 @@ class Layout:
     block: int
     quantities: tuple[str, ...]
     motion_crc32: str = ""
+    warnings: str = ""
 
     @property
     def dims(self) -> tuple[str, ...]:

@@ -68,6 +68,7 @@ def attributes(layout: Layout) -> dict[str, str]:
         "version": layout.version,
         "case": readable(layout.case),
         "motion_crc32": layout.motion_crc32,
+        "warnings": layout.warnings,
         "sweep": layout.to_text(),
     }
 

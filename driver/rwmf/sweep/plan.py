@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -98,8 +98,13 @@ class Plan:
             axis.apply(entries, position)
         return entries
 
-    def check(self) -> None:
+    def checked(self) -> Plan:
         """Let the kernel validate every position of every axis once, the others at their first.
+
+        Returns
+        -------
+        Plan
+            The same with what the kernel says that its runs do not conserve.
 
         Raises
         ------
@@ -109,6 +114,7 @@ class Plan:
         first = [0] * len(self.axes)
         # a record that the case before has is not read again
         known: _library.KernelCase | None = None
+        laws = 0
         for i, axis in enumerate(self.axes):
             for position in range(len(axis)):
                 # the first position of all axes is checked once
@@ -117,8 +123,10 @@ class Plan:
                 label = axis.coordinates()[0].values[position]
                 at = (*first[:i], position, *first[i + 1 :])
                 known = self._check_one(at, f"{axis.name} = {label}", known)
+                laws |= known.broken_laws()
         if not self.axes:
-            self._check_one((), "the case", None)
+            laws = self._check_one((), "the case", None).broken_laws()
+        return replace(self, layout=replace(self.layout, warnings=_library.law_warning(laws)))
 
     def _check_one(
         self, positions: tuple[int, ...], label: str, known: _library.KernelCase | None
@@ -181,9 +189,7 @@ def make_plan(
             base.setdefault("output", {})[quantity.asked_by] = True
     size = chunk or (_CHUNK_RUNS if any(name == "T_s" for name, _ in inner) else _CHUNK_POINTS)
     layout = _make_layout(case, compose(base), axes, inner, tuple(wanted), size)
-    plan = Plan(layout, base, case.kernel_source(), tuple(axes), inner)
-    plan.check()
-    return plan
+    return Plan(layout, base, case.kernel_source(), tuple(axes), inner).checked()
 
 
 def _make_layout(

@@ -84,7 +84,8 @@ def sweep(
     -------
     xarray.Dataset
         The quantities and ``status`` (numbers, their names in its ``flag_meanings``) over all
-        axes. With a file it is opened from there, with a part it is empty but for attributes.
+        axes; the attribute ``warnings`` says what some of the runs do not conserve. With a file it
+        is opened from there, with a part it is empty but for attributes.
 
     Raises
     ------

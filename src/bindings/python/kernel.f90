@@ -28,6 +28,7 @@ module rwmf_bindings_python_kernel
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_simulation_simulate, only: run_simulation => simulate
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
+   use rwmf_simulation_warnings, only: find_broken => broken_laws, tell_broken_laws
    use rwmf_spectrum_quantities, only: list_applicable
    use rwmf_spectrum_spectrum, only: compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
@@ -175,6 +176,27 @@ contains
       if (.not. allocated(error)) call put_text(lines, buffer, length)
       call put_error(error, status, message, message_length)
    end subroutine inventory
+
+   !> Laws of conservation that a case asks to break, in its spectrum if it has one: the sum of 1
+   !> for energy and 2 for angular momentum.
+   subroutine broken_laws(handle, laws)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int), intent(out) :: laws
+      type(kept_t), pointer :: kept
+
+      kept => find(handle)
+      laws = int(sum(merge([1, 2], 0, find_broken(kept%case, allocated(kept%case%spectrum)))), &
+         c_int)
+   end subroutine broken_laws
+
+   !> The line about them, '' for none.
+   subroutine law_warning(laws, buffer, length)
+      integer(c_int), intent(in) :: laws
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+
+      call put_text(trim(tell_broken_laws([btest(laws, 0), btest(laws, 1)])), buffer, length)
+   end subroutine law_warning
 
    !> Run one simulation. `control` is (finished, cancel), read and set while this runs.
    subroutine simulate(handle, control, run, status, message, message_length)

@@ -25,13 +25,13 @@ module rwmf_embedding_element
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_equation, only: cable_at, discrete_state_t, enter_side, equation_t, &
       has_further_effects, kinematics_at
+   use rwmf_model_impact_rule, only: restitution
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: lane_motion_t, wall_coefficients
    use rwmf_model_scene, only: first_wall, scene_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_simulation_run, only: restitution
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

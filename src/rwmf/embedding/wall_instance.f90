@@ -8,6 +8,7 @@ module rwmf_embedding_wall_instance
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_equation, only: discrete_state_t
+   use rwmf_model_impact_rule, only: impact_law
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t
@@ -16,7 +17,7 @@ module rwmf_embedding_wall_instance
    use rwmf_simulation_hybrid_state, only: hybrid_state_t
    use rwmf_simulation_lanes_team, only: team_t
    use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
-   use rwmf_simulation_run, only: guess_size, impact_law, initial_state, tolerances
+   use rwmf_simulation_run, only: guess_size, initial_state, tolerances
    implicit none
    private
 

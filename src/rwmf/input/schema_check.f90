@@ -246,7 +246,8 @@ contains
       call fail_at_key(group%name, key, shown_values, entry%line, problem, error)
    end subroutine fail_at_entry
 
-   !> The keys that are not given take their defaults, or the value of the key that a default names.
+   !> The keys that are not given take what a given key implies, or their defaults, or the value of
+   !> the key that a default names.
    subroutine enter_defaults(keys, values, n)
       type(key_t), intent(in) :: keys(:)
       type(group_values_t), intent(inout) :: values
@@ -260,13 +261,36 @@ contains
          if (scan(keys(i)%default(1:1), letters) > 0) source = find_key(keys, &
             trim(keys(i)%group), trim(keys(i)%default))
          if (source == 0) then
-            call append(values, i, n, default_number(keys(i)), trim(keys(i)%default))
+            call append(values, i, n, default_number(keys(i)), &
+               trim(default_text(keys, values%keys%is_given, i)))
          else
             values%keys(i)%n = values%keys(source)%n
             values%keys(i)%first = values%keys(source)%first
          end if
       end do
    end subroutine enter_defaults
+
+   !> The text of a default: what a given key of the same group implies, otherwise its own.
+   pure function default_text(keys, is_given, at) result(text)
+      type(key_t), intent(in) :: keys(:)
+      logical, intent(in) :: is_given(:)
+      !! (keys)
+      integer, intent(in) :: at
+      !! place of the key that is not given
+      character(len(keys%default)) :: text
+      integer :: equals
+      integer :: i
+
+      text = keys(at)%default
+      do i = 1, size(keys)
+         if (.not. is_given(i) .or. keys(i)%group /= keys(at)%group) cycle
+         equals = index(keys(i)%implies, '=')
+         if (equals == 0) cycle
+         if (keys(i)%implies(:equals - 1) /= keys(at)%key) cycle
+         text = keys(i)%implies(equals + 1:)
+         return
+      end do
+   end function default_text
 
    !> Append a value to those of a key.
    pure subroutine append(values, at, n, number, text)

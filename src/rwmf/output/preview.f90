@@ -7,6 +7,7 @@ module rwmf_output_preview
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_instant
    use rwmf_spectrum_quantities, only: check_asked
@@ -16,12 +17,13 @@ module rwmf_output_preview
    public :: preview_text
 
    character(*), parameter :: tab = achar(9)
+   integer, parameter :: note_length = 120
 
 contains
 
    !> Lines of a word and the names that belong to it, separated by tabs: `effects`, `absent`
-   !> (effects that are not simulated), `states`, `events`, `scalars` (keys of the summary) and
-   !> `columns` (of the history; nothing without one).
+   !> (effects that are not simulated), `states`, `events`, `scalars` (keys of the summary),
+   !> `columns` (of the history; nothing without one) and `notes` (sentences).
    !>
    !> The outputs are those of the same case when it ends as it begins: no list of them is kept
    !> that could differ from what is written. Errors: as `simulate` and `check_asked`.
@@ -51,6 +53,7 @@ contains
       type(summary_item_t), allocatable :: items(:)
       character(name_length), allocatable :: states(:)
       character(name_length), allocatable :: events(:)
+      character(note_length), allocatable :: notes(:)
       integer :: i
 
       call list_states(case, states)
@@ -67,6 +70,8 @@ contains
       end do
       text = text//new_line('a')
       if (allocated(result%history)) call append_line('columns', result%history%names, text)
+      call list_notes(case%values, notes)
+      call append_line('notes', notes, text)
    end subroutine compose
 
    !> Append a word and the names that belong to it.
@@ -122,5 +127,38 @@ contains
             [character(name_length) :: names, found(i)]
       end do
    end subroutine list_events
+
+   !> Defaults that the case leans on and that an earlier version had otherwise, where they matter.
+   subroutine list_notes(values, notes)
+      type(group_values_t), intent(in) :: values
+      character(note_length), allocatable, intent(out) :: notes(:)
+      logical :: is_shared
+      !! the wall rocks, and not alone
+
+      allocate (notes(0))
+      is_shared = has_group(values, 'frame') .or. has_group(values, 'cable')
+      if (has_group(values, 'wall') .and. is_shared &
+          .and. text_of(values, 'wall', 'base') == 'rocking') then
+         call add_note(values, 'model', 'formulation', 'published', notes)
+      end if
+      if (has_group(values, 'impact')) then
+         call add_note(values, 'impact', 'rule', 'constant', notes)
+      end if
+   end subroutine list_notes
+
+   !> Add a sentence on a choice that is not given, unless it is what it was before.
+   subroutine add_note(values, group, key, before, notes)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: key
+      character(*), intent(in) :: before
+      !! its default in an earlier version
+      character(note_length), allocatable, intent(inout) :: notes(:)
+
+      if (has_key(values, group, key) .or. text_of(values, group, key) == before) return
+      notes = [character(note_length) :: notes, '&'//group//' '//key//" = '" &
+         //text_of(values, group, key)//"', because the case does not give it; before version " &
+         //"0.2 it was '"//before//"'"]
+   end subroutine add_note
 
 end module rwmf_output_preview

@@ -29,6 +29,9 @@ module rwmf_problem_key
       character(90) :: help
       character(88) :: kinds
       !! of `&motion`: the kinds that the key belongs to; '' for all
+      character(16) :: implies
+      !! `KEY=VALUE`: what a choice of the same group is when this key is given and the choice is
+      !! not; '' for nothing
    end type key_t
 
 contains
@@ -42,11 +45,11 @@ contains
       character(*), intent(in) :: allowed
       character(*), intent(in) :: help
 
-      required = key_t(group, key, type, unit, '', .true., allowed, help, '')
+      required = key_t(group, key, type, unit, '', .true., allowed, help, '', '')
    end function required
 
    !> A key that may be left out.
-   pure type(key_t) function optional_key(group, key, type, unit, default, allowed, help)
+   pure type(key_t) function optional_key(group, key, type, unit, default, allowed, help, implies)
       character(*), intent(in) :: group
       character(*), intent(in) :: key
       character(*), intent(in) :: type
@@ -54,8 +57,10 @@ contains
       character(*), intent(in) :: default
       character(*), intent(in) :: allowed
       character(*), intent(in) :: help
+      character(*), intent(in), optional :: implies
 
-      optional_key = key_t(group, key, type, unit, default, .false., allowed, help, '')
+      optional_key = key_t(group, key, type, unit, default, .false., allowed, help, '', '')
+      if (present(implies)) optional_key%implies = implies
    end function optional_key
 
    !> A key of some kinds of motion.
@@ -68,7 +73,7 @@ contains
       character(*), intent(in) :: allowed
       character(*), intent(in) :: help
 
-      of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds)
+      of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds, '')
    end function of_kind
 
    !> Does the key belong to this kind of motion? Always true in other groups.

@@ -193,7 +193,7 @@ module rwmf_simulation_quantities
       'relative change of the same peak per relative change of the motion'), &
       quantity_t('effects', '', '', 'list', 'before', 'run', '', '', '', &
       'names of the effects that are simulated'), &
-      quantity_t('warnings', '', '', 'list', 'end', 'run', '', '', '', &
+      quantity_t('warnings', '', '', 'list', 'end', 'run spectrum', '', '', '', &
       'what the user should know')]
 
    !> Parts of the energy ledger, and its residual.

@@ -13,8 +13,8 @@ module rwmf_simulation_run
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
       storey_strengths, tendon_is_broken, yield_displacement
+   use rwmf_model_impact_rule, only: balanced_restitution, impact_law, restitution
    use rwmf_model_rest, only: inverse_inertia
-   use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
@@ -25,13 +25,13 @@ module rwmf_simulation_run
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
-   use rwmf_simulation_warnings, only: warn_of_fuses, warn_of_reactions, &
-      warn_of_grazing, warn_of_short_history, warn_of_weight
+   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws, warn_of_fuses, &
+      warn_of_grazing, warn_of_reactions, warn_of_short_history, warn_of_weight
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: run_once, restitution, impact_law, guess_size, tolerances, initial_state
+   public :: run_once, guess_size, tolerances, initial_state
    public :: begin_run, fill_result, is_much_smaller, response_size, most_passes
 
    integer, parameter :: most_passes = 5
@@ -232,54 +232,6 @@ contains
       end if
    end function initial_state
 
-   !> What an impact leaves of the velocity by the case's rule.
-   pure type(restitution_t) function impact_law(case, alpha) result(law)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: alpha
-      !! slenderness [rad]
-
-      law%e = restitution(case, alpha)
-      if (.not. allocated(case%impact)) return
-      if (case%impact%rule /= 'table') return
-      law%speed = case%impact%table_theta_dot
-      law%factor = case%impact%table_e
-   end function impact_law
-
-   !> Velocity factor of the case's rule, of a table the largest one; 1 without `&impact` [-].
-   pure real(wp) function restitution(case, alpha) result(e)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: alpha
-      !! slenderness [rad]
-
-      e = 1
-      if (.not. allocated(case%impact)) return
-      select case (case%impact%rule)
-      case ('housner')
-         e = restitution_housner(alpha)
-      case ('coupled')
-         e = restitution_momentum(alpha, mass_ratio(case), inertance(case))
-      case ('table')
-         e = maxval(case%impact%table_e)
-      case default
-         e = case%impact%e
-      end select
-   end function restitution
-
-   pure real(wp) function mass_ratio(case) result(gamma)
-      type(case_t), intent(in) :: case
-
-      gamma = 0
-      if (.not. allocated(case%frame)) return
-      if (allocated(case%frame%gamma)) gamma = case%frame%gamma
-   end function mass_ratio
-
-   pure real(wp) function inertance(case) result(beta)
-      type(case_t), intent(in) :: case
-
-      beta = 0
-      if (allocated(case%inerter)) beta = case%inerter%inertance_over_m_w
-   end function inertance
-
    !> What applies to the scene, and only that.
    subroutine fill_result(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
@@ -392,7 +344,7 @@ contains
       if (equation%has_vertical) call warn_of_weight(equation, case%solver%t_end, result)
       if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
       e = restitution(case, equation%p%alpha)
-      e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
+      e_max = balanced_restitution(case, equation%p%alpha)
       if (allocated(case%impact)) then
          if (e <= 0 .and. (case%impact%rule == 'housner' .or. case%impact%rule == 'coupled')) then
             call add_warning(result, 'the momentum balance leaves no velocity at impact for so ' &
@@ -403,6 +355,9 @@ contains
          call add_warning(result, 'e = '//trim(real_to_text(e))//' exceeds e_max = ' &
             //trim(real_to_text(e_max)) &
             //', the most that the momentum balance of wall and frame allows')
+      end if
+      if (any(broken_laws(case, .false.))) then
+         call add_warning(result, trim(tell_broken_laws(broken_laws(case, .false.))))
       end if
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &
@@ -426,7 +381,7 @@ contains
       if (equation%has_impacts) then
          ! a table has no single factor
          if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
-         result%e_max = restitution_momentum(equation%p%alpha, mass_ratio(case), inertance(case))
+         result%e_max = balanced_restitution(case, equation%p%alpha)
       end if
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, recorder)
    end subroutine fill_wall

@@ -3,13 +3,15 @@ module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_vertical_motion, only: lowest_vertical
    use rwmf_model_equation, only: equation_t
+   use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
    public :: warn_of_fuses, warn_of_reactions, warn_of_grazing, warn_of_short_history
-   public :: warn_of_weight
+   public :: warn_of_weight, broken_laws, tell_broken_laws
 
 contains
 
@@ -83,5 +85,68 @@ contains
       call add_warning(result, 'v_g'''' falls to '//trim(real_to_text(lowest)) &
          //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')
    end subroutine warn_of_weight
+
+   !> Does the case itself ask to break the conservation of energy, of angular momentum?
+   !>
+   !> Of a rocking wall with the mass of a frame. `published` gives the frame's force another lever
+   !> arm than its displacement has where theta < 0. A velocity factor below that of the momentum
+   !> balance takes more than the contact at the new corner can: it damps the frame. One that
+   !> exceeds it has a warning of its own.
+   pure function broken_laws(case, in_grid) result(is_broken)
+      type(case_t), intent(in) :: case
+      logical, intent(in) :: in_grid
+      !! anywhere in its `&spectrum`; otherwise in the run of the case
+      logical :: is_broken(2)
+      !! energy, angular momentum
+      type(case_t) :: one
+      real(wp), allocatable :: gamma(:)
+      real(wp), allocatable :: b(:)
+      integer :: i, j
+
+      is_broken = .false.
+      if (.not. (allocated(case%wall) .and. allocated(case%frame))) return
+      if (case%wall%base == 'pinned') return
+      one%structure_t = case%structure_t
+      gamma = [mass_ratio(case)]
+      b = [case%wall%b]
+      if (in_grid) then
+         if (allocated(case%spectrum%gamma)) gamma = case%spectrum%gamma
+         if (allocated(case%spectrum%b)) b = case%spectrum%b
+      end if
+      is_broken(1) = case%model%formulation == 'published' .and. any(gamma > 0)
+      do i = 1, size(gamma)
+         one%frame%gamma = gamma(i)
+         do j = 1, size(b)
+            is_broken(2) = is_broken(2) .or. loses_momentum(one, atan2(b(j), case%wall%h))
+         end do
+      end do
+   end function broken_laws
+
+   !> What `broken_laws` found, in one line; '' for nothing.
+   pure function tell_broken_laws(is_broken) result(text)
+      logical, intent(in) :: is_broken(2)
+      character(160) :: text
+
+      text = ''
+      if (.not. any(is_broken)) return
+      text = 'not conserved:'
+      if (is_broken(1)) text = trim(text)//" energy while theta < 0 (formulation 'published')"
+      if (all(is_broken)) text = trim(text)//','
+      if (is_broken(2)) text = trim(text)//' angular momentum of wall and frame at impact ' &
+         //'(e < e_max)'
+   end function tell_broken_laws
+
+   !> Does an impact take more than the momentum balance of wall and frame?
+   pure logical function loses_momentum(case, alpha)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      loses_momentum = .false.
+      if (.not. allocated(case%impact)) return
+      if (case%impact%rule == 'coupled') return
+      loses_momentum = mass_ratio(case) > 0 &
+         .and. restitution(case, alpha) < balanced_restitution(case, alpha)
+   end function loses_momentum
 
 end module rwmf_simulation_warnings

@@ -10,6 +10,7 @@ module rwmf_spectrum_spectrum
    use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
+   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_fast_bare_frame, only: run_frames
    use rwmf_spectrum_fast_driver, only: run_fast
@@ -47,6 +48,8 @@ module rwmf_spectrum_spectrum
       !! wall-clock time [s]
       integer :: threads
       !! number of threads used
+      character(160), allocatable :: warnings(:)
+      !! what the user should know about all ordinates
    end type spectrum_t
 
 contains
@@ -71,6 +74,7 @@ contains
       integer(i8) :: finished
       integer(i8) :: rate
       integer :: threads_to_use
+      logical :: is_broken(2)
 
       if (.not. allocated(case%spectrum)) then
          call fail(error, err_input, 'no &spectrum group: nothing to loop over')
@@ -87,6 +91,8 @@ contains
       call prepare_grid(case, asked, spectrum, error)
       if (allocated(error)) return
       spectrum%threads = threads_to_use
+      is_broken = broken_laws(case, .true.)
+      spectrum%warnings = pack([tell_broken_laws(is_broken)], [any(is_broken)])
       call run_all(case, asked, motion, signals, spectrum)
       if (asked%is_displacement) spectrum%values(:, :, :, 1) = spectrum%u_s_max
       call system_clock(finished)

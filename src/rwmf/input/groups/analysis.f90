@@ -21,7 +21,7 @@ contains
       group%name = 'model'
       group%is_of_scene = .false.
       group%keys = [ &
-         optional_key('model', 'formulation', 'choice', '', 'published', &
+         optional_key('model', 'formulation', 'choice', '', 'exact', &
             'published symmetric exact', 'Eq. (15) as printed, or one that conserves energy'), &
          optional_key('model', 'g', 'real', 'm/s2', '9.81', positive, 'gravity'), &
          optional_key('model', 'overturning_angle', 'real', 'rad', 'pi/2', '(0, pi/2]', &

@@ -110,7 +110,7 @@ contains
       if (text_of(values, 'cable', 'law') == 'truss' &
           .and. text_of(values, 'model', 'formulation') == 'published') then
          call fail_key(values, 'cable', 'law', "must be 'linear' with &model formulation = " &
-            //"'published' (its default); 'truss' needs 'symmetric' or 'exact'", error)
+            //"'published'; 'truss' needs 'symmetric' or 'exact'", error)
       end if
    end subroutine check_cable
 
@@ -134,12 +134,13 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'only a wall has impacts'
       group%keys = [ &
-         optional_key('impact', 'rule', 'choice', '', 'constant', &
+         optional_key('impact', 'rule', 'choice', '', 'coupled', &
             'constant housner coupled table', &
-            'constant: exactly one of e and r; table: e by speed; the others set e themselves'), &
+            'coupled: momentum balance of wall and frame; e, r imply constant, table_e table'), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
-            'factor on the angular velocity at impact'), &
-         optional_key('impact', 'r', 'real', '-', '', '[0, 1]', 'e squared')]
+            'factor on the angular velocity at impact; constant: exactly one of e and r', &
+            'rule=constant'), &
+         optional_key('impact', 'r', 'real', '-', '', '[0, 1]', 'e squared', 'rule=constant')]
       group%check => check_impact
       group%fill => fill_impact
       group%is_present => has_impact

@@ -21,9 +21,10 @@ contains
       group%after = 'impact'
       group%keys = [ &
          optional_key('impact', 'table_theta_dot', 'real list', 'rad/s', '', not_negative, &
-            'angular velocities before impact, increasing; required for rule table'), &
+            'angular velocities before impact, increasing; required for rule table', &
+            'rule=table'), &
          optional_key('impact', 'table_e', 'real list', '-', '', '[0, 1]', &
-            'e at them: linear between, constant beyond; required for rule table')]
+            'e at them: linear between, constant beyond; required for rule table', 'rule=table')]
       group%check => check_impact_table
       group%fill => fill_impact_table
       group%is_present => has_impact_table

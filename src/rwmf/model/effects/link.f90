@@ -39,7 +39,7 @@ contains
 
       if (text_of(values, 'model', 'formulation') == 'published') then
          call fail_group(values, 'link', "must not be given with &model formulation = " &
-            //"'published' (its default), where the link is infinitely long; 'symmetric' and " &
+            //"'published', where the link is infinitely long; 'symmetric' and " &
             //"'exact' allow it", error)
          return
       end if

@@ -50,7 +50,7 @@ contains
       eta_0 = real_of(values, 'cable', 'eta_0')
       if (text_of(values, 'model', 'formulation') == 'published') then
          call fail_key(values, 'cable', trim(key), "must not be given with &model formulation = " &
-            //"'published' (its default), where the force falls with rocking to one side; " &
+            //"'published', where the force falls with rocking to one side; " &
             //"'symmetric' and 'exact' allow it", error)
       else if (real_of(values, 'cable', 'eta_alpha') <= eta_0) then
          call fail_key(values, 'cable', trim(key), 'needs eta_alpha > eta_0 = ' &

@@ -19,11 +19,12 @@ module rwmf_spectrum_fast_reduced_equation
    use rwmf_model_drift_limits, only: count_drifts, drift_ratios
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_equation, only: enter_side, equation_t, frame_motion
+   use rwmf_model_impact_rule, only: restitution
    use rwmf_model_lanes, only: lane_motion_t
    use rwmf_model_scene, only: frame_term, scene_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_run, only: initial_state, restitution
+   use rwmf_simulation_run, only: initial_state
    use rwmf_spectrum_fast_types, only: curves, degree, reduced_equation_t
    implicit none
    private

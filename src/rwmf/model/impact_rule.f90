@@ -1,0 +1,69 @@
+!> Which loss at impact a case asks for, `&impact rule`, and which one the momentum balance wants.
+module rwmf_model_impact_rule
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
+   use rwmf_problem_case, only: case_t
+   implicit none
+   private
+
+   public :: impact_law, restitution, balanced_restitution, mass_ratio
+
+contains
+
+   !> What an impact leaves of the velocity by the case's rule.
+   pure type(restitution_t) function impact_law(case, alpha) result(law)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      law%e = restitution(case, alpha)
+      if (.not. allocated(case%impact)) return
+      if (case%impact%rule /= 'table') return
+      law%speed = case%impact%table_theta_dot
+      law%factor = case%impact%table_e
+   end function impact_law
+
+   !> Velocity factor of the case's rule, of a table the largest one; 1 without `&impact` [-].
+   pure real(wp) function restitution(case, alpha) result(e)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+
+      e = 1
+      if (.not. allocated(case%impact)) return
+      select case (case%impact%rule)
+      case ('housner')
+         e = restitution_housner(alpha)
+      case ('coupled')
+         e = balanced_restitution(case, alpha)
+      case ('table')
+         e = maxval(case%impact%table_e)
+      case default
+         e = case%impact%e
+      end select
+   end function restitution
+
+   !> Velocity factor e_max of the momentum balance of all that the scene has, whatever its rule;
+   !> Housner's for a wall that stands alone [-].
+   pure real(wp) function balanced_restitution(case, alpha) result(e)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: alpha
+      !! slenderness [rad]
+      real(wp) :: beta
+      !! inertance of a corner over m_w [-]
+
+      beta = 0
+      if (allocated(case%inerter)) beta = case%inerter%inertance_over_m_w
+      e = restitution_momentum(alpha, mass_ratio(case), beta)
+   end function balanced_restitution
+
+   !> Mass of the frame over that of the wall, 0 without a frame [-].
+   pure real(wp) function mass_ratio(case) result(gamma)
+      type(case_t), intent(in) :: case
+
+      gamma = 0
+      if (.not. allocated(case%frame)) return
+      if (allocated(case%frame%gamma)) gamma = case%frame%gamma
+   end function mass_ratio
+
+end module rwmf_model_impact_rule
