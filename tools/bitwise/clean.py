@@ -12,6 +12,7 @@ VOLATILE = frozenset({"seconds", "estimate_seconds", "threads", "version"})
 # only where a command tells how long it took: messages name times too, of the response
 _SECONDS = re.compile(r"(\(| in |ordinates, )\d*\.\d+ s\b")
 _THREADS = re.compile(r"\b\d+ threads\b")
+_VERSION = re.compile(r'(\brwmf |"version": ")\d+\.\d+\.\d+')
 _FILE = re.compile(r"(['\"])<(?:here|root)>/[^'\"\n]*?([^/'\"\n]+)\1")
 
 
@@ -29,6 +30,22 @@ def without_times(text: str) -> str:
         The same with marks in their place.
     """
     return _THREADS.sub("<n> threads", _SECONDS.sub(r"\1<t> s", text))
+
+
+def without_versions(text: str) -> str:
+    """Replace the version of rwmf where a file says what made it.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The same with a mark in its place: a release changes no row.
+    """
+    return _VERSION.sub(r"\1<version>", text)
 
 
 def without_places(text: str, folder: Path, root: Path) -> str:

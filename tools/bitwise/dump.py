@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from bitwise.clean import VOLATILE
+from bitwise.clean import VOLATILE, without_versions
 
 __all__ = ["dump_dataset", "dump_value"]
 
@@ -59,7 +59,7 @@ def dump_value(value: object) -> str:
         value = value.item()
     if isinstance(value, float):
         return _dump_float(value)
-    return str(value)
+    return without_versions(str(value))
 
 
 def _dump_array(values: np.ndarray) -> str:

@@ -20,7 +20,7 @@ module rwmf_model_assembly
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
-   use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_parameters, only: half_diagonal, parameters_t
    use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, &
       linear_cable_term, scene_t, straight_cable_term, term_t
    use rwmf_motion_ground_motion, only: motion_t
@@ -100,7 +100,7 @@ contains
       p = parameters_t(0, 1, 0, 0, 0, 0, 0, case%model%g)
       if (allocated(case%wall)) then
          p%alpha = atan2(case%wall%b, case%wall%h)
-         p%R = hypot(case%wall%h, case%wall%b)
+         p%R = half_diagonal(case%wall%h, case%wall%b)
          p%sin_alpha = sin(p%alpha)
          p%cos_alpha = cos(p%alpha)
       end if

@@ -5,6 +5,7 @@ module rwmf_model_effects_link
    use rwmf_model_equation, only: contribution_t, discrete_state_t, model_t
    use rwmf_model_kinematics, only: link_row
    use rwmf_model_lanes, only: link_coefficients
+   use rwmf_model_parameters, only: half_diagonal
    use rwmf_problem_case, only: case_t, link_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, real_of, text_of
@@ -45,7 +46,7 @@ contains
       end if
       h = real_of(values, 'wall', 'h')
       limit = real_of(values, 'model', 'overturning_angle')
-      travel = max(2*h*(1 - cos(limit)), 2*(hypot(h, real_of(values, 'wall', 'b')) - h))
+      travel = max(2*h*(1 - cos(limit)), 2*(half_diagonal(h, real_of(values, 'wall', 'b')) - h))
       if (real_of(values, 'link', 'L') > travel) return
       call fail_key(values, 'link', 'L', 'must be > '//trim(real_to_text(travel)) &
          //' m, the travel of the corner up to the overturning angle', error)
