@@ -2,7 +2,7 @@
 
 import sys
 
-from rwmf.cli import main
+from rwmf.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

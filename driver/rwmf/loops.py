@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf import plot
 from rwmf.case import Case
 from rwmf.errors import InputError
+from rwmf.plotting.style import make_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -182,7 +182,7 @@ def draw(
         When axes and kinds of springs differ in number.
     """
     kinds = group_by_kind(find_loops(dataset, case))
-    panels = plot.make_panels(axes, len(kinds), across=True)
+    panels = make_panels(axes, len(kinds), across=True)
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
         for colour, loop in zip(_COLOURS, found, strict=False):
             label = loop.spring if len(found) > 1 else None

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass
+from typing import Any
 
 from rwmf import _library
 
-__all__ = ["AXES", "QUANTITIES", "Quantity", "find", "keys_of"]
+__all__ = ["AXES", "ENDINGS", "QUANTITIES", "Quantity", "ending_of", "find", "keys_of"]
+
+# how a motion can end before its time, a result and no error: as a status; the summary of a run has
+# a logical of the same name where it can happen
+ENDINGS = ("overturned", "collapsed")
 
 
 @dataclass(frozen=True)
@@ -105,3 +110,19 @@ def find(key: str) -> Quantity:
     number = next(part for part in key.split("_") if part.isdigit())
     numbered = QUANTITIES[key.replace(f"_{number}_", "_{i}_")]
     return Quantity(*(text.replace("{i}", number) for text in astuple(numbered)))
+
+
+def ending_of(summary: Mapping[str, Any]) -> str:
+    """Tell how a run ended.
+
+    Parameters
+    ----------
+    summary : mapping
+        Its named scalars.
+
+    Returns
+    -------
+    str
+        'overturned', 'collapsed', or 'ok' at the end of its time.
+    """
+    return next((name for name in ENDINGS if summary.get(name)), "ok")

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
+from rwmf._sweep.axes import name_axes
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-from rwmf.sweep.axes import name_axes
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["sensitivity_bands"]
 

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rwmf import simulation
+from rwmf import _simulation as simulation
+from rwmf._sweep.executors import count_threads
 from rwmf.case import Case
-from rwmf.endings import ending_of
 from rwmf.errors import InputError
+from rwmf.quantities import ending_of
 from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
-from rwmf.sweep.engine import count_threads
 
 __all__ = ["SURVIVES", "Wall", "overturning_map"]
 

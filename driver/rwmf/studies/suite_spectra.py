@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
+from rwmf._sweep.quantities import find_quantities
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import sweep
 from rwmf.case import Case
 from rwmf.studies.statistics import USUAL_PERCENTILES, percentiles, with_overturning
-from rwmf.sweep.quantities import find_quantities
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["suite_spectra"]
 

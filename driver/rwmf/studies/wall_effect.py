@@ -8,12 +8,12 @@ import numpy as np
 import xarray as xr
 
 from rwmf import _library
+from rwmf._sweep.axes import keys_of_axis, name_axes
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-from rwmf.sweep.axes import keys_of_axis, name_axes
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["wall_effect", "without_wall"]
 

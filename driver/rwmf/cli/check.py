@@ -1,0 +1,36 @@
+"""What ``rwmf check`` does."""
+
+from __future__ import annotations
+
+import argparse
+
+from rwmf.case import Case
+from rwmf.case.grid import count_ordinates
+
+__all__ = ["run"]
+
+# lines of `rwmf check`: word of the kernel's inventory, how it is shown, and when there is none
+_INVENTORY = (
+    ("effects", "effects", "none"),
+    ("absent", "not simulated", "nothing is left out"),
+    ("states", "states", "none"),
+    ("events", "events", "none"),
+    ("scalars", "outputs", "none"),
+    ("columns", "history", "none (&output dt)"),
+)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Validate a case and say what it holds (``rwmf check``)."""
+    case = Case.from_namelist(options.case)
+    found = case.kernel.inventory()
+    print(f"{options.case}: valid")
+    for word, shown, nothing in _INVENTORY:
+        print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")
+    n = count_ordinates(case)
+    if n > 0:
+        print(f"spectrum: {n} simulations")
+    print("values, those that the case does not give in parentheses:")
+    for name, group in case.groups.items():
+        print(f"  {name:8s} {group!r}")
+    return 0
