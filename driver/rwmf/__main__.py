@@ -2,7 +2,9 @@
 
 import sys
 
-from rwmf.cli.main import main
+from rwmf.cli import main
+
+__all__ = ["main"]
 
 if __name__ == "__main__":
     sys.exit(main())

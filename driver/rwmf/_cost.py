@@ -93,7 +93,13 @@ class Row:
     status: str
 
     def to_dict(self) -> dict[str, Any]:
-        """Keys of ``rwmf cost --json``."""
+        """Keys of ``rwmf cost --json``.
+
+        Returns
+        -------
+        dict
+            Values by the keys of `rwmf cost --json`.
+        """
         return dataclasses.asdict(self)
 
 
@@ -355,7 +361,8 @@ def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
         return np.zeros(0, dtype=bool)
     flights = np.diff(times, prepend=0.0, append=np.inf)
     limit = _CHATTER * flights[:-1].max()
-    return (flights[:-1] >= limit) & (flights[1:] >= limit)
+    clear: npt.NDArray[np.bool_] = (flights[:-1] >= limit) & (flights[1:] >= limit)
+    return clear
 
 
 def cheapest(rows: list[Row], target: float) -> Row | None:

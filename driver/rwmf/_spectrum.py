@@ -102,7 +102,7 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
 
     Parameters
     ----------
-    found : Spectrum
+    sweep : Spectrum
         From `start`.
 
     Returns

@@ -5,7 +5,7 @@
 """
 
 from rwmf.plotting.cost import work_precision
-from rwmf.plotting.response import PANELS, history, make_panels, spectrum
+from rwmf.plotting.response import PANELS, history, spectrum
 from rwmf.plotting.studies import (
     draw_bands,
     draw_equal_response,
@@ -15,7 +15,7 @@ from rwmf.plotting.studies import (
     draw_suite,
     draw_wall_effect,
 )
-from rwmf.plotting.style import style
+from rwmf.plotting.style import make_panels, style
 
 __all__ = [
     "PANELS",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,21 +56,30 @@ def increments(
 
 
 def draw(figure: Figure, cache: ResponseCache) -> None:
-    """Fig. 11: histories for three frames and two walls, and the maximum over all periods."""
+    """Fig. 11: histories for three frames and two walls, and the maximum over all periods.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    cache : ResponseCache
+        Where responses come from.
+    """
     grid = figure.add_gridspec(2, 3, height_ratios=(1, 1.25))
-    first: Axes | None = None
+    panels: list[Axes] = []
     for column, frame in enumerate(_FRAMES):
+        first = panels[0] if panels else None
         ax = figure.add_subplot(grid[0, column], sharey=first, sharex=first)
-        first = first or ax
+        panels.append(ax)
         _draw_histories(ax, cache, frame, "abc"[column])
         ax.tick_params(labelleft=column == 0)
-    first.set_ylabel(r"$P/(m_w g) - \eta_0$")
+    panels[0].set_ylabel(r"$P/(m_w g) - \eta_0$")
     ax = figure.add_subplot(grid[1, :])
     _draw_maxima(ax, cache)
     drawing.legend_below(figure, ax, columns=2)
 
 
-def _style(form: Formulation, gamma: float) -> dict[str, object]:
+def _style(form: Formulation, gamma: float) -> dict[str, Any]:
     style = drawing.style_of(form)
     style["label"] = rf"$\gamma$ = {gamma}, {form.label}"
     # colour tells the wall, dashes the form
@@ -95,7 +104,11 @@ def _draw_maxima(ax: Axes, cache: ResponseCache) -> None:
     case = cache.case("fig11_cable_stiff_frame_heavy_wall", FORMULATIONS[0])
     newton = case.wall.m_w * case.model.g
     right = ax.secondary_yaxis(
-        "right", functions=(lambda x: x * newton / 1e3, lambda y: y * 1e3 / newton)
+        "right",
+        functions=(
+            lambda x: np.asarray(x) * newton / 1e3,
+            lambda y: np.asarray(y) * 1e3 / newton,
+        ),
     )
     right.set_ylabel(rf"$P - P_0$ (kN), $m_w$ = {case.wall.m_w:g} kg")
     right.grid(False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -23,7 +23,7 @@ __all__ = ["ENGINES", "VALIDATION", "draw_pulses", "draw_validation", "respond",
 # folder of stored histories, name in a legend
 ENGINES = {"mujoco": "MuJoCo, rigid contact", "calculix": "CalculiX, deformable wall"}
 VALIDATION = ("free", "block", "g5", "g1800", "disc")
-_MARKERS = {
+_MARKERS: dict[str, dict[str, Any]] = {
     "mujoco": {"marker": "o"},
     "calculix": {"marker": "x", "color": "#009e73", "markersize": 4, "markeredgewidth": 1.0},
 }
@@ -59,13 +59,36 @@ def respond(cache: ResponseCache, name: str, form: Formulation) -> xr.Dataset:
 
 
 def stored(cache: ResponseCache, name: str) -> dict[str, EngineHistory]:
-    """Read the histories that engines left for a validation case."""
+    """Read the histories that engines left for a validation case.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the histories are.
+    name : str
+        Name of the validation case.
+
+    Returns
+    -------
+    dict of str to EngineHistory
+        Histories by the name of the engine.
+    """
     paths = {engine: cache.validation / engine / f"{name}.csv" for engine in ENGINES}
     return {engine: read(path) for engine, path in paths.items() if path.is_file()}
 
 
 def draw_validation(figure: Figure, cache: ResponseCache, name: str) -> None:
-    """Panels of Fig. 4 for a validation case (name): uplifts, angular velocity and u_s."""
+    """Panels of Fig. 4 for a validation case (name): uplifts, angular velocity and u_s.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    cache : ResponseCache
+        Where responses come from.
+    name : str
+        Name of the validation case.
+    """
     responses = {form: respond(cache, name, form) for form in FORMULATIONS}
     engines = stored(cache, name)
     has_frame = "u_s" in responses[EXACT]
@@ -116,7 +139,17 @@ def _engine_rows(history: EngineHistory) -> list[np.ndarray]:
 
 
 def draw_pulses(figure: Figure, cache: ResponseCache, stem: str) -> None:
-    """Figs 5 and 6: both pulses side by side; stem is the beginning of the names of the cases."""
+    """Figs 5 and 6: both pulses side by side; stem is the beginning of the names of the cases.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    cache : ResponseCache
+        Where responses come from.
+    stem : str
+        What the names of the namelists begin with.
+    """
     panels = figure.subplots(4, 2, sharex=True, sharey="row")
     for column, pulse in enumerate(("one_sine", "one_cosine")):
         _draw_pulse(panels[:, column], cache, stem, pulse)

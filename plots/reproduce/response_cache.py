@@ -91,14 +91,42 @@ class ResponseCache:
         etas: tuple[float, float] = SHIPPED_ETAS,
         changes: Changes | None = None,
     ) -> xr.Dataset:
-        """Simulate a shipped case; arguments as in `case`."""
+        """Simulate a shipped case; arguments as in `case`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the namelist without suffix.
+        form : Formulation
+            Formulation and restitution.
+        etas : tuple of float
+            eta_0 and eta_alpha [-].
+        changes : mapping, optional
+            Further groups to replace.
+
+        Returns
+        -------
+        xarray.Dataset
+            From `rwmf.simulate`.
+        """
         key = ("history", name, form.key, etas, repr(changes))
         if key not in self._results:
             self._results[key] = simulate(self.case(name, form, etas, changes))
         return self._results[key]
 
     def frame_alone(self, name: str) -> xr.Dataset:
-        """Simulate the frame of a shipped case without its wall."""
+        """Simulate the frame of a shipped case without its wall.
+
+        Parameters
+        ----------
+        name : str
+            Name of the namelist without suffix.
+
+        Returns
+        -------
+        xarray.Dataset
+            From `rwmf.simulate`.
+        """
         key = ("frame", name)
         if key not in self._results:
             case = Case.from_namelist(self.inputs / f"{name}.nml")
@@ -113,7 +141,24 @@ class ResponseCache:
         etas: tuple[float, float] = SHIPPED_ETAS,
         T_s: tuple[float, ...] | None = None,
     ) -> xr.Dataset:
-        """Compute the spectrum of a shipped case; T_s [s] as the case has it when absent."""
+        """Compute the spectrum of a shipped case; T_s [s] as the case has it when absent.
+
+        Parameters
+        ----------
+        name : str
+            Name of the namelist without suffix.
+        form : Formulation
+            Formulation and restitution.
+        etas : tuple of float
+            eta_0 and eta_alpha [-].
+        T_s : tuple of float, optional
+            Periods of the frame [s]; those of the case when absent.
+
+        Returns
+        -------
+        xarray.Dataset
+            From `rwmf.spectrum`.
+        """
         key = ("spectrum", name, form.key, etas, T_s)
         if key not in self._results:
             case = self.case(name, form, etas)
@@ -121,7 +166,20 @@ class ResponseCache:
         return self._results[key]
 
     def spectrum_alone(self, name: str, T_s: tuple[float, ...] | None = None) -> xr.Dataset:
-        """Compute the spectrum of the frame without wall; T_s [s] as in `spectrum`."""
+        """Compute the spectrum of the frame without wall; T_s [s] as in `spectrum`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the namelist without suffix.
+        T_s : tuple of float, optional
+            Periods of the frame [s]; those of the case when absent.
+
+        Returns
+        -------
+        xarray.Dataset
+            From `rwmf.spectrum`.
+        """
         key = ("spectrum alone", name, T_s)
         if key not in self._results:
             case = Case.from_namelist(self.inputs / f"{name}.nml")

@@ -76,7 +76,17 @@ _SHOWN = 8.0
 
 
 def draw(figure: Figure, cache: ResponseCache, comparison: Comparison) -> None:
-    """One figure of rotations: a column for each frame, a row for each form."""
+    """One figure of rotations: a column for each frame, a row for each form.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    cache : ResponseCache
+        Where responses come from.
+    comparison : Comparison
+        What differs between the panels.
+    """
     n = len(comparison.columns)
     panels = figure.subplots(2, n, sharex=True, sharey="col", squeeze=False)
     for j, (title, cases) in enumerate(comparison.columns.items()):

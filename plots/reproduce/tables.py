@@ -185,7 +185,7 @@ def tolerances_table(cache: ResponseCache) -> Table:
         One row a history.
     """
     heads = ("case", "engine", "duration", "peaks, theta rms", "u_s rms", "impact time")
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
         for engine, history in stored(cache, name).items():
             allowed = tolerance(engine, name)
@@ -242,7 +242,7 @@ def restitution_table(cache: ResponseCache) -> Table:
     Table
         Restitution that fits the engine best, that of the momentum balance, largest slip.
     """
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
         case = Case.from_namelist(cache.validation / f"{name}.nml")
         history = stored(cache, name).get("mujoco")
@@ -267,7 +267,7 @@ def engines_table(cache: ResponseCache) -> Table:
     Table
         One row a history.
     """
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
         for history in stored(cache, name).values():
             facts = dict(history.facts)

@@ -1,4 +1,4 @@
-"""What the driver's sources show: who imports the extensions, who imports argparse, who simulates."""
+"""What the driver's sources show: who imports the extensions and argparse, who simulates."""
 
 from __future__ import annotations
 

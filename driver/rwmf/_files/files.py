@@ -25,7 +25,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 from rwmf.errors import InputError, OutputError
 
@@ -108,7 +108,18 @@ def check_not_read(path: str | os.PathLike[str], inputs: Iterable[str | os.PathL
 
 
 def is_regular_or_new(path: str | os.PathLike[str]) -> bool:
-    """Tell whether a path, links followed, is a regular file or nothing yet."""
+    """Tell whether a path, links followed, is a regular file or nothing yet.
+
+    Parameters
+    ----------
+    path : str or path
+        The path.
+
+    Returns
+    -------
+    bool
+        Whether a file can be made or read there.
+    """
     return not _is_special(_resolve(Path(path)))
 
 
@@ -139,10 +150,10 @@ def replacing(path: str | os.PathLike[str], ending: str = "") -> Iterator[Binary
     with reported(path):
         target = _resolve(Path(path))
         if _is_special(target):
-            with tempfile.NamedTemporaryFile(suffix=ending) as stream:
-                yield stream
-                stream.flush()
-                _copy(Path(stream.name), target)
+            with tempfile.NamedTemporaryFile(suffix=ending) as passing:
+                yield cast("BinaryIO", passing)
+                passing.flush()
+                _copy(Path(passing.name), target)
             return
         _remove_leftovers(target.parent.absolute())
         stream = _create(target.parent, ending)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from rwmf.case.namelist import Value
+from typing import TypeVar
 
 __all__ = ["is_name_of_folder", "problem_of_name", "readable", "shorten"]
+
+_T = TypeVar("_T")
 
 # bytes of one part of a path, and of a whole one, that Linux takes
 _NAME_BYTES = 255
@@ -19,13 +18,35 @@ _SHOWN = 80
 
 
 def shorten(word: object) -> str:
-    """Show a word in a message, a long one by its beginning."""
+    """Show a word in a message, a long one by its beginning.
+
+    Parameters
+    ----------
+    word : object
+        What is shown as text.
+
+    Returns
+    -------
+    str
+        At most 80 letters of it, and how many there are.
+    """
     text = str(word)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}... ({len(text)} letters)"
 
 
 def is_name_of_folder(word: str) -> bool:
-    """Tell whether a name can be nothing but a folder's: ``.``, ``..``, ``/``."""
+    """Tell whether a name can be nothing but a folder's: ``.``, ``..``, ``/``.
+
+    Parameters
+    ----------
+    word : str
+        The name.
+
+    Returns
+    -------
+    bool
+        Whether no file can have it.
+    """
     return Path(word).name in ("", "..")
 
 
@@ -52,7 +73,7 @@ def problem_of_name(word: str) -> str | None:
     return None
 
 
-def readable(value: Value) -> Value:
+def readable(value: _T) -> _T | str:
     """Show bytes of a name that are no UTF-8 by their numbers: NetCDF holds UTF-8 only.
 
     Parameters

@@ -18,6 +18,8 @@ from rwmf._files import files
 
 if TYPE_CHECKING:
     from h5netcdf import File
+    from typing_extensions import Buffer
+
 
 __all__ = ["new_file"]
 
@@ -81,7 +83,7 @@ class _Disk(io.RawIOBase):
         self._position = offset + (0, self._position, self._end)[whence]
         return self._position
 
-    def write(self, data: bytes) -> int:
+    def write(self, data: Buffer) -> int:
         """Take all bytes."""
         content = bytes(data)
         written = 0
@@ -97,7 +99,7 @@ class _Disk(io.RawIOBase):
         self._end = max(self._end, self._position)
         return len(content)
 
-    def readinto(self, buffer: memoryview) -> int:
+    def readinto(self, buffer: Buffer) -> int:
         """Give back what has been written; zeros where nothing has."""
         view = memoryview(buffer).cast("B")
         first, n = self._position, len(view)

@@ -9,6 +9,10 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 __all__ = ["ReaderGoneError", "guarded"]
 
@@ -34,7 +38,7 @@ class _Stream(io.FileIO):
         super().__init__(descriptor, "w", closefd=False)
         self.error: OSError | None = None
 
-    def write(self, data: bytes) -> int:
+    def write(self, data: Buffer) -> int:
         """Take all bytes; only a reader of the output who has seen enough ends the command."""
         if self.error is None:
             try:
@@ -43,7 +47,7 @@ class _Stream(io.FileIO):
                 self.error = error
                 if isinstance(error, BrokenPipeError) and self.fileno() != _STANDARD_ERROR:
                     raise ReaderGoneError from error
-        return len(data)
+        return memoryview(data).nbytes
 
 
 @contextmanager
@@ -96,7 +100,9 @@ def _fill() -> None:
         os.set_inheritable(descriptor, True)
     os.close(descriptor)
     if sys.stdout is None:
-        sys.stdout = sys.__stdout__ = open(1, "w", closefd=False)  # noqa: SIM115
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
+        # by its name, as `guarded` looks for it
+        setattr(sys, "__stdout__", sys.stdout)  # noqa: B010
     if sys.stderr is None:
         # without it messages would go to the standard output
         sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115

@@ -15,7 +15,13 @@ __all__ = ["KernelCase", "read_case"]
 
 
 class KernelCase:
-    """A case as the kernel has read it: any number of threads may compute from it at once."""
+    """A case as the kernel has read it: any number of threads may compute from it at once.
+
+    Parameters
+    ----------
+    memory : Memory
+        Of the kernel.
+    """
 
     def __init__(self, memory: Memory) -> None:
         self._memory = memory
@@ -26,7 +32,13 @@ class KernelCase:
         return self._memory.handle
 
     def describe(self) -> list[list[str]]:
-        """One row a value: ``group.key``, type, value, unit, ``given`` or ``default``."""
+        """One row a value: ``group.key``, type, value, unit, ``given`` or ``default``.
+
+        Returns
+        -------
+        list of list of str
+            In the kernel's order.
+        """
         return split_table(fetch_text(_kernel.describe, self.handle))
 
     def inventory(self) -> dict[str, list[str]]:
@@ -73,7 +85,13 @@ class KernelCase:
         return fetch_text(call)
 
     def end_of_motion(self) -> float:
-        """When the ground has come to rest, at the end of pulse or record; 0 without motion [s]."""
+        """When the ground has come to rest, at the end of pulse or record; 0 without motion [s].
+
+        Returns
+        -------
+        float
+            The time [s].
+        """
         return float(_kernel.end_of_motion(self.handle))
 
 

@@ -32,7 +32,7 @@ class Measurement:
     ----------
     values : dict
         Numbers by the kernel's names, unit included; NaN for what does not apply to the scene.
-    impact_times : numpy.ndarray
+    impact_times : numpy.ndarray, shape (impacts,)
         Times of the impacts [s].
     steps, rhs_evaluations, impacts : int
         Counts.
@@ -65,7 +65,7 @@ class Reference(Measurement):
     ----------
     differences : dict
         How much each value differs from that at a looser tolerance.
-    impact_differences : numpy.ndarray
+    impact_differences : numpy.ndarray, shape (impacts,)
         The same for each impact time [s].
     """
 

@@ -16,7 +16,13 @@ __all__ = ["Memory", "MemoryView"]
 
 
 class Memory:
-    """Memory of the kernel behind a handle, given back when nothing refers to it any more."""
+    """Memory of the kernel behind a handle, given back when nothing refers to it any more.
+
+    Parameters
+    ----------
+    handle : int
+        Of the kernel.
+    """
 
     __slots__ = ("handle",)
 
@@ -28,7 +34,17 @@ class Memory:
 
 
 class MemoryView:
-    """What numpy needs to see an array of the kernel; the array keeps the memory alive."""
+    """What numpy needs to see an array of the kernel; the array keeps the memory alive.
+
+    Parameters
+    ----------
+    memory : Memory
+        That the array lies in.
+    address : int
+        Of its first number.
+    shape : tuple of int
+        In C's order.
+    """
 
     def __init__(self, memory: Memory, address: int, shape: tuple[int, ...]) -> None:
         self.memory = memory

@@ -23,6 +23,13 @@ class Result:
     """A result in the kernel's memory; leave the ``with`` block and it is released.
 
     Arrays that show its memory keep it until they are gone as well.
+
+    Parameters
+    ----------
+    case : KernelCase
+        That was computed.
+    handle : int
+        Of the result.
     """
 
     def __init__(self, case: KernelCase, handle: int) -> None:
@@ -63,7 +70,13 @@ class Run(Result):
     """Result of one simulation."""
 
     def summary(self) -> dict[str, Any]:
-        """Named scalars and lists: the keys of ``rwmf run --json`` in their order."""
+        """Named scalars and lists: the keys of ``rwmf run --json`` in their order.
+
+        Returns
+        -------
+        dict
+            Values by key.
+        """
         lines: list[str] = []
         room = _FIRST_ROOM
         while True:
@@ -82,6 +95,13 @@ class Run(Result):
 
         The values are the kernel's memory, which the array keeps: changes of it show in whatever
         else looks at the history of this run.
+
+        Returns
+        -------
+        list of str
+            Names of the columns.
+        numpy.ndarray, shape (columns, rows)
+            The values, in the units that the names end with.
         """
         address, n_rows, n_columns, _ = _kernel.result_history(self.handle)
         if n_columns == 0:
@@ -93,6 +113,11 @@ class Run(Result):
         """Arrays over the events: kind (names), t [s], theta [rad] and theta_dot [rad/s].
 
         For the bare frame theta is the displacement [m] and theta_dot its rate [m/s].
+
+        Returns
+        -------
+        dict of str to numpy.ndarray, each shape (events,)
+            The arrays by name.
         """
         n = _kernel.result_history(self.handle)[3]
         kinds = np.zeros(n, dtype=np.intc)
@@ -103,7 +128,20 @@ class Run(Result):
         return {"kind": names[kinds - 1], "t": t, "theta": theta, "theta_dot": theta_dot}
 
     def write(self, source: str, folder: str) -> None:
-        """Write the files of the batch program, named after `source`, into `folder`."""
+        """Write the files of the batch program, named after `source`, into `folder`.
+
+        Parameters
+        ----------
+        source : str
+            Path of the case's file.
+        folder : str
+            Where the files are made.
+
+        Raises
+        ------
+        OutputError
+            When a file cannot be written.
+        """
         message = message_buffer()
         status, n = _kernel.result_write(
             self._case.handle, self.handle, encode(source), encode(folder), message
@@ -115,12 +153,24 @@ class Spectrum(Result):
     """Result of a spectrum."""
 
     def facts(self) -> dict[str, Any]:
-        """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds."""
+        """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds.
+
+        Returns
+        -------
+        dict
+            The facts by name; the time in s.
+        """
         names = ("n_T", "n_gamma", "n_b", "bare", "threads", "rhs_evaluations", "seconds")
         return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:
-        """T_s [s], gamma [-], b [m], status (b, gamma, T_s), each quantity likewise by its key."""
+        """T_s [s], gamma [-], b [m], status (b, gamma, T_s), each quantity likewise by its key.
+
+        Returns
+        -------
+        dict of str to numpy.ndarray
+            Axes of shape (n,), the others of shape (n_b, n_gamma, n_T).
+        """
         shape = tuple(_kernel.spectrum_shape(self.handle)[:3])
         keys = fetch_text(_kernel.spectrum_quantities, self.handle).split("\t")
         axes = [np.zeros(n) for n in shape]

@@ -73,7 +73,8 @@ def start_simulation(case: KernelCase, source: str) -> Run:
     message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        return _kernel.simulate(case.handle, control, message)
+        handle, status, n = _kernel.simulate(case.handle, control, message)
+        return handle, status, n
 
     return wait_for(call, message, source, lambda handle: Run(case, handle), None)
 
@@ -110,6 +111,7 @@ def start_spectrum(
     threads = check_threads(threads)
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        return _kernel.spectrum(case.handle, threads, control, message)
+        handle, status, n = _kernel.spectrum(case.handle, threads, control, message)
+        return handle, status, n
 
     return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)

@@ -28,7 +28,34 @@ def wait_for(
     wrap: Callable[[int], _T],
     progress: Progress | None,
 ) -> _T:
-    """Wait for the kernel in a way that Ctrl-C can end, and wrap the handle that it returns."""
+    """Wait for the kernel in a way that Ctrl-C can end, and wrap the handle that it returns.
+
+    Parameters
+    ----------
+    call : callable
+        Gets two whole numbers, in which it counts what is done and looks for the wish to stop;
+        returns handle, status and length of the message.
+    message : numpy.ndarray of bytes, shape (n,)
+        Where the call leaves its message.
+    source : str
+        What a message begins with: the path of the case's file, or ''.
+    wrap : callable
+        Makes a result of the handle.
+    progress : callable, optional
+        Called about 20 times a second with the number of what is done.
+
+    Returns
+    -------
+    object
+        What `wrap` makes.
+
+    Raises
+    ------
+    InputError, NumericalError
+        As the kernel reports them.
+    Interrupted
+        After Ctrl-C.
+    """
     control = np.zeros(2, dtype=np.int64)
     outcome: list[tuple[int, int, int] | BaseException] = []
     finished = threading.Event()

@@ -73,10 +73,24 @@ class Axis(Protocol):
         """Count the positions."""
 
     def apply(self, entries: Entries, position: int) -> None:
-        """Put the values of one position into the groups of a case."""
+        """Put the values of one position into the groups of a case.
+
+        Parameters
+        ----------
+        entries : dict of str to dict
+            Groups of the case, which are changed.
+        position : int
+            Along the axis.
+        """
 
     def coordinates(self) -> list[Coordinate]:
-        """Label the dimension."""
+        """Label the dimension.
+
+        Returns
+        -------
+        list of Coordinate
+            One, or one for each key that the axis sets.
+        """
 
 
 @dataclass(frozen=True)
@@ -148,7 +162,7 @@ class ScaleAxis:
             motion.setdefault("scale", 1.0)
         for key in list(motion):
             if key.lower() in _AMPLITUDES:
-                motion[key] = float(motion[key]) * self.values[position]
+                motion[key] = float(str(motion[key])) * self.values[position]
 
     def coordinates(self) -> list[Coordinate]:
         """Label the dimension."""

@@ -75,7 +75,20 @@ class Layout:
         return n
 
     def place(self, number: int) -> tuple[tuple[int, ...], slice]:
-        """Return the positions along the outer dimensions, and the part of the last inner one."""
+        """Return the positions along the outer dimensions, and the part of the last inner one.
+
+        Parameters
+        ----------
+        number : int
+            Of the chunk.
+
+        Returns
+        -------
+        tuple of int
+            Positions along the outer dimensions.
+        slice
+            Part of the last inner dimension.
+        """
         number, block = divmod(number, len(self.blocks))
         positions = []
         for _, size in reversed(self.outer):
@@ -84,7 +97,18 @@ class Layout:
         return tuple(reversed(positions)), self.blocks[block]
 
     def chunk_shape(self, number: int) -> tuple[int, ...]:
-        """Shape of one chunk's arrays."""
+        """Shape of one chunk's arrays.
+
+        Parameters
+        ----------
+        number : int
+            Of the chunk.
+
+        Returns
+        -------
+        tuple of int
+            Sizes along the inner dimensions.
+        """
         sizes = [size for _, size in self.inner]
         if sizes:
             part = self.place(number)[1]
@@ -92,12 +116,29 @@ class Layout:
         return tuple(sizes)
 
     def to_text(self) -> str:
-        """Write it as JSON; equal texts are equal sweeps."""
+        """Write it as JSON; equal texts are equal sweeps.
+
+        Returns
+        -------
+        str
+            The text.
+        """
         return json.dumps(asdict(self), indent=1, sort_keys=True)
 
     @classmethod
     def from_text(cls, text: str) -> Self:
-        """Read what `to_text` wrote."""
+        """Read what `to_text` wrote.
+
+        Parameters
+        ----------
+        text : str
+            From `to_text`.
+
+        Returns
+        -------
+        Layout
+            The layout.
+        """
         found: dict[str, Any] = json.loads(text)
         found["coordinates"] = tuple(
             Coordinate(**(entry | {"values": tuple(entry["values"])}))
@@ -133,7 +174,7 @@ def difference(old: str, new: str) -> str:
 def _lines(text: str) -> list[str]:
     """Give one line a value; those of the case's text as in its namelist."""
     found = json.loads(text)
-    lines = found.pop("case").splitlines()
+    lines: list[str] = found.pop("case").splitlines()
     for item in found.pop("coordinates"):
         lines.append(f"{item['name']} = {', '.join(str(value) for value in item['values'])}")
     return lines + [f"{key} = {value}" for key, value in sorted(found.items())]

@@ -59,8 +59,19 @@ def check_package() -> None:
     del h5netcdf, h5py
 
 
-def attributes(layout: Layout) -> dict[str, str]:
-    """Attributes of the dataset: all that is needed to repeat it."""
+def attributes(layout: Layout) -> dict[str, object]:
+    """Attributes of the dataset: all that is needed to repeat it.
+
+    Parameters
+    ----------
+    layout : Layout
+        The sweep.
+
+    Returns
+    -------
+    dict of str to str
+        Texts by name.
+    """
     return {
         "Conventions": "CF-1.11",
         "title": "Sweep of rocking wall-moment frames",
@@ -73,7 +84,20 @@ def attributes(layout: Layout) -> dict[str, str]:
 
 
 def status_names(layout: Layout, source: Source) -> list[str]:
-    """Collect the statuses of all chunks: the good ones first, the others by name."""
+    """Collect the statuses of all chunks: the good ones first, the others by name.
+
+    Parameters
+    ----------
+    layout : Layout
+        The sweep.
+    source : callable
+        Gives the chunk of a number.
+
+    Returns
+    -------
+    list of str
+        Names of what has happened; their places are the numbers in the file.
+    """
     found: set[str] = set()
     for number in range(layout.n_chunks):
         found |= set(np.unique(source(number).status).tolist())
@@ -99,7 +123,7 @@ def assemble(
 
     Returns
     -------
-    dict of str to ndarray
+    dict of str to numpy.ndarray, each of shape `Layout.shape` behind the head
         ``status`` and the quantities over the remaining dimensions.
     """
     shape = layout.shape[len(head) :]
@@ -191,7 +215,18 @@ def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None])
 
 
 def status_attributes(names: list[str]) -> dict[str, object]:
-    """Say what the numbers of ``status`` mean, in the way of the CF conventions."""
+    """Say what the numbers of ``status`` mean, in the way of the CF conventions.
+
+    Parameters
+    ----------
+    names : list of str
+        From `status_names`.
+
+    Returns
+    -------
+    dict of str to object
+        Attributes of the variable.
+    """
     return {
         "long_name": quantities.QUANTITIES["status"].meaning,
         "flag_values": np.arange(len(names), dtype="u1"),

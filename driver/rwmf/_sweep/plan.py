@@ -6,6 +6,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -213,7 +214,9 @@ def _make_layout(
 
 def _own_record(case: Case) -> str:
     """Checksums of the records that the case names itself."""
-    names = [(case.groups.get(group) or {}).get("file") for group in ("motion", "vertical")]
+    names = [
+        case.groups[name].get("file") for name in ("motion", "vertical") if name in case.groups
+    ]
     paths = [Path(case.kernel_source()).parent / str(name) for name in names if name is not None]
     return "-".join(f"{zlib.crc32(path.read_bytes()):08x}" for path in paths)
 
@@ -249,7 +252,7 @@ def _inner_axes(
 
 
 def _values_of_case(case: Case, name: str, group: str) -> list[float]:
-    spectrum = case.groups.get("spectrum") or {}
+    spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
     if name in spectrum:
         return list(spectrum[name])
     if name == "T_s" and "n" in spectrum:
@@ -259,7 +262,7 @@ def _values_of_case(case: Case, name: str, group: str) -> list[float]:
     return [float(case.groups[group][name])]
 
 
-def _periods(spectrum: Mapping[str, object]) -> Iterator[float]:
+def _periods(spectrum: Mapping[str, Any]) -> Iterator[float]:
     """Follow the kernel operation by operation, so that the periods have the same bits."""
     low, high = float(spectrum["T_s_min"]), float(spectrum["T_s_max"])
     n = int(spectrum["n"])

@@ -50,7 +50,13 @@ class RecordFile:
     scale: float = 1.0
 
     def motion(self) -> dict[str, Value]:
-        """Give the `&motion` that reads it."""
+        """Give the `&motion` that reads it.
+
+        Returns
+        -------
+        dict of str to value
+            Keys and values of `&motion`.
+        """
         group: dict[str, Value] = {"kind": "record", "file": self.path}
         if self.unit is not None:
             group["unit"] = self.unit
@@ -61,7 +67,13 @@ class RecordFile:
         return group
 
     def format(self) -> str:
-        """Say how the samples are to be read."""
+        """Say how the samples are to be read.
+
+        Returns
+        -------
+        str
+            Unit, interval and factor.
+        """
         interval = "" if self.dt is None else f", dt = {self.dt!r} s"
         factor = "" if self.scale == 1.0 else f", times {self.scale!r}"
         return (self.unit or "as in the file") + interval + factor

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
 import xarray as xr
@@ -18,15 +19,51 @@ from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
 from rwmf._sweep.layout import Layout, difference
 from rwmf._sweep.plan import Plan, make_plan
-from rwmf._sweep.quantities import DISPLACEMENT
+from rwmf._sweep.quantities import DISPLACEMENT, QUANTITIES
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
 from rwmf.case import Case
 from rwmf.errors import InputError, Interrupted, OutputError
 
-__all__ = ["find_records", "merge", "path_of_store", "sweep"]
+__all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
 
 Progress = Callable[[int, int], None]
+
+
+class RunOptions(TypedDict, total=False):
+    """Arguments of `sweep` on how its runs are computed, that a study hands on.
+
+    Attributes
+    ----------
+    threads : int
+        Threads, 0 for all.
+    executor : concurrent.futures.Executor, optional
+        Processes, MPI ranks or Dask workers in their place.
+    progress : callable, optional
+        Called with the number of finished runs and of all.
+    chunk : int
+        Largest number of runs in a chunk, 0 for the usual one.
+    """
+
+    threads: int
+    executor: Executor | None
+    progress: Progress | None
+    chunk: int
+
+
+class SweepOptions(RunOptions, total=False):
+    """Arguments of `sweep` that a study hands on, those on how records are read included.
+
+    Attributes
+    ----------
+    unit : str, optional
+        Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of records of one column [s].
+    """
+
+    unit: str | None
+    dt: float | None
 
 
 def sweep(
@@ -97,14 +134,14 @@ def sweep(
     """
     if not isinstance(chunk, int | np.integer) or chunk < 0:
         raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
-    found = find_records(records, unit=unit, dt=dt) if len(records) else ()
+    found: Sequence[RecordFile] = find_records(records, unit=unit, dt=dt) if len(records) else ()
     plan = make_plan(case, grid or {}, found, tuple(quantities), chunk)
     work = _Work(plan, threads, executor, progress, part)
     if file is None:
         _check_part(part, in_memory=True)
         chunks = {chunk.number: chunk for chunk in work.run(set())}
         return _to_dataset(plan.layout, chunks.__getitem__)
-    inputs = [*case.inputs, *(record.path for record in found)]
+    inputs: list[str | os.PathLike[str]] = [*case.inputs, *(record.path for record in found)]
     return _sweep_to_file(work, Path(file), inputs, restart)
 
 
@@ -198,7 +235,20 @@ def _drop_store(path: Path, layout: Layout) -> None:
 
 
 def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
-    """Name the file that keeps the finished chunks of a sweep, or of one part of it."""
+    """Name the file that keeps the finished chunks of a sweep, or of one part of it.
+
+    Parameters
+    ----------
+    path : path
+        NetCDF file of the sweep.
+    part : (int, int)
+        (K, N): the K-th of N parts.
+
+    Returns
+    -------
+    path
+        The file beside it.
+    """
     suffix = "" if part[1] == 1 else f".part-{part[0]}-of-{part[1]}"
     return path.with_name(f"{path.name}{suffix}.journal")
 
@@ -249,7 +299,18 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
 
 
 def open_result(path: Path) -> xr.Dataset:
-    """Open the file of a sweep."""
+    """Open the file of a sweep.
+
+    Parameters
+    ----------
+    path : path
+        NetCDF file of the sweep.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened, not read.
+    """
     return xr.open_dataset(path, engine="h5netcdf")
 
 
@@ -284,6 +345,6 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
             labels,
         )
     for name in layout.quantities:
-        dataset[name] = (layout.dims, arrays[name], netcdf.QUANTITIES[name].attributes)
+        dataset[name] = (layout.dims, arrays[name], QUANTITIES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
     return dataset

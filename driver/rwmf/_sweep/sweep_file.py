@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.case.namelist import read_text
@@ -74,7 +76,7 @@ class SweepFile:
     case: Path
     file: Path
     records: list[str] = field(default_factory=list)
-    grid: dict[str, list[Item] | list[tuple[Item, ...]]] = field(default_factory=dict)
+    grid: dict[str, Sequence[Item | tuple[Item, ...]]] = field(default_factory=dict)
     unit: str | None = None
     dt: float | None = None
     quantities: list[str] = field(default_factory=list)
@@ -120,7 +122,7 @@ def _located(folder: Path, word: str) -> str:
     return word if word.lower().startswith("fema:") else str(folder / word)
 
 
-def _axis(path: str, key: str, items: list[Item]) -> list[Item] | list[tuple[Item, ...]]:
+def _axis(path: str, key: str, items: list[Item]) -> Sequence[Item | tuple[Item, ...]]:
     if key.lower() != _PAIR:
         return items
     if len(items) % 2 > 0:
@@ -128,7 +130,7 @@ def _axis(path: str, key: str, items: list[Item]) -> list[Item] | list[tuple[Ite
     return list(zip(items[::2], items[1::2], strict=True))
 
 
-def _checked(path: str, key: str, items: list[Item]) -> object:
+def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (as `_KEYS` says)
     if key not in _KEYS:
         raise InputError(f"{path}, &sweep: unknown key {key}; allowed are {', '.join(_KEYS)}")
     kind, several = _KEYS[key]
@@ -141,10 +143,12 @@ def _checked(path: str, key: str, items: list[Item]) -> object:
     shown = shorten(", ".join(str(item) for item in items))
     if not all(map(accepted, items)) or (len(items) > 1 and not several):
         raise InputError(f"{path}, &sweep: {key} = {shown}: must be {wanted}")
-    problems = [problem for item in items if key in _PATHS and (problem := problem_of_name(item))]
+    problems = [
+        problem for item in map(str, items) if key in _PATHS and (problem := problem_of_name(item))
+    ]
     if problems:
         raise InputError(f"{path}, &sweep: {key} = {shown}: {problems[0]}")
-    if key == "file" and is_name_of_folder(items[0]):
+    if key == "file" and is_name_of_folder(str(items[0])):
         raise InputError(f"{path}, &sweep: {key} = {shown}: is a folder, not a file")
     if kind is int:
         return int(items[0])

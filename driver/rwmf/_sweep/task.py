@@ -63,9 +63,9 @@ class Chunk:
     ----------
     number : int
         Of the chunk.
-    status : ndarray of str
+    status : numpy.ndarray of str, shape `Layout.chunk_shape`
         'ok', 'overturned', 'collapsed' or the name of what went wrong.
-    values : dict of str to ndarray
+    values : dict of str to numpy.ndarray, each of that shape
         One array a quantity, NaN where a run failed.
     """
 

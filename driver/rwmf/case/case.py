@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from rwmf import _library
 from rwmf._files import files
 from rwmf.case.group import Group
-from rwmf.case.namelist import Value, compose, read_text
+from rwmf.case.namelist import compose, read_text
 from rwmf.errors import InputError
 
 __all__ = ["Case"]
@@ -38,6 +38,13 @@ class Case:
     """
 
     __slots__ = ("_edited", "_folder", "_groups", "_kernel", "_source", "_text")
+
+    _edited: bool
+    _folder: Path
+    _groups: dict[str, Group]
+    _kernel: _library.KernelCase
+    _source: str | None
+    _text: str
 
     def __init__(self, **groups: Mapping[str, object]) -> None:
         self._assemble(compose(groups), None, None)
@@ -252,7 +259,13 @@ class Case:
         return self._kernel
 
     def kernel_source(self) -> str:
-        """Path that the kernel resolves records against; good from any current folder."""
+        """Path that the kernel resolves records against; good from any current folder.
+
+        Returns
+        -------
+        str
+            The path; that of an edited case says so.
+        """
         label = self._label()
         if Path(label).parent.absolute() == self._folder:
             return label
@@ -265,7 +278,7 @@ class Case:
     def _names_records(self) -> bool:
         return any("file" in group for group in self._groups.values())
 
-    def _given_entries(self) -> dict[str, dict[str, Value]]:
+    def _given_entries(self) -> dict[str, dict[str, object]]:
         return {
             name: {key: group[key] for key in group if key in group.given}
             for name, group in self._groups.items()

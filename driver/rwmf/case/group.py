@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NoReturn
 
-from rwmf.case.namelist import format_value, parse_value
+from rwmf.case.namelist import Value, format_value, parse_value
 
 __all__ = ["Group"]
 
@@ -19,9 +19,21 @@ class Group(Mapping[str, Any]):
         The keys that the case gives; the others hold the kernel's defaults.
     units : mapping of str to str
         Units of the values as the kernel names them.
+
+    Parameters
+    ----------
+    name : str
+        Name of the group.
+    rows : list of list of str
+        Key, type, value, unit, and 'given' or 'default', as the kernel describes them.
     """
 
     __slots__ = ("_given", "_name", "_units", "_values")
+
+    _given: frozenset[str]
+    _name: str
+    _units: dict[str, str]
+    _values: dict[str, Value]
 
     def __init__(self, name: str, rows: list[list[str]]) -> None:
         put = super().__setattr__

@@ -18,7 +18,23 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make the film and return exit status 0; errors as the simulation and `animate`."""
+    """Make the film.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
     case = Case.from_namelist(options.case)
     path = Path(options.out or f"{Path(options.case).stem}.gif")
     _check(case, options, path)

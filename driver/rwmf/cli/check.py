@@ -21,7 +21,23 @@ _INVENTORY = (
 
 
 def run(options: argparse.Namespace) -> int:
-    """Validate a case and say what it holds (``rwmf check``)."""
+    """Validate a case and say what it holds (``rwmf check``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
     case = Case.from_namelist(options.case)
     found = case.kernel.inventory()
     print(f"{options.case}: valid")

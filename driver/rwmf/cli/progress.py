@@ -20,12 +20,24 @@ def _find_bar() -> type | None:
         from tqdm import tqdm
     except ModuleNotFoundError:
         return None
-    return tqdm
+    bar_type: type = tqdm
+    return bar_type
 
 
 @contextmanager
 def progress_bar(total: int) -> Iterator[Callable[[int, int], None] | None]:
-    """Show progress on a terminal; nothing where the output is kept."""
+    """Show progress on a terminal; nothing where the output is kept.
+
+    Parameters
+    ----------
+    total : int
+        Number of what is to be done.
+
+    Yields
+    ------
+    callable or None
+        Takes the number of what is done and of all; None where nothing is shown.
+    """
     bar_type = _find_bar() if sys.stderr.isatty() else None
     if bar_type is None:
         yield None

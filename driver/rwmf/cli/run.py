@@ -24,7 +24,23 @@ _LOOP_POINTS = 40000
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate one case (``rwmf run``)."""
+    """Simulate one case (``rwmf run``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
     case = Case.from_namelist(options.case)
     files.check_outputs([options.plot, options.loops], case.inputs, options.out)
     figures.check_formats(options.plot, options.loops)

@@ -21,7 +21,23 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute a spectrum (``rwmf spectrum``)."""
+    """Compute a spectrum (``rwmf spectrum``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantity)
     files.check_outputs([options.plot, options.csv], case.inputs)
@@ -48,7 +64,7 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
     if "gamma" in dataset.dims:
         found["gamma"] = dataset["gamma"].values
         found["b_m"] = dataset["b"].values
-    for key, name in zip(keys_of(dataset.data_vars), dataset.data_vars, strict=True):
+    for key, name in zip(keys_of(map(str, dataset.data_vars)), dataset.data_vars, strict=True):
         found[key] = dataset[name].values
     for key in ("seconds", "threads", "rhs_evaluations"):
         found[key] = dataset.attrs[key]
@@ -76,7 +92,7 @@ def _print_ordinates(dataset: xr.Dataset) -> None:
     """One line a period, one column a mass ratio and half width."""
     bare = "gamma" not in dataset.dims
     columns = dataset if bare else dataset.stack(column=("b", "gamma"))
-    names = [name for name in dataset.data_vars if name != "status"]
+    names = [str(name) for name in dataset.data_vars if name != "status"]
     for key, name in zip(keys_of(names), names, strict=True):
         heads = [key]
         if not bare:

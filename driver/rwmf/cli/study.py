@@ -12,7 +12,7 @@ import xarray as xr
 from rwmf import studies
 from rwmf._files import files
 from rwmf._files.netcdf_file import new_file
-from rwmf._sweep import find_records
+from rwmf._sweep import RecordFile, find_records
 from rwmf._sweep.quantities import find_quantities
 from rwmf.case import Case
 from rwmf.cli.progress import progress
@@ -47,8 +47,8 @@ def run(options: argparse.Namespace) -> int:
     """
     case = Case.from_namelist(options.case)
     words = getattr(options, "records", None) or ()
-    records = find_records(words, unit=options.unit) if words else ()
-    inputs = [*case.inputs, *(record.path for record in records)]
+    records: Sequence[RecordFile] = find_records(words, unit=options.unit) if words else ()
+    inputs = [*case.inputs, *(Path(record.path) for record in records)]
     files.check_outputs([options.plot, options.file], inputs)
     figures.check_formats(options.plot)
     study = _STUDIES[options.study]

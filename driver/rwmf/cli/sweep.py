@@ -14,8 +14,9 @@ import xarray as xr
 from rwmf._files import files
 from rwmf._sweep.csv_parts import merge_csv
 from rwmf._sweep.executors import open_executor
+from rwmf._sweep.quantities import DISPLACEMENT
 from rwmf._sweep.run import merge, path_of_store, sweep
-from rwmf._sweep.sweep_file import SweepFile, read_sweep_file
+from rwmf._sweep.sweep_file import read_sweep_file
 from rwmf.case import Case
 from rwmf.cli.progress import progress
 from rwmf.errors import InputError, Interrupted
@@ -24,7 +25,23 @@ __all__ = ["merge_parts", "run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run a sweep (``rwmf sweep``)."""
+    """Run a sweep (``rwmf sweep``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
     asked = read_sweep_file(options.sweep)
     path = Path(options.file) if options.file else asked.file
     part = _parse_part(options.part)
@@ -32,14 +49,20 @@ def run(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:
-            dataset = _run(
-                asked,
+            dataset = sweep(
+                Case.from_namelist(str(asked.case)),
+                asked.grid,
+                asked.records,
                 path,
+                quantities=asked.quantities or (DISPLACEMENT,),
                 threads=options.threads,
                 executor=executor,
                 progress=report,
                 restart=options.restart,
                 part=part,
+                chunk=asked.chunk,
+                unit=asked.unit,
+                dt=asked.dt,
             )
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)
@@ -52,22 +75,6 @@ def run(options: argparse.Namespace) -> int:
     else:
         _print_counts(dataset, path, seconds)
     return 0
-
-
-def _run(asked: SweepFile, path: Path, **how: object) -> xr.Dataset:
-    case = Case.from_namelist(str(asked.case))
-    if asked.quantities:
-        how["quantities"] = asked.quantities
-    return sweep(
-        case,
-        asked.grid,
-        asked.records,
-        path,
-        unit=asked.unit,
-        dt=asked.dt,
-        chunk=asked.chunk,
-        **how,
-    )
 
 
 def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
@@ -91,7 +98,23 @@ def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
 
 
 def merge_parts(options: argparse.Namespace) -> int:
-    """Join parts (``rwmf merge``)."""
+    """Join parts (``rwmf merge``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
     if Path(options.file).suffix.lower() == ".csv":
         merge_csv(options.parts, options.file)
     else:

@@ -100,7 +100,8 @@ def numbers(word: str) -> list[float]:
     try:
         if ":" in word:
             first, last, n = word.split(":")
-            return np.linspace(read(first), read(last), whole(1, _MOST_NUMBERS)(n)).tolist()
+            n_points = whole(1, _MOST_NUMBERS)(n)
+            return [float(x) for x in np.linspace(read(first), read(last), n_points)]
         return [read(item) for item in word.split(",")]
     except (ValueError, argparse.ArgumentTypeError):
         raise argparse.ArgumentTypeError(
@@ -110,7 +111,23 @@ def numbers(word: str) -> list[float]:
 
 
 def thread_count(word: str) -> int:
-    """Read a number of threads, 0 for all; the kernel says how many it takes."""
+    """Read a number of threads, 0 for all; the kernel says how many it takes.
+
+    Parameters
+    ----------
+    word : str
+        The number.
+
+    Returns
+    -------
+    int
+        The same.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        When it is no whole number, or a negative one.
+    """
     return whole(0, _MOST_THREADS)(word)
 
 

@@ -17,8 +17,10 @@ from rwmf.errors import InputError, OutputError
 from rwmf.plotting.files import new_figure
 
 if TYPE_CHECKING:
+    from matplotlib.animation import AbstractMovieWriter
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 __all__ = ["FORMATS", "animate", "corners", "ground_displacement", "magnification"]
 
@@ -84,7 +86,7 @@ def animate(
     return factor
 
 
-def _writer(path: Path, frames_per_second: int) -> object:
+def _writer(path: Path, frames_per_second: int) -> AbstractMovieWriter:
     from matplotlib.animation import FFMpegWriter, PillowWriter
 
     kind = path.suffix.lstrip(".").lower()
@@ -100,7 +102,7 @@ def magnification(theta: Array) -> float:
 
     Parameters
     ----------
-    theta : numpy.ndarray
+    theta : numpy.ndarray, shape (n,)
         Rotations [rad].
 
     Returns
@@ -135,7 +137,8 @@ def corners(h: float, b: float, theta: float) -> Array:
     sine, cosine = np.sin(theta), np.cos(theta)
     turn = np.array([[cosine, sine], [-sine, cosine]])
     upright = np.array([[-b, 0.0], [b, 0.0], [b, 2 * h], [-b, 2 * h]])
-    return pivot + (upright - pivot) @ turn.T
+    turned: Array = pivot + (upright - pivot) @ turn.T
+    return turned
 
 
 def ground_displacement(t: Array, acceleration: Array) -> Array:
@@ -155,7 +158,9 @@ def ground_displacement(t: Array, acceleration: Array) -> Array:
     """
     velocity = _integrate(t, acceleration)
     displacement = _integrate(t, velocity)
-    return displacement - displacement[-1] * (t - t[0]) / max(t[-1] - t[0], np.finfo(float).tiny)
+    duration = max(t[-1] - t[0], np.finfo(float).tiny)
+    level: Array = displacement - displacement[-1] * (t - t[0]) / duration
+    return level
 
 
 def _integrate(t: Array, rate: Array) -> Array:
@@ -227,7 +232,7 @@ def _scene(
 
 
 def _move_frame(
-    posts: object, link: object, corner: Array, ground: float, h: float, b: float
+    posts: Line2D, link: Line2D, corner: Array, ground: float, h: float, b: float
 ) -> None:
     """Portal at the left whose roof follows the corner of the wall."""
     sway = corner[0] - (ground - b)

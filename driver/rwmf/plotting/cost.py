@@ -69,7 +69,7 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
         if _is_drawn(row):
             _draw_practice(axes, row)
     if cost.recommended is not None:
-        _mark_recommended(axes, cost)
+        _mark_recommended(axes, cost.recommended, cost.target)
     _finish(axes, cost)
     if legend:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -104,8 +104,7 @@ def _draw_practice(axes: Axes, row: Row) -> None:
     )
 
 
-def _mark_recommended(axes: Axes, cost: Cost) -> None:
-    row = cost.recommended
+def _mark_recommended(axes: Axes, row: Row, target: float) -> None:
     axes.plot(
         [row.seconds],
         [_height(row)],
@@ -114,9 +113,9 @@ def _mark_recommended(axes: Axes, cost: Cost) -> None:
         markerfacecolor="none",
         markeredgecolor="0.1",
         linestyle="none",
-        label=f"cheapest for {_power(cost.target)}",
+        label=f"cheapest for {_power(target)}",
     )
-    axes.axhline(cost.target, color="0.6", linewidth=0.7, linestyle=":", zorder=1)
+    axes.axhline(target, color="0.6", linewidth=0.7, linestyle=":", zorder=1)
 
 
 def _power(value: float) -> str:

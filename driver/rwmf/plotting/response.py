@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -52,9 +52,9 @@ _FALLEN = ("overturned", "collapsed")
 
 def history(
     dataset: xr.Dataset,
-    axes: Axes | Sequence[Axes] | None = None,
+    axes: Axes | Sequence[Axes] | np.ndarray | None = None,
     variables: Sequence[str] | None = None,
-    **line: object,
+    **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> np.ndarray:
     """Draw variables against time, one panel each; impacts are ticks at the bottom.
 
@@ -72,7 +72,7 @@ def history(
 
     Returns
     -------
-    numpy.ndarray
+    numpy.ndarray, shape (panels,)
         The axes.
 
     Raises
@@ -99,7 +99,7 @@ def spectrum(
     ax: Axes | None = None,
     bare: xr.Dataset | None = None,
     quantity: str = "u_s_max",
-    **line: object,
+    **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> Axes:
     """Draw the largest displacement of the frame, or another quantity, against its period.
 
@@ -129,7 +129,7 @@ def spectrum(
     if quantity not in dataset:
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
         raise ValueError(f"{quantity}: is not in the spectrum, which has {names}")
-    axes = make_panels(ax, 1)[0]
+    axes: Axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     shades = np.linspace(_DARKEST, _LIGHTEST, max(len(curves), 2))
     # a line under one that coincides with it stays visible when it is wider

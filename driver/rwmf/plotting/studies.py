@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -42,7 +42,20 @@ _STAYS = "0.96"
 
 
 def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw an overturning map: regions by the number of impacts, boundaries as dots."""
+    """Draw an overturning map: regions by the number of impacts, boundaries as dots.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.overturning_map`.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
     import matplotlib
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -64,7 +77,20 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw percentiles of a suite: the median as a line, the outer ones as a band."""
+    """Draw percentiles of a suite: the median as a line, the outer ones as a band.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.suite_spectra`.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
     name = next(str(key) for key in dataset if str(key).endswith("_percentiles"))
     for i, (label, curve) in enumerate(_curves(dataset[name], ("percentile", "T_s"))):
         low, middle, high = (curve.isel(percentile=k) for k in (0, curve.percentile.size // 2, -1))
@@ -75,7 +101,20 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw sensitivity bands: the nominal spectrum inside its range."""
+    """Draw sensitivity bands: the nominal spectrum inside its range.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.sensitivity_bands`.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
     pairs = [_curves(dataset[name], ("T_s",)) for name in ("lowest", "nominal", "highest")]
     for i, ((_, low), (label, nominal), (_, high)) in enumerate(zip(*pairs, strict=True)):
         _fill_between(ax, nominal["T_s"], low, high, i)
@@ -85,7 +124,20 @@ def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the ratio with over without the wall; over a suite its median."""
+    """Draw the ratio with over without the wall; over a suite its median.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.wall_effect`.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
     ratio = dataset["ratio"]
     if "record" in ratio.dims:
         ratio = ratio.median("record", keep_attrs=True)
@@ -124,11 +176,24 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
 
 
 def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw a fragility curve: counted fractions as dots, the lognormal fit as a line."""
+    """Draw a fragility curve: counted fractions as dots, the lognormal fit as a line.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.fragility`.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
     median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
     scale = dataset["scale"].values
     # whole dots where none or all of the records exceed the limit
-    dots = {"color": "C0", "markersize": 3.5, "label": "counted", "clip_on": False}
+    dots: dict[str, Any] = {"color": "C0", "markersize": 3.5, "label": "counted", "clip_on": False}
     ax.plot(scale, dataset["fraction"], "o", **dots)
     text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
     fine = np.linspace(scale.min(), scale.max(), 400)
@@ -144,7 +209,20 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the amplitudes of pulses that give the same displacement."""
+    """Draw the amplitudes of pulses that give the same displacement.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.equal_response`.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
     ax.plot(dataset["T_p"], dataset["a_max_g"])
     ax.set_yscale("log")
     for axis_format in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
@@ -186,5 +264,5 @@ def _finish(ax: Axes, values: xr.DataArray) -> None:
     ax.set_ylabel(values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})"))
     ax.set_ylim(bottom=0)
     ax.margins(x=0)
-    if any(line.get_label()[:1] != "_" for line in ax.lines):
+    if any(str(line.get_label())[:1] != "_" for line in ax.lines):
         ax.legend()

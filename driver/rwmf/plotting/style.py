@@ -9,11 +9,12 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.typing import RcKeyType
 
 __all__ = ["make_panels", "style"]
 
 
-def style() -> dict[str, Any]:
+def style() -> dict[RcKeyType, Any]:
     """Return settings for figures of publication size, for ``matplotlib.rc_context``.
 
     Returns
@@ -38,7 +39,9 @@ def style() -> dict[str, Any]:
     }
 
 
-def make_panels(axes: Axes | Sequence[Axes] | None, n: int, across: bool = False) -> np.ndarray:
+def make_panels(
+    axes: Axes | Sequence[Axes] | np.ndarray | None, n: int, across: bool = False
+) -> np.ndarray:
     """Return the given axes, or those of a new figure, as an array.
 
     Parameters
@@ -52,7 +55,7 @@ def make_panels(axes: Axes | Sequence[Axes] | None, n: int, across: bool = False
 
     Returns
     -------
-    numpy.ndarray
+    numpy.ndarray, shape (n,)
         The axes.
 
     Raises

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import xarray as xr
 
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.run import sweep
+from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
@@ -24,7 +25,7 @@ def friction_spectra(
     case: Case,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
-    **how: object,
+    **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute required friction, pivot reaction, base shear and cable force for many frames.
 

@@ -50,7 +50,23 @@ class Wall:
 
     @classmethod
     def of(cls, case: Case) -> Wall:
-        """Take it from a case with a wall."""
+        """Take it from a case with a wall.
+
+        Parameters
+        ----------
+        case : Case
+            A case with a wall.
+
+        Returns
+        -------
+        Wall
+            Its wall.
+
+        Raises
+        ------
+        InputError
+            When the case has no wall, or a hinged one.
+        """
         if case.wall is None:
             raise InputError("overturning: the case has no &wall")
         if case.wall.get("base") == "pinned":
