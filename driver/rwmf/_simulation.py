@@ -31,8 +31,8 @@ def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
     xarray.Dataset
         Variables over ``time`` (none without an interval), coordinates over ``event``, maxima
         and counts without dimension, each with its unit in ``attrs``; what the computation took
-        in the attributes of the dataset. Energies at the end are ``energy_input_J_per_kg`` and
-        so on, over time ``energy_input``.
+        in the attributes of the dataset. Names are without units, see docs/outputs.md: energies
+        over time are ``energy_input`` and so on, those at the end ``energy_input_end``.
 
     Raises
     ------
@@ -111,18 +111,17 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
     columns, values = run.history()
     for i, column in enumerate(columns):
         quantity = find(column)
-        # energies are scalars as well, of the end
-        name = quantity.name.removesuffix("_J_per_kg") if column in summary else quantity.name
-        variables[name] = ("time", values[i], quantity.attributes)
+        for name in quantity.names("history"):
+            variables[name] = ("time", values[i], quantity.attributes)
     coordinates: dict[str, Any] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
     facts: dict[str, Any] = {"version": _library.version()}
     for key, value in summary.items():
         quantity = find(key)
-        if quantity.name:
-            variables[quantity.name] = ((), value, quantity.attributes)
-        else:
+        for name in quantity.names("run"):
+            variables[name] = ((), value, quantity.attributes)
+        if not quantity.name:
             facts[key] = value
     # all at once: xarray aligns everything anew for each variable that is added
     return xr.Dataset(variables, coordinates, facts)

@@ -120,7 +120,11 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
         coordinates = {"T_s": coordinates["T_s"]}
     status = values.pop("status")
     found = {key: find(key) for key in values}
-    variables = {item.variable: (dims, values[key], item.attributes) for key, item in found.items()}
+    variables = {
+        name: (dims, values[key], item.attributes)
+        for key, item in found.items()
+        for name in item.names("ordinate") or (key,)
+    }
     return xr.Dataset(
         variables | {"status": (dims, status)},
         coords=coordinates,

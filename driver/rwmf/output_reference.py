@@ -13,11 +13,21 @@ _INTRODUCTION = """\
 Made by `python -m rwmf.output_reference` from the one table that also orders and labels them
 (`src/rwmf/simulation/quantities.f90`).
 
-A key ends with its unit, `over_...` names what a number is divided by; `{i}` is the number of a
-floor or storey, from the ground up. What does not apply to a scene is absent. `rwmf.simulate`
-returns variables of a dataset under the name in the second column; without one a scalar is an
-attribute of the dataset. `rwmf.sweep` keeps any that a spectrum may be asked for, but those of
-single storeys.
+A **key** stands in CSV and JSON and ends with its unit; `over_...` says what a number is divided
+by, `{i}` is the number of a floor or storey, from the ground up. What does not apply to a scene is
+absent.
+
+A **name** is that of a variable in a dataset of Python. It has no unit: `attrs['units']` of the
+variable says it, `attrs['long_name']` the meaning. A number at the end that has a history under the
+same name ends with `_end`. Where two names stand, both lead to the same numbers; the second one
+has a unit and is there for programs that know it. Names and keys are taken alike wherever
+quantities are asked for, in any letters; a sweep calls its variable by the one of two names that it
+was asked for by.
+
+A number that describes the response is a variable. How the whole computation was done and what it
+took is without a name: an attribute of the dataset under its key, and over a grid a variable under
+its key. `rwmf.sweep` keeps any named quantity that a spectrum may be asked for, but those of single
+storeys.
 
 How a number is found:
 
@@ -61,18 +71,19 @@ def make() -> str:
         parts.append(f"\n## {title}.\n\n| key | name | type | unit | meaning | found | present |")
         parts.append("|---|---|---|---|---|---|---|")
         rows = (item for item in QUANTITIES.values() if output in item.outputs.split())
-        parts.extend(_row(item, "row" if output == "history" else item.found) for item in rows)
+        parts.extend(_row(item, output) for item in rows)
     return "\n".join(parts) + "\n"
 
 
-def _row(item: Quantity, found: str) -> str:
+def _row(item: Quantity, output: str) -> str:
     conditions = (
         item.group and f"`&{item.group}`",
         item.needs,
         item.asked_by and f"`&output {item.asked_by}`",
     )
     present = ", ".join(filter(None, conditions)) or "always"
-    name = f"`{item.name}`" if item.name else ""
+    name = ", ".join(f"`{name}`" for name in item.names(output))
+    found = "row" if output == "history" else item.found
     return (
         f"| `{item.key}` | {name} | {item.kind} | {item.unit} | {item.meaning} | {found} "
         f"| {present} |"

@@ -8,7 +8,16 @@ from typing import Any
 
 from rwmf import _library
 
-__all__ = ["AXES", "ENDINGS", "QUANTITIES", "Quantity", "ending_of", "find", "keys_of"]
+__all__ = [
+    "AXES",
+    "ENDINGS",
+    "QUANTITIES",
+    "Quantity",
+    "ending_of",
+    "find",
+    "keys_of",
+    "names_by_key",
+]
 
 # how a motion can end before its time, a result and no error: as a status; the summary of a run has
 # a logical of the same name where it can happen
@@ -24,7 +33,7 @@ class Quantity:
     key : str
         Column or key in the kernel; ``{i}`` is the number of a floor or storey.
     name : str
-        Variable of a run's dataset; '' when it is an attribute of it, or not in it.
+        Variable of a dataset, see `names`; '' when it is an attribute of a run's, or not in it.
     unit : str
         Its unit: '1' for numbers without one, '' for texts.
     kind : str
@@ -54,10 +63,45 @@ class Quantity:
     needs: str
     meaning: str
 
-    @property
-    def variable(self) -> str:
-        """Name of its variable where each has one: in spectra and sweeps."""
-        return self.name or self.key
+    def names(self, output: str) -> tuple[str, ...]:
+        """Names of its variable in a dataset.
+
+        A name has no unit, which is in the attributes of the variable; what is a column of the
+        history as well ends with ``_end`` where it is the number at the end. Energies at the end
+        and reactions in N are there under a name with the unit too, which programs know them by.
+
+        Parameters
+        ----------
+        output : str
+            'history' for a column over time, otherwise another word of `outputs`.
+
+        Returns
+        -------
+        tuple of str
+            The name to use first; empty for an attribute of a run's dataset.
+        """
+        if not self.name:
+            return ()
+        plain = self.name.removesuffix(_SUFFIXES.get(self.unit, ""))
+        if "run" not in self.outputs.split() or "history" not in self.outputs.split():
+            return tuple(dict.fromkeys((plain, self.name)))
+        return (plain,) if output == "history" else (f"{plain}_end", self.name)
+
+    def called(self, word: str) -> str:
+        """Choose one of its names in a grid.
+
+        Parameters
+        ----------
+        word : str
+            How it was asked for.
+
+        Returns
+        -------
+        str
+            The name that the word means, else the first, else the key.
+        """
+        names = self.names("ordinate")
+        return next((name for name in names if name.lower() == word.lower()), (*names, self.key)[0])
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -65,6 +109,8 @@ class Quantity:
         return {"units": self.unit, "long_name": self.meaning}
 
 
+# units that names of the kernel's table may end with
+_SUFFIXES = {"J/kg": "_J_per_kg", "N": "_N"}
 QUANTITIES = {row[0]: Quantity(*row) for row in _library.quantities()}
 # dimensions of the grids of spectra and sweeps that the kernel loops over
 AXES = {"b": QUANTITIES["b_m"], "gamma": QUANTITIES["gamma"], "T_s": QUANTITIES["T_s_s"]}
@@ -85,11 +131,32 @@ def keys_of(names: Iterable[str]) -> list[str]:
     """
     keys = {key.lower(): key for key in QUANTITIES}
     keys |= {
-        item.name.lower(): key
+        name.lower(): key
         for key, item in QUANTITIES.items()
-        if item.name and "run" in item.outputs.split()
+        if "run" in item.outputs.split()
+        for name in item.names("run")
     }
     return [keys.get(name.lower(), name) for name in names]
+
+
+def names_by_key(names: Iterable[object]) -> dict[str, str]:
+    """Give each quantity one name, the first of those that it has in a dataset.
+
+    Parameters
+    ----------
+    names : iterable
+        Names of the dataset's variables.
+
+    Returns
+    -------
+    dict of str to str
+        Names by key, in their order.
+    """
+    words = [str(name) for name in names]
+    found: dict[str, str] = {}
+    for key, word in zip(keys_of(words), words, strict=True):
+        found.setdefault(key, word)
+    return found
 
 
 def find(key: str) -> Quantity:

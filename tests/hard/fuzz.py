@@ -1,4 +1,4 @@
-"""Mutated namelists and records, sweep files and command lines, from a seed.
+"""Mutated namelists and records, from a seed.
 
 Texts are cut, doubled, exchanged and overwritten with what parsers fear; the same number makes the
 same input on every machine.
@@ -103,16 +103,17 @@ def attack(number: int) -> Attack:
     record = dice.choice(RECORDS)
     if dice.random() < 0.25:
         text = SEEDS[1]
-        record = _mutate_bytes(dice, record)
+        record = mutate_bytes(dice, record)
     for _ in range(dice.choice((0, 1, 1, 2, 3, 8)) if text == SEEDS[1] else dice.choice((1, 2, 5))):
-        text = _mutate(dice, text)
+        text = mutate(dice, text)
     raw = text.encode("utf-8", "surrogateescape")
     if dice.random() < 0.1:
-        raw = _mutate_bytes(dice, raw)
+        raw = mutate_bytes(dice, raw)
     return Attack(number, raw, record)
 
 
-def _mutate(dice: random.Random, text: str) -> str:
+def mutate(dice: random.Random, text: str) -> str:
+    """Change a text in one place."""
     at, kind = dice.randrange(len(text) + 1), dice.randrange(8)
     if kind == 0:
         return text[:at] + dice.choice(_TOKENS) + text[at:]
@@ -130,133 +131,10 @@ def _mutate(dice: random.Random, text: str) -> str:
     return " ".join(words)
 
 
-def _mutate_bytes(dice: random.Random, raw: bytes) -> bytes:
+def mutate_bytes(dice: random.Random, raw: bytes) -> bytes:
+    """Change bytes in a few places."""
     for _ in range(dice.randrange(1, 4)):
         at = dice.randrange(len(raw) + 1)
         cut = dice.choice((0, 0, 1, 3, 50))
         raw = raw[:at] + dice.choice(_BYTES) + raw[at + cut :]
     return raw
-
-
-# what every command line and sweep file finds in its folder: short runs
-INPUTS = {
-    "case.nml": b"""&wall h = 2.0, b = 0.5 /
-&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
-&cable eta_0 = 1.0 /
-&impact e = 0.9 /
-&motion kind = 'one_sine', a_max_g = 0.4, omega_p = 6.28 /
-&solver method = 'dop853', rtol = 1e-4, t_end = 0.3, max_steps = 2000 /
-&spectrum T_s = 0.5, 1.0 /
-""",
-    "block.nml": b"""&wall h = 2.0, b = 0.5 /
-&impact e = 0.9 /
-&motion kind = 'one_sine', a_max_g = 0.4, omega_p = 6.28 /
-&solver method = 'dop853', rtol = 1e-4, t_end = 0.3, max_steps = 2000 /
-""",
-    "s.nml": b"&sweep case = 'case.nml' /\n&grid e = 0.8, 0.9 /\n",
-    "record.txt": RECORDS[0],
-    "old.nc": b"not the result of a sweep",
-}
-SWEEPS = (
-    """&sweep case = 'case.nml', file = 'out.nc' /
-&grid T_s = 0.5, 1.0 gamma = 5 b = 0.5, 0.6 /
-""",
-    """! many
-&sweep
-   case = 'case.nml'
-   records = 'record.txt', 'rec*.txt'
-   unit = 'g'
-   dt = 0.1
-   quantities = 'u_s_max', 'impacts'
-   chunk = 3
-/
-&grid
-   eta = 1, 5,  0, 0
-   scale = 0.5, 1.0
-   formulation = 'exact', "published"
-/
-""",
-    """&sweep case = 'block.nml' quantities = 'theta_max_over_alpha' file = 'out.nc' /
-&grid b = 0.5 motion.a_max_g = 0.1, 0.2 n_pulses = 1 max_steps = 500 /
-""",
-)
-COMMANDS = (
-    "run case.nml --json",
-    "run case.nml --out .",
-    "spectrum case.nml --csv out.csv --threads 1 --quantity impacts u_s_max",
-    "spectrum case.nml --json",
-    "check case.nml",
-    "records list",
-    "records export elcentro out.txt",
-    "sweep s.nml --file out.nc --threads 1 --engine threads --workers 1 --part 1/2",
-    "sweep s.nml --file out.nc",
-    "merge out.csv record.txt old.nc",
-    "merge out.nc old.journal",
-    "study overturning block.nml --omega 5 --amplitude 1,9 --tolerance 1 --threads 1",
-    "study spectra case.nml --records record.txt --unit g --T_s 0.5,1 --quantity u_s_max",
-    "study fragility case.nml --records record.txt --unit g --levels 0.1:2:4 --limit 0.01",
-    "study wall case.nml --T_s 0.5 --gamma 5 --file out.nc",
-    "study friction case.nml --T_s 0.5 --gamma 5",
-    "study bands case.nml --T_s 0.5 --gamma 5 --e 0.8,0.9 --eta 0,0",
-    "study equal-response case.nml --T_p 0.5 --target 0.01",
-    "animate block.nml --out out.doc --fps 1 --speed 1 --until 0.2",
-    "reproduce nothing",
-)
-_WORDS = (
-    "", ".", "..", "/", "-", "--", "-1", "0", "1e999", "nan", "-inf", "99999999999", "1" * 5000,
-    "x" * 3000, "/".join(["y" * 200] * 40), "missing.nml", "no/where.nc", "caf\udce9", "\u00e9",
-    "a b", "*", "[", "**x.at2", "~", "%s", "{}", "--json", "-h", "--version", "--threads", "--file",
-    "--csv", "--plot", "--T_s", "--t_s", "--E", "--help", "--dance", "1:2", "1:2:3", "1:2:-3", ",",
-    "1,2,3", "2:1:5", "::", "K/N", "0/0", "3/2", "1/99999999999", "mpi", "threads:1", "dance:1",
-    "out.png", "out.doc", "fema:moon", "g", "cm/s2", "THETA_MAX_over_alpha", "1e-300", "1e300",
-)  # fmt: skip
-
-
-def sweep_file(number: int) -> bytes:
-    """Make the sweep file of a number.
-
-    Parameters
-    ----------
-    number : int
-        Any; the same number gives the same bytes.
-
-    Returns
-    -------
-    bytes
-        Its content.
-    """
-    dice = random.Random(f"sweep {number}")
-    text = dice.choice(SWEEPS)
-    for _ in range(dice.choice((1, 1, 2, 3))):
-        text = _mutate(dice, text)
-    raw = text.encode("utf-8", "surrogateescape")
-    return _mutate_bytes(dice, raw) if dice.random() < 0.1 else raw
-
-
-def command_line(number: int) -> list[str]:
-    """Make the command line of a number.
-
-    Parameters
-    ----------
-    number : int
-        Any; the same number gives the same words.
-
-    Returns
-    -------
-    list of str
-        What follows the command's name.
-    """
-    dice = random.Random(f"command {number}")
-    words = dice.choice(COMMANDS).split()
-    for _ in range(dice.choice((1, 1, 2, 3))):
-        at, kind = dice.randrange(len(words) + 1), dice.randrange(4)
-        if kind == 0 or at == len(words):
-            words.insert(at, dice.choice(_WORDS))
-        elif kind == 1:
-            del words[at]
-        elif kind == 2 and words[at] not in INPUTS:
-            words[at] = words[at][: dice.randrange(len(words[at]) + 1)] + dice.choice(_WORDS)
-        else:
-            words[at] = dice.choice(_WORDS)
-    # an argument of a process has no NUL
-    return [word.replace("\0", "") for word in words]

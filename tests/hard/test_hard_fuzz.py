@@ -1,23 +1,25 @@
 """Input under attack: always a clear error or an answer, never a crash, a hang or a lost file.
 
 RWMF_FUZZ sets the number of attacks; the default keeps the suite short. 20,000 is the full run of
-namelists, 5,000 that of command lines and of sweep files.
+namelists, 5,000 that of each kind of calls of the command.
 """
 
 from __future__ import annotations
 
 import contextlib
 import faulthandler
+import fcntl
 import io
 import math
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import fuzz
+import fuzz_calls
 import pytest
 import rwmf
 from rwmf import cli
@@ -140,48 +142,99 @@ def test_batch_program(start: int, tmp_path: Path) -> None:
 
 
 def command_survives(kind: str, start: int, stop: int, folder: Path) -> dict[int, int]:
-    """Attack the command; a status that nobody has foreseen, a trace or a lost file raises.
+    """Call the command; a status that is not right, a trace, a changed or lost file raises.
 
     Parameters
     ----------
     kind : str
-        'command lines' or 'sweep files'.
+        One of `fuzz_calls.KINDS`.
     start, stop : int
-        Numbers of the attacks.
+        Numbers of the calls.
     folder : Path
         An empty folder, which becomes the current one.
 
     Returns
     -------
     dict
-        How many attacks ended with which exit status.
+        How many calls ended with which exit status.
     """
     os.chdir(folder)
     os.environ.pop("RWMF_TRACEBACK", None)
+    results = _make_results()
     outcome: dict[int, int] = {}
     for number in range(start, stop):
-        inputs = dict(fuzz.INPUTS)
-        words = ["sweep", "s.nml", "--threads", "1"]
-        if kind == "sweep files":
-            inputs["s.nml"] = fuzz.sweep_file(number)
-        else:
-            words = fuzz.command_line(number)
-        for name, content in inputs.items():
+        call = fuzz_calls.make_call(kind, number, results, str(folder))
+        _clear()
+        for name, content in call.inputs.items():
             Path(name).write_bytes(content)
-        faulthandler.dump_traceback_later(_HANG_SECONDS, exit=True)
-        status, told = _call(lambda words=words: cli.main(words))
-        faulthandler.cancel_dump_traceback_later()
-        shown = (kind, number, words, inputs["s.nml"], told[-2000:])
-        assert status in (0, 1, 2), shown
+        _make_other_names(call.inputs)
+        with Path("locked.nc.journal").open("rb") as locked:
+            fcntl.flock(locked, fcntl.LOCK_EX)
+            faulthandler.dump_traceback_later(_HANG_SECONDS, exit=True)
+            status, told = _call(lambda words=call.words: cli.main(words))
+            faulthandler.cancel_dump_traceback_later()
+        shown = (kind, number, call.words, call.inputs["s.nml"], status, told[-2000:])
+        assert status in call.statuses, shown
         assert status == 0 or len(told) > 10, shown
+        assert call.says in told, shown
         assert "Traceback" not in told, shown
-        left = {path.name for path in Path().iterdir()}
-        assert all(Path(name).read_bytes() == inputs[name] for name in inputs), shown
-        assert not [name for name in left if name.endswith(".tmp")], shown
-        for name in left - set(inputs):
-            shutil.rmtree(name) if Path(name).is_dir() else Path(name).unlink()
+        kept = [name for name in call.inputs if name not in call.loose]
+        assert not [name for name in kept if _changed(name, call.inputs[name])], shown
+        assert not [path for path in Path().rglob("*.tmp") if path.name[:6] == ".rwmf-"], shown
         outcome[status] = outcome.get(status, 0) + 1
     return outcome
+
+
+def _make_results() -> dict[str, bytes]:
+    """Make what only a sweep can write: its results, its journals, and a file of HDF5."""
+    import h5py
+
+    for name, content in fuzz_calls.INPUTS.items():
+        Path(name).write_bytes(content)
+    Path("other.nml").write_bytes(fuzz_calls.INPUTS["s.nml"].replace(b"0.9", b"0.7"))
+    for words in (
+        "s.nml --file done.nc",
+        "other.nml --file another.nc",
+        "s.nml --file half.nc --part 1/2",
+        "s.nml --file half.nc --part 2/2",
+        "other.nml --file other.nc --part 1/2",
+    ):
+        status, told = _call(lambda words=words: cli.main(["sweep", *words.split()]))
+        assert status == 0, told
+    with h5py.File("foreign.nc", "w") as file:
+        file.attrs["source"] = "another program"
+    names = ["done.nc", "another.nc", "foreign.nc", "half.nc.part-1-of-2.journal"]
+    found = {name: Path(name).read_bytes() for name in (*names, "half.nc.part-2-of-2.journal")}
+    found["torn.nc.journal"] = found[names[3]][:-3]
+    found["locked.nc.journal"] = found[names[3]]
+    found["begun.nc.journal"] = Path("other.nc.part-1-of-2.journal").read_bytes()
+    return found
+
+
+def _clear() -> None:
+    """Empty the current folder."""
+    for path in Path().iterdir():
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+
+
+def _make_other_names(names: Iterable[str]) -> None:
+    """Give each file a symbolic and a hard link, and the folder another name."""
+    Path("sub").mkdir()
+    Path("here").symlink_to(".")
+    Path("planted.nc.journal").symlink_to("record.txt")
+    for name in names:
+        Path(f"link-{name}").symlink_to(name)
+        Path(f"hard-{name}").hardlink_to(name)
+
+
+def _changed(name: str, content: bytes) -> bool:
+    """Tell whether a file, or one of its other names, is not what it was."""
+    link, hard = Path(f"link-{name}"), Path(f"hard-{name}")
+    same = link.is_symlink() and link.samefile(name) and hard.samefile(name)
+    return not same or Path(name).is_symlink() or Path(name).read_bytes() != content
 
 
 def _call(main: Callable[[], int]) -> tuple[int, str]:
@@ -193,7 +246,7 @@ def _call(main: Callable[[], int]) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("start", range(FIRST, FIRST + COMMANDS, _CHUNK))
-@pytest.mark.parametrize("kind", ["command lines", "sweep files"])
+@pytest.mark.parametrize("kind", fuzz_calls.KINDS)
 def test_command(kind: str, start: int, tmp_path: Path) -> None:
     """In a process of its own, so that a crash is a failed test."""
     pytest.importorskip("h5py")

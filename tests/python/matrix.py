@@ -205,8 +205,8 @@ def run_simulate(scene: Scene, _: Path) -> None:
     """`rwmf.simulate`, with history, reactions and energy."""
     found = rwmf.simulate(scene.case)
     for key, value in scene.plain.items():
-        name = find(key).name
-        _same_scalar(key, found[name].item() if name else found.attrs[key], value)
+        for name in find(key).names("run") or (None,):
+            _same_scalar(key, found[name].item() if name else found.attrs[key], value)
     assert all(np.isfinite(column).all() for column in found.values() if column.dims == ("time",))
     if scene.case.model.formulation != "published" or "wall" not in scene.groups:
         assert abs(scene.plain["energy_balance_relative"]) < pairs.BALANCE

@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 import rwmf
 from conftest import Runner
-from rwmf import cli
+from rwmf import _library, cli
 from rwmf._files import files
 from rwmf.errors import InputError, OutputError
 from scenes import coupled
@@ -353,6 +353,9 @@ def test_an_input_is_never_written(
         found = start(words)
         status, errors = found.returncode, found.stderr
     else:
+        # refused before anything is computed
+        for name in ("start_simulation", "start_spectrum"):
+            monkeypatch.delattr(_library, name)
         status, errors = cli.main(words), capsys.readouterr().err
     assert status == 2, errors
     assert re.search(r"is (read|written twice) by this run", errors), errors

@@ -55,7 +55,7 @@ def test_ordinates_are_runs(effect: str, folder: Path) -> None:
             expected = run.summary()
         for found, names in ((everything, keys), (events, smooth)):
             for key in names:
-                value = float(found[find(key).variable].sel(T_s=T_s))
+                value = float(found[find(key).called(key)].sel(T_s=T_s))
                 wanted = float(expected.get(key, np.nan))
                 loose = _LOOSE.get(key, 1e-6)
                 assert value == pytest.approx(wanted, rel=loose, abs=loose, nan_ok=True), key

@@ -105,7 +105,7 @@ def test_grids(elcentro: Path) -> None:
     swept = rwmf.sweep(case, {"T_s": [0.5], "gamma": [5.0]})
     assert set(swept) == {QUANTITIES[key].name or key for key in _named("sweep")}
     for name, row in SWEPT.items():
-        assert row.name == name
+        assert name in row.names("ordinate")
         assert row.kind in ("real", "int", "logical")
 
 
@@ -114,8 +114,40 @@ def test_names_of_variables_are_without_units() -> None:
     for key, row in QUANTITIES.items():
         if "run" in row.outputs.split() and not row.name:
             assert row.found in ("work", "error") or row.kind in ("text", "list") or key == "rtol"
-        suffix = {"s": "_s", "m": "_m", "rad": "_rad", "rad/s": "_rad_s"}.get(row.unit, "_?")
-        assert not row.name.endswith(suffix) or row.name in ("T_s", "u_s"), row.name
+        suffix = "_" + row.unit.replace("/", "_per_" if row.unit == "J/kg" else "_")
+        for output in ("history", "run"):
+            for name in row.names(output)[:1]:
+                assert not name.endswith(suffix) or name in ("T_s", "u_s"), name
+
+
+def test_a_name_without_unit_stands_beside_one_that_has_it() -> None:
+    """In each kind of dataset; what asks for quantities takes either, in any letters."""
+    scene = pairs.SCENE | {"wall": {"h": 2.0, "b": 0.5, "m_w": 1000.0}, "cable": pairs.CABLE}
+    case = rwmf.Case.from_text(compose(scene)).replace(
+        output={"dt": 0.01, "energy": True, "reactions": True}
+    )
+    run = rwmf.simulate(case)
+    both = {name: row.names("run") for name, row in QUANTITIES.items() if row.unit == "J/kg"}
+    assert both["energy_impact_J_per_kg"] == ("energy_impact_end", "energy_impact_J_per_kg")
+    for first, second in (names for names in both.values() if names[1] in run):
+        assert run[first].identical(run[second].rename(first))
+        assert float(run[first]) == float(run[first.removesuffix("_end")][-1])
+    assert run["pivot_normal"].identical(run["pivot_normal_N"].rename("pivot_normal"))
+    assert all("units" in run[name].attrs for name in run.data_vars)
+    names = ["Energy_impact_END", "energy_input_J_per_kg"]
+    grid = rwmf.spectrum(case, T_s=[0.5], quantities=names)
+    ends = ["energy_impact_end", "energy_input_end"]
+    assert set(grid) == {
+        "status",
+        *ends,
+        *(f"energy_{part}_J_per_kg" for part in ("impact", "input")),
+    }
+    shown = _spectrum_object(grid)
+    assert {"energy_impact_J_per_kg", "energy_input_J_per_kg"} <= set(shown)
+    assert not set(ends) & set(shown)
+    swept = rwmf.sweep(case, {"T_s": [0.5]}, quantities=names)
+    assert set(swept) == {"energy_impact_end", "energy_input_J_per_kg", "status"}
+    assert float(swept["energy_impact_end"].squeeze()) == float(grid["energy_impact_end"].squeeze())
 
 
 def test_drift_of_the_frame_is_that_of_its_roof() -> None:

@@ -1,10 +1,11 @@
 !> A ground motion of the host's own making.
 module host_sine
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf, only: ground_t, wp
    implicit none
    private
 
-   public :: sine_t
+   public :: gap_t, sine_t
 
    !> A sine of the host's own making.
    type, extends(ground_t) :: sine_t
@@ -16,7 +17,25 @@ module host_sine
       procedure :: acceleration_at => sine_at
    end type sine_t
 
+   !> The same with a time in which it is no number.
+   type, extends(sine_t) :: gap_t
+      real(wp) :: begin
+      !! [s]
+      real(wp) :: end
+      !! [s]
+   contains
+      procedure :: acceleration_at => gap_at
+   end type gap_t
+
 contains
+
+   pure real(wp) function gap_at(self, t) result(acceleration)
+      class(gap_t), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      acceleration = self%sine_t%acceleration_at(t)
+      if (self%begin < t .and. t < self%end) acceleration = ieee_value(t, ieee_quiet_nan)
+   end function gap_at
 
    pure real(wp) function sine_at(self, t) result(acceleration)
       class(sine_t), intent(in) :: self
@@ -31,7 +50,7 @@ end module host_sine
 program test_stepping
    use check, only: checks_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use host_sine, only: sine_t
+   use host_sine, only: gap_t, sine_t
    use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
       element_response_t, err_input, err_numerical, error_t, event_impact, event_t, i8, &
       query_events, query_forces, query_state, respond, restore_stepping, result_t, save_stepping, &
@@ -54,6 +73,8 @@ program test_stepping
       call test_pieces(trim(methods(i)), i > 3, 0.0_wp)
       call test_pieces(trim(methods(i)), i > 3, 0.65_wp)
       call test_rejected_step(trim(methods(i)))
+      call test_motion_with_gap(trim(methods(i)), 5.0_wp)
+      call test_motion_with_gap(trim(methods(i)), 0.1_wp)
    end do
    call test_own_motion()
    call test_ground_function()
@@ -246,6 +267,32 @@ contains
       call checks%close_to(state%u_s_max, whole%u_s_max, 'ground function', 1.0e-7_wp)
       call destroy_stepping(wall)
    end subroutine test_ground_function
+
+   !> A motion that is no number for a while ends the advance there, whether the wall rocks or
+   !> rests, long before the steps have come to their bound.
+   subroutine test_motion_with_gap(method, amplitude)
+      character(*), intent(in) :: method
+      real(wp), intent(in) :: amplitude
+      !! [m/s2]
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(error_t), allocatable :: error
+      integer :: k
+
+      do k = 1, 2
+         case = record_scene(method)
+         if (k == 2) deallocate (case%wall, case%cable, case%impact)
+         call create_stepping(wall, case, error)
+         call advance_stepping(wall, 2.0_wp, gap_t(amplitude, 2*pi, 0.7_wp, 1.3_wp), error)
+         call checks%has_error(error, err_numerical, 'not finite', method//', motion with a gap')
+         call query_state(wall, state, error)
+         call checks%that(abs(state%t) <= 0 .and. state%steps == 0, 'a failure takes back')
+         call advance_stepping(wall, 2.0_wp, sine_t(amplitude, 2*pi), error)
+         call checks%no_error(error, method//', after a motion with a gap')
+         call destroy_stepping(wall)
+      end do
+   end subroutine test_motion_with_gap
 
    !> The frame alone under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
    subroutine test_bare_frame()

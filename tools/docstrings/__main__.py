@@ -1,14 +1,19 @@
-"""The command: say what docstrings lack, with file and line, and count them."""
+"""The command: count what docstrings lack, and show it with file and line when it is too much.
+
+``PYTHONPATH=tools python -m docstrings --all`` shows what is known as well.
+"""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
-from docstrings import of_python
+from docstrings import of_fortran, of_python
 
 ROOT = Path(__file__).resolve().parents[2]
 _PYTHON = ("driver", "plots", "tools")
+# what is accepted as missing: as much as is known, to be lowered with what is mended
+_KNOWN = {"Python": 0, "Fortran": 287}
 
 
 def main() -> int:
@@ -22,6 +27,7 @@ def main() -> int:
     status = 0
     kinds = {
         "Python": ([p for name in _PYTHON for p in (ROOT / name).rglob("*.py")], of_python.check),
+        "Fortran": ((ROOT / "src").rglob("*.[fF]90"), of_fortran.check),
     }
     for kind, (paths, check) in kinds.items():
         total, findings = 0, []
@@ -29,10 +35,12 @@ def main() -> int:
             n, found = check(path)
             total += n
             findings += found
-        for item in findings:
+        is_worse = len(findings) > _KNOWN[kind]
+        for item in findings if is_worse or "--all" in sys.argv[1:] else ():
             print(f"{item.path.relative_to(ROOT)}:{item.line}: {item.text}")
-        print(f"docstrings of {kind}: {total}, missing: {len(findings)}")
-        status = status or int(bool(findings))
+        known = f" of {_KNOWN[kind]} known" if _KNOWN[kind] else ""
+        print(f"docstrings of {kind}: {total}, missing: {len(findings)}{known}")
+        status = status or int(is_worse)
     return status
 
 

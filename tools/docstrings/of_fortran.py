@@ -3,7 +3,9 @@
 A public procedure has a docstring. Each of its arguments that is a number, text or logical has a
 `!!` below its declaration; a real one, and each real component of a public type, with its unit in
 brackets, or saying what it is a state, part or number of. Arguments of a derived type are said by
-their type. Where there is an argument `error`, docstring or `!!` say when it is set.
+their type; a file whose docstring says that numbers are in the caller's units need not say more
+of them. Where there is an argument `error`, docstring or `!!` say when it is set. What C calls
+is explained by include/rwmf.h.
 """
 
 from __future__ import annotations
@@ -31,10 +33,13 @@ _DECLARATION = re.compile(
 _UNIT = re.compile(r"\[[^\]]*\]")
 # a vector that mixes units: of states, rates, coefficients or what a table or caller says
 _MIXED = re.compile(
-    r"\((\w+ )*(states?|rates?|coefficients?)\b|\b(states?|unit|units|coefficients|constants|as )\b",
+    r"\((\w+ )*(states?|rates?|coefficients?)\b"
+    r"|\b(states?|unit|units|coefficients|constants|as )\b",
     re.IGNORECASE,
 )
-_WHEN = re.compile(r"\b(fail|fails|failed|error|errors|err_\w+|refuse[sd]?|wrong|cannot)\b", re.I)
+_WHEN = re.compile(
+    r"\b(fail|fails|failed|failure|error|errors|err_\w+|refuse[sd]?|wrong|cannot)\b", re.IGNORECASE
+)
 
 
 @dataclass
@@ -74,13 +79,18 @@ def check(path: Path) -> tuple[int, list[Finding]]:
         What is missing.
     """
     statements = list(_read(path.read_text(encoding="utf-8").splitlines()))
+    has_units = not statements or "in the caller's units" not in statements[0].doc
     public = _public_names(statements)
     n, found = 0, []
     for scope in _scopes(statements):
-        if scope.name.lower() in public:
+        if scope.name.lower() in public and not scope.name.startswith("c_"):
             n += 1
             missing = _of_type(scope) if scope.kind == "type" else _of_procedure(scope)
-            found += [Finding(path, line, f"{scope.name}: {what}") for line, what in missing]
+            found += [
+                Finding(path, line, f"{scope.name}: {what}")
+                for line, what in missing
+                if has_units or not what.endswith("has no unit")
+            ]
     return n, found
 
 
@@ -157,7 +167,8 @@ def _of_type(scope: _Scope) -> Iterator[tuple[int, str]]:
         if re.match(r"contains\b", statement.text, re.IGNORECASE):
             return
         kind, names = _declared(statement)
-        if kind == "real" and not _has_unit(statement.doc):
+        # what the docstring says of all components need not be said of each
+        if kind == "real" and not _has_unit(statement.doc) and not _UNIT.search(scope.doc):
             yield statement.line, f"component {', '.join(names)} has no unit"
 
 
@@ -173,9 +184,8 @@ def _of_procedure(scope: _Scope) -> Iterator[tuple[int, str]]:
                 yield statement.line, f"argument {name} has no unit"
             elif kind in ("integer", "logical", "character") and not statement.doc:
                 yield statement.line, f"argument {name} is not explained"
-            elif kind == "type" and name.lower() == "error":
-                if not _WHEN.search(scope.doc + statement.doc):
-                    yield statement.line, "argument error does not say when it is set"
+            elif name.lower() == "error" and not statement.doc and not _WHEN.search(scope.doc):
+                yield statement.line, "argument error does not say when it is set"
 
 
 def _declared(statement: _Statement) -> tuple[str, list[str]]:

@@ -49,7 +49,6 @@ _MOST_LINKS = 40
 def check_outputs(
     outputs: Iterable[str | os.PathLike[str] | None],
     inputs: Iterable[str | os.PathLike[str]] = (),
-    folder: str | os.PathLike[str] | None = None,
 ) -> None:
     """Complain about a place that cannot be written before the computation, not after it.
 
@@ -59,8 +58,6 @@ def check_outputs(
         Files that the run writes.
     inputs : iterable of path
         Files that it reads: none of the outputs may be one of them, under whatever name.
-    folder : path, optional
-        Folder that the run fills.
 
     Raises
     ------
@@ -69,8 +66,6 @@ def check_outputs(
     OutputError
         When a folder does not exist or cannot be written, or when an output is a folder.
     """
-    if folder is not None:
-        _check_folder(Path(folder))
     inputs = list(inputs)
     known: list[Path] = []
     for path in [Path(path) for path in outputs if path is not None]:
@@ -79,9 +74,9 @@ def check_outputs(
         check_not_read(path, inputs)
         if _is_special(target):
             continue
+        _check_folder(target.parent)
         if target.is_dir():
             raise OutputError(f"{path}: is a folder, not a file")
-        _check_folder(target.parent)
         if any(target == other or _is_same(target, other) for other in known):
             raise InputError(f"{path}: is written twice by this run; write to another file")
         known.append(target)

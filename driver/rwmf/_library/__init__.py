@@ -11,6 +11,7 @@ from rwmf._library.tables import (
     instruction_set,
     needs_of_groups,
     quantities,
+    result_names,
     schema,
     version,
 )
@@ -24,6 +25,7 @@ __all__ = [
     "needs_of_groups",
     "quantities",
     "read_case",
+    "result_names",
     "schema",
     "start_simulation",
     "start_spectrum",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.marshalling import fetch_text, split_table
+from rwmf._library.marshalling import encode, fetch_text, split_table
 
-__all__ = ["instruction_set", "needs_of_groups", "quantities", "schema", "version"]
+__all__ = ["instruction_set", "needs_of_groups", "quantities", "result_names", "schema", "version"]
 
 
 def version() -> str:
@@ -65,3 +65,19 @@ def quantities() -> list[list[str]]:
         One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
     """
     return split_table(fetch_text(_kernel.quantities))
+
+
+def result_names(source: str) -> list[str]:
+    """Return the files that the batch program may write for a case.
+
+    Parameters
+    ----------
+    source : str
+        Path of its namelist.
+
+    Returns
+    -------
+    list of str
+        Their names, without folder.
+    """
+    return fetch_text(_kernel.result_names, encode(source)).splitlines()

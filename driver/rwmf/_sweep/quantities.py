@@ -10,9 +10,10 @@ __all__ = ["DISPLACEMENT", "QUANTITIES", "find_quantities"]
 # the only one that the kernel returns for a whole grid at once
 DISPLACEMENT = "u_s_max"
 QUANTITIES = {
-    quantity.name: quantity
+    name: quantity
     for quantity in quantities.QUANTITIES.values()
-    if quantity.name and "ordinate" in quantity.outputs.split() and "{i}" not in quantity.name
+    if "ordinate" in quantity.outputs.split() and "{i}" not in quantity.name
+    for name in quantity.names("ordinate")
 }
 
 
@@ -27,7 +28,7 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     Returns
     -------
     dict of str to Quantity
-        By their names in the dataset, in their order.
+        By their names in the dataset, in their order; of two names the one that was asked for.
 
     Raises
     ------
@@ -40,4 +41,5 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     if unknown or not names:
         wrong = ", ".join(unknown) or "nothing"
         raise InputError(f"quantities: {wrong}: known are {', '.join(QUANTITIES)}")
-    return {by_key[key].name: by_key[key] for key in keys}
+    asked = {key: by_key[key].called(name) for key, name in zip(keys, names, strict=True)}
+    return {name: by_key[key] for key, name in asked.items()}

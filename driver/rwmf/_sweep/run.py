@@ -193,11 +193,11 @@ def _sweep_to_file(
     work: _Work, path: Path, inputs: Sequence[str | os.PathLike[str]], restart: bool
 ) -> xr.Dataset:
     netcdf.check_package()
-    files.check_outputs([path], inputs)
+    store_path = path_of_store(path, work.part)
+    files.check_outputs([path, store_path], inputs)
     if not files.is_regular_or_new(path):
         raise InputError(f"{path}: a sweep is read again, it needs a regular file")
     layout = work.plan.layout
-    store_path = path_of_store(path, work.part)
     if path.exists():
         if not restart:
             _check_same(path, layout)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,9 @@ def run(options: argparse.Namespace) -> int:
         As the computation and the writers of files.
     """
     case = Case.from_namelist(options.case)
-    files.check_outputs([options.plot, options.loops], case.inputs, options.out)
+    written = _library.result_names(options.case) if options.out else ()
+    outputs = [options.plot, options.loops, *(Path(options.out, name) for name in written)]
+    files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot, options.loops)
     if options.loops:
         loops.check_springs(case)

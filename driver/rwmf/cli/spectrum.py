@@ -15,7 +15,7 @@ from rwmf.case.grid import count_ordinates, with_grid
 from rwmf.cli.output import print_json
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import files as figures
-from rwmf.quantities import ENDINGS, keys_of
+from rwmf.quantities import ENDINGS, names_by_key
 
 __all__ = ["run"]
 
@@ -64,7 +64,7 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
     if "gamma" in dataset.dims:
         found["gamma"] = dataset["gamma"].values
         found["b_m"] = dataset["b"].values
-    for key, name in zip(keys_of(map(str, dataset.data_vars)), dataset.data_vars, strict=True):
+    for key, name in names_by_key(dataset.data_vars).items():
         found[key] = dataset[name].values
     for key in ("seconds", "threads", "rhs_evaluations"):
         found[key] = dataset.attrs[key]
@@ -92,8 +92,8 @@ def _print_ordinates(dataset: xr.Dataset) -> None:
     """One line a period, one column a mass ratio and half width."""
     bare = "gamma" not in dataset.dims
     columns = dataset if bare else dataset.stack(column=("b", "gamma"))
-    names = [str(name) for name in dataset.data_vars if name != "status"]
-    for key, name in zip(keys_of(names), names, strict=True):
+    names = names_by_key(name for name in dataset.data_vars if name != "status")
+    for key, name in names.items():
         heads = [key]
         if not bare:
             if len(names) > 1:

@@ -16,6 +16,7 @@ from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting import response as plot
 from rwmf.plotting.style import make_panels, style
+from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -195,7 +196,7 @@ def save_spectrum(
     InputError, OutputError
         As `save`.
     """
-    names = [str(name) for name in dataset.data_vars if name != "status"]
+    names = list(names_by_key(name for name in dataset.data_vars if name != "status").values())
     with new_figure(6.4, 3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
         panels = make_panels(figure.subplots(len(names)), len(names))
         for ax, name in zip(panels, names, strict=True):

@@ -21,7 +21,7 @@ module rwmf_bindings_python_kernel
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_motion_ground_motion, only: motion_end, motion_from_case
-   use rwmf_output_csv, only: case_name, write_result, write_spectrum
+   use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_simulation_quantities, only: quantities_text
@@ -280,6 +280,23 @@ contains
       theta = real(kept%result%events%theta, c_double)
       theta_dot = real(kept%result%events%theta_dot, c_double)
    end subroutine result_events
+
+   !> Names of the files that a run may write, named after `source`, one a line.
+   subroutine result_names(source, buffer, length)
+      character(*), intent(in) :: source
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      character(:), allocatable :: lines
+      integer :: i
+
+      lines = ''
+      associate (names => file_names(case_name(source)))
+         do i = 1, size(names)
+            lines = lines//trim(names(i))//new_line('a')
+         end do
+      end associate
+      call put_text(lines, buffer, length)
+   end subroutine result_names
 
    !> Write the files of a run, named after `source`, as the batch program does.
    subroutine result_write(handle, run, source, folder, status, message, message_length)

@@ -7,7 +7,10 @@ module rwmf_integrator_integrator
    implicit none
    private
 
-   public :: fail_step, integrator_t, taylor_step, tolerance_t
+   public :: fail_step, integrator_t, step_too_small, taylor_step, tolerance_t
+
+   character(*), parameter :: step_too_small = 'the step has become too small: the response or ' &
+      //'the motion is not smooth or not finite, or the tolerance too small'
 
    !> Local error allowed per step: rtol*|y_i| + atol_i.
    type :: tolerance_t

@@ -7,7 +7,8 @@ module rwmf_integrator_one_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, integrator_t, tolerance_t
+   use rwmf_integrator_integrator, only: fail_step, integrator_t, step_too_small, &
+      tolerance_t
    use rwmf_model_assembly, only: equation_t, rhs
    implicit none
    private
@@ -98,6 +99,7 @@ contains
       real(wp), intent(in) :: span
       !! [s]
       type(error_t), allocatable, intent(out) :: error
+      !! the right-hand side is not finite
       real(wp) :: scale(size(self%y1))
       real(wp) :: rate
 
@@ -142,8 +144,7 @@ contains
          end if
          self%h = h*shrink
          if (self%h <= 8*spacing(self%t0)) then
-            call report(self, 'the step has become too small: the response is not smooth or the ' &
-               //'tolerance too small', error)
+            call report(self, step_too_small, error)
             return
          end if
       end do

@@ -18,14 +18,15 @@ module rwmf_model_lift_off
 
 contains
 
-   !> Does the drive exceed the threshold by more than round-off?
+   !> Does the drive exceed the threshold by more than round-off? One that is no number (a motion of
+   !> a host) does, so that it comes to the integrator, which fails, and is not slept through.
    elemental logical function lifts(drive, threshold)
       real(wp), intent(in) :: drive
       !! [m/s2]
       real(wp), intent(in) :: threshold
       !! [m/s2]
 
-      lifts = drive > 4*epsilon(1.0_wp)*threshold
+      lifts = .not. drive <= 4*epsilon(1.0_wp)*threshold
    end function lifts
 
    !> First lift-off of a resting wall in [t, t_limit].

@@ -18,7 +18,11 @@ module rwmf_output_csv
    implicit none
    private
 
-   public :: write_result, write_spectrum, case_name, check_outputs
+   public :: write_result, write_spectrum, case_name, check_outputs, file_names
+
+   character(*), parameter :: endings(3) = [character(13) :: &
+      '.summary.csv', '.history.csv', '.spectrum.csv']
+   !! of the files of a case
 
 contains
 
@@ -33,6 +37,7 @@ contains
       character(*), intent(in) :: name
       !! of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`: a file cannot be written, or is one that the case was read from
       character(*), intent(in), optional :: source
       !! path of the namelist
       type(atomic_file_t) :: summary
@@ -56,7 +61,9 @@ contains
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
+      !! of the file
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`: the file cannot be written, or is one that the case was read from
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
       type(atomic_file_t) :: file
@@ -81,6 +88,7 @@ contains
    !> Fails when a file that a case of this name may write is one that a case was read from.
    subroutine check_outputs(folder, name, case, error, source)
       character(*), intent(in) :: folder
+      !! its path
       character(*), intent(in) :: name
       !! of the case that writes, see `case_name`
       type(case_t), intent(in) :: case
@@ -88,15 +96,24 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(*), intent(in), optional :: source
       !! path of its namelist
-      character(12), parameter :: endings(3) = [character(12) :: &
-         'summary.csv', 'history.csv', 'spectrum.csv']
       integer :: i
 
-      do i = 1, size(endings)
-         call check_output(join_path(folder, name//'.'//trim(endings(i))), case, error, source)
-         if (allocated(error)) return
-      end do
+      associate (names => file_names(name))
+         do i = 1, size(names)
+            call check_output(join_path(folder, trim(names(i))), case, error, source)
+            if (allocated(error)) return
+         end do
+      end associate
    end subroutine check_outputs
+
+   !> Files that a case of this name may write, each with blanks at its end.
+   pure function file_names(name) result(names)
+      character(*), intent(in) :: name
+      !! see `case_name`
+      character(len(name) + len(endings)) :: names(size(endings))
+
+      names = name//endings
+   end function file_names
 
    !> Fails when a file is one that a case was read from.
    subroutine check_output(path, case, error, source)

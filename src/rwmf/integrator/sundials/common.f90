@@ -11,17 +11,20 @@ module rwmf_integrator_sundials_common
    use fsundials_nvector_mod, only: FN_VDestroy, N_Vector
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, integrator_t, tolerance_t
+   use rwmf_integrator_integrator, only: fail_step, integrator_t, step_too_small, &
+      tolerance_t
    use rwmf_model_assembly, only: equation_t, rhs
    implicit none
    private
 
    public :: sundials_t, evaluate_rhs, data_of, stay_silent
    public :: has_failed, made, create_common, destroy_common, free_vector
-   public :: first_end, step_end
+   public :: first_end, step_end, too_small
 
    integer(c_int), parameter :: no_memory = -20
    !! flag of CVODE and ARKODE
+   integer(c_int), parameter :: too_small = -1000
+   !! flag of our own: steps no longer move the time
 
    !> What both families share: context, vectors, equation.
    type, abstract, extends(integrator_t) :: sundials_t
@@ -57,6 +60,7 @@ contains
    !> Right-hand side as SUNDIALS calls it. A value that is not finite asks for a smaller step.
    integer(c_int) function evaluate_rhs(t, vector, vector_dot, user_data) bind(c, name='')
       real(c_double), value :: t
+      !! [s]
       type(N_Vector), intent(inout) :: vector
       type(N_Vector), intent(inout) :: vector_dot
       type(c_ptr), value :: user_data
@@ -110,6 +114,8 @@ contains
          cause = 'the corrector iteration does not converge: try another method'
       case (-8, -9, -10, -11)
          cause = 'the right-hand side is not finite: check parameters and motion'
+      case (too_small)
+         cause = step_too_small
       case (no_memory, -21, -28)
          cause = 'out of memory'
       case default
@@ -132,6 +138,7 @@ contains
       type(equation_t), intent(inout), target :: equation
       type(tolerance_t), intent(in) :: tolerance
       type(error_t), allocatable, intent(out) :: error
+      !! no memory, or SUNDIALS refuses
 
       self%equation => equation
       self%steps = 0_i8
@@ -163,6 +170,7 @@ contains
       self%is_initialised = .false.
    end subroutine destroy_common
 
+   !> Release a vector of SUNDIALS and what it holds; harmless when there is none.
    subroutine free_vector(vector, values)
       type(N_Vector), pointer, intent(inout) :: vector
       real(c_double), pointer, intent(inout) :: values(:)

@@ -19,7 +19,7 @@ module rwmf_integrator_sundials_cvode
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
-      evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t
+      evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t, too_small
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_jacobian, only: full_jacobian
    implicit none
@@ -34,6 +34,8 @@ module rwmf_integrator_sundials_cvode
    real(wp), parameter :: bdf_share = 0.05_wp
    real(wp), parameter :: least_rtol = 1.0e-14_wp
    !! below, CVODE's error test sees nothing but round-off
+   integer, parameter :: most_stuck = 100
+   !! steps too short for the time to move, after which the next one will be no longer
 
    !> CVODE.
    type, extends(sundials_t) :: cvode_t
@@ -163,6 +165,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(c_double) :: reached(1)
       real(wp) :: t_end
+      integer :: stuck
 
       t_end = step_end(self, t_limit)
       if (abs(t_end - self%t_stop) > 0 .or. self%t1 >= self%t_stop) then
@@ -172,8 +175,12 @@ contains
       self%t0 = self%t1
       self%y0(:) = self%y1
       reached(1) = self%t1
-      if (has_failed(self, FCVode(self%memory, t_end, self%vector, reached, CV_ONE_STEP), &
-         'CVode', error)) return
+      do stuck = 1, most_stuck
+         if (has_failed(self, FCVode(self%memory, t_end, self%vector, reached, CV_ONE_STEP), &
+            'CVode', error)) return
+         if (reached(1) > self%t0) exit
+      end do
+      if (has_failed(self, merge(too_small, 0_c_int, stuck > most_stuck), 'CVode', error)) return
       self%t1 = reached(1)
       self%y1(:) = self%state
       self%steps = self%steps + 1_i8

@@ -8,6 +8,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t, extend_work
+   use rwmf_integrator_integrator, only: step_too_small
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
@@ -61,6 +62,7 @@ contains
       type(team_t), intent(inout), target :: team
       !! of one lane; made here when it is none yet
       type(error_t), allocatable, intent(out) :: error
+      !! as `advance`
       type(lane_t), target :: lanes(1)
 
       if (.not. allocated(team%room)) call create_team(equation, integrator%pair, &
@@ -531,7 +533,7 @@ contains
       if (team%table(i, of_length) > 8*spacing(team%table(i, of_time))) return
       call catch_up(lane, i, team)
       team%table(i, of_length) = 0
-      call fail(lane%error, err_numerical, 'the step has become too small at t = ' &
+      call fail(lane%error, err_numerical, step_too_small//'; t = ' &
          //trim(real_to_text(team%table(i, of_time)))//' s')
    end subroutine check_length
 
