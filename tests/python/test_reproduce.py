@@ -15,6 +15,8 @@ from reproduce import claims, claims_histories, claims_spectra, figures, spectra
 from reproduce.claims import Claim, Measured
 from reproduce.formulations import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Formulation
 from reproduce.response_cache import ResponseCache
+from rwmf import cli
+from rwmf.cli.reproduce import find_checkout
 from rwmf.plotting import animation as animate
 
 CLAIMS = (*claims_histories.CLAIMS, *claims_spectra.CLAIMS)
@@ -137,6 +139,20 @@ def test_command_refuses(command: Runner, tmp_path: Path) -> None:
         assert done.returncode == 2
         assert done.stderr.startswith("rwmf: ")
     assert not list(tmp_path.iterdir())
+
+
+def test_reproduce_needs_the_checkout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An installed package elsewhere says so in one line; in the checkout it finds it upward."""
+    monkeypatch.setattr(rwmf, "__path__", [str(tmp_path / "site-packages" / "rwmf")])
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["reproduce", "4"]) == 2
+    errors = capsys.readouterr().err
+    assert errors.startswith("rwmf: reproduce needs the checkout")
+    assert errors.count("\n") == 1
+    monkeypatch.chdir(ROOT / "docs")
+    assert find_checkout() == ROOT
 
 
 def test_film(command: Runner, tmp_path: Path) -> None:
