@@ -10,8 +10,9 @@ import platform
 from pathlib import Path
 
 import rwmf
-from rwmf import figures, plot_cost
-from rwmf.cost import METHODS, PRACTICES, Cost, Row, cheapest
+from rwmf._cost import METHODS, PRACTICES, Cost, Row, cheapest
+from rwmf.plotting import cost as plot_cost
+from rwmf.plotting import files as figures
 
 ROOT = Path(__file__).resolve().parent.parent
 # namelist in inputs/ without suffix, what it is

@@ -20,7 +20,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 import rwmf
-from rwmf.reproduce.engines import COLUMNS, write
+from reproduce.engines import COLUMNS, write
 
 Array = npt.NDArray[np.float64]
 

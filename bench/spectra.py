@@ -19,7 +19,7 @@ import rwmf
 from peers import PEERS, draw, scaling
 from peers.measure import Row, kernel, kernel_row, peer_row
 from peers.problem import BANDS, GAMMAS, Array, Peer, Record, bands, bare_frame, case, read_record
-from rwmf import _measure
+from rwmf._library import measure as _measure
 
 ROOT = Path(__file__).resolve().parent.parent
 RECORD = ROOT / "inputs" / "records" / "elcentro.csv"

@@ -28,7 +28,7 @@ def read_history(path: Path, deck: Deck) -> Array:
     Returns
     -------
     numpy.ndarray, shape (n, 7)
-        ``COLUMNS`` of `rwmf.reproduce.engines` and the horizontal displacement of the corner that
+        ``COLUMNS`` of `reproduce.engines` and the horizontal displacement of the corner that
         is down [m], at the interval of the settings, linear between the solver's time steps; no
         rows when the solver printed none.
     """

@@ -24,7 +24,7 @@ from pathlib import Path
 import rwmf
 from deck import Deck
 from history import Array, read_history, slip
-from rwmf.reproduce.engines import write
+from reproduce.engines import write
 from settings import SUPPORTS, Settings
 from supports import add_support
 
@@ -93,7 +93,7 @@ def compute(
     facts : dict
         Version, settings, largest slip of the base [m].
     history : numpy.ndarray, shape (n, 6)
-        ``COLUMNS`` of `rwmf.reproduce.engines`.
+        ``COLUMNS`` of `reproduce.engines`.
 
     Raises
     ------

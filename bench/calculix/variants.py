@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import rwmf
 from history import Array
+from reproduce.engines import COLUMNS, EngineHistory, compare
 from run import ROOT, UNTIL, SolverStoppedError, compute
-from rwmf.reproduce.engines import COLUMNS, EngineHistory, compare
 from settings import Settings
 
 CASE = "g5"

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rwmf.cost import METHODS
+from rwmf._cost import METHODS
 
 from peers.measure import Row
 from peers.problem import GAMMAS
@@ -35,7 +35,7 @@ def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None
     path : Path
         File to write.
     """
-    from rwmf import figures
+    from rwmf.plotting import files as figures
 
     with figures.new_figure(9.6, 8.0) as figure:
         grid = figure.add_gridspec(3, 3, height_ratios=(1.3, 1.3, 1.0))

@@ -8,16 +8,23 @@ Five lines from a case to a picture::
     history = rwmf.simulate(case, dt=0.01)
     spectrum = rwmf.spectrum(case, gamma=[5, 1800])
     rwmf.plot.spectrum(spectrum)
+
+What stands here is imported when it is first asked for.
 """
 
-from rwmf import loops, plot, studies
-from rwmf._library import version as _kernel_version
-from rwmf.case import Case
-from rwmf.cost import Cost, cost
-from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
-from rwmf.simulation import simulate
-from rwmf.spectrum import spectrum
-from rwmf.sweep import sweep
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rwmf import loops, plot, records, studies
+    from rwmf._cost import Cost, cost
+    from rwmf._simulation import simulate
+    from rwmf._spectrum import spectrum
+    from rwmf._sweep import RecordFile, find_records, merge, sweep
+    from rwmf.case import Case
+    from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+
+    __version__: str
 
 __all__ = [
     "Case",
@@ -26,15 +33,54 @@ __all__ = [
     "Interrupted",
     "NumericalError",
     "OutputError",
+    "RecordFile",
     "RwmfError",
     "__version__",
     "cost",
+    "find_records",
     "loops",
+    "merge",
     "plot",
+    "records",
     "simulate",
     "spectrum",
     "studies",
     "sweep",
 ]
 
-__version__ = _kernel_version()
+# module of each public name; those that are modules themselves have none
+_HOMES = {
+    "Case": "case",
+    "Cost": "_cost",
+    "InputError": "errors",
+    "Interrupted": "errors",
+    "NumericalError": "errors",
+    "OutputError": "errors",
+    "RecordFile": "_sweep",
+    "RwmfError": "errors",
+    "cost": "_cost",
+    "find_records": "_sweep",
+    "merge": "_sweep",
+    "simulate": "_simulation",
+    "spectrum": "_spectrum",
+    "sweep": "_sweep",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first asked for."""
+    if name == "__version__":
+        found: object = import_module("rwmf._library").version()
+    elif name in _HOMES:
+        found = getattr(import_module(f"rwmf.{_HOMES[name]}"), name)
+    elif name in __all__:
+        found = import_module(f"rwmf.{name}")
+    else:
+        raise AttributeError(f"module 'rwmf' has no attribute {name!r}")
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    """Name what is public."""
+    return sorted({*globals(), *__all__})

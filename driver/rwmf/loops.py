@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf import plot
 from rwmf.case import Case
 from rwmf.errors import InputError
+from rwmf.plotting.style import make_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,9 +38,9 @@ class Loop:
     ----------
     spring : str
         Which one: 'frame', 'cable', 'left fuse' or 'right fuse'.
-    displacement : ndarray
+    displacement : numpy.ndarray, shape (n,)
         Displacement of the frame, elongation of the cable, uplift of the fuse's corner [m].
-    force : ndarray
+    force : numpy.ndarray, shape (n,)
         Over the weight of the frame's mass or of the wall [-].
     label : str
         What the force is over.
@@ -152,7 +152,8 @@ def _elongation(dataset: xr.Dataset, case: Case) -> Array:
         return b * phi
     half = np.sin(phi / 2)
     rise = 4 * b * (b * half**2 + h * np.sin(phi))
-    return rise / (np.sqrt(4 * h**2 + rise) + 2 * h)
+    elongation: Array = rise / (np.sqrt(4 * h**2 + rise) + 2 * h)
+    return elongation
 
 
 def draw(
@@ -171,7 +172,7 @@ def draw(
 
     Returns
     -------
-    numpy.ndarray
+    numpy.ndarray, shape (kinds,)
         The axes.
 
     Raises
@@ -182,7 +183,7 @@ def draw(
         When axes and kinds of springs differ in number.
     """
     kinds = group_by_kind(find_loops(dataset, case))
-    panels = plot.make_panels(axes, len(kinds), across=True)
+    panels = make_panels(axes, len(kinds), across=True)
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
         for colour, loop in zip(_COLOURS, found, strict=False):
             label = loop.spring if len(found) > 1 else None

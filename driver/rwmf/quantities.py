@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass
+from typing import Any
 
 from rwmf import _library
 
-__all__ = ["AXES", "QUANTITIES", "Quantity", "find", "keys_of", "names_by_key"]
+__all__ = [
+    "AXES",
+    "ENDINGS",
+    "QUANTITIES",
+    "Quantity",
+    "ending_of",
+    "find",
+    "keys_of",
+    "names_by_key",
+]
+
+# how a motion can end before its time, a result and no error: as a status; the summary of a run has
+# a logical of the same name where it can happen
+ENDINGS = ("overturned", "collapsed")
 
 
 @dataclass(frozen=True)
@@ -74,7 +88,18 @@ class Quantity:
         return (plain,) if output == "history" else (f"{plain}_end", self.name)
 
     def called(self, word: str) -> str:
-        """Return that of its names in a grid which a word means, else the first, else the key."""
+        """Choose one of its names in a grid.
+
+        Parameters
+        ----------
+        word : str
+            How it was asked for.
+
+        Returns
+        -------
+        str
+            The name that the word means, else the first, else the key.
+        """
         names = self.names("ordinate")
         return next((name for name in names if name.lower() == word.lower()), (*names, self.key)[0])
 
@@ -152,3 +177,19 @@ def find(key: str) -> Quantity:
     number = next(part for part in key.split("_") if part.isdigit())
     numbered = QUANTITIES[key.replace(f"_{number}_", "_{i}_")]
     return Quantity(*(text.replace("{i}", number) for text in astuple(numbered)))
+
+
+def ending_of(summary: Mapping[str, Any]) -> str:
+    """Tell how a run ended.
+
+    Parameters
+    ----------
+    summary : mapping
+        Its named scalars.
+
+    Returns
+    -------
+    str
+        'overturned', 'collapsed', or 'ok' at the end of its time.
+    """
+    return next((name for name in ENDINGS if summary.get(name)), "ok")

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rwmf import files
+from rwmf._files import files
 from rwmf.errors import InputError
 
 __all__ = ["RECORDS", "Record", "export", "find", "list_records"]

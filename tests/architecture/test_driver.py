@@ -1,22 +1,84 @@
-"""What the driver's sources show: one module imports the extension, plots only plot."""
+"""What the driver's sources show: who imports the extensions and argparse, who simulates."""
 
 from __future__ import annotations
 
+import ast
 import re
+import subprocess
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-DRIVER = Path(__file__).resolve().parents[2] / "driver" / "rwmf"
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DRIVER = ROOT / "driver" / "rwmf"
 
 
-def test_one_python_module_imports_the_extension() -> None:
-    importers = [
+def _imports(path: Path) -> Iterator[str]:
+    """Names of the modules that a file imports, with what it takes from them."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+def _importers(pattern: str) -> set[str]:
+    return {
         path.relative_to(DRIVER).as_posix()
         for path in DRIVER.rglob("*.py")
-        if re.search(r"import _kernel|_kernel import", path.read_text(encoding="utf-8"))
-    ]
-    assert importers == ["_library.py"]
+        if any(re.match(pattern, name) for name in _imports(path))
+    }
 
 
-def test_plot_never_simulates() -> None:
-    text = (DRIVER / "plot.py").read_text(encoding="utf-8")
-    assert not re.search(r"^(from|import) rwmf", text, re.MULTILINE)
+def test_one_package_imports_the_extensions() -> None:
+    found = _importers(r"rwmf\._(kernel|reference)\b")
+    assert found
+    assert {name.split("/")[0] for name in found} == {"_library"}
+
+
+def test_one_package_knows_the_command_line() -> None:
+    assert {name.split("/")[0] for name in _importers("argparse")} == {"cli"}
+
+
+def test_figures_never_simulate() -> None:
+    computing = r"rwmf\.(_library|_simulation|_spectrum|_sweep|simulate|spectrum|sweep)\b"
+    assert not [name for name in _importers(computing) if name.startswith(("plot", "loops"))]
+
+
+def test_no_module_hides_behind_a_public_function() -> None:
+    """`import rwmf.X` and `rwmf.X` are the same for every public X that is a module."""
+    import rwmf
+
+    modules = {path.stem for path in DRIVER.iterdir() if path.suffix == ".py" or path.is_dir()}
+    hidden = [name for name in rwmf.__all__ if name in modules and callable(getattr(rwmf, name))]
+    assert not hidden
+    assert not [name for name in rwmf.__all__ if not hasattr(rwmf, name)]
+    assert set(rwmf.__all__) <= set(dir(rwmf))
+
+
+_CASE = ROOT / "inputs" / "fig12_one_cosine.nml"
+
+
+@pytest.mark.parametrize(
+    ("words", "without"),
+    [
+        (["--version"], ()),
+        (["--help"], ("numpy", "rwmf._kernel")),
+        (["study", "wall", "--help"], ("numpy", "rwmf._kernel")),
+        (["check", str(_CASE)], ("rwmf._reference",)),
+        (None, ("numpy", "rwmf._kernel", "argparse")),
+    ],
+)
+def test_commands_import_what_they_need(words: list[str] | None, without: tuple[str, ...]) -> None:
+    """What takes long to import is imported by the commands that use it."""
+    call = "import rwmf" if words is None else f"from rwmf.cli import main; main({words!r})"
+    code = f"import sys; {call}; print(*sys.modules, sep='\\n')"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    loaded = set(done.stdout.splitlines())
+    slow = {"xarray", "pandas", "matplotlib", "scipy", "h5py", "distributed", *without}
+    assert "rwmf" in loaded
+    assert not slow & loaded

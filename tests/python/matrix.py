@@ -30,11 +30,12 @@ import numpy as np
 import rwmf
 import xarray as xr
 from conftest import ROOT
-from rwmf import cli, simulation, studies
-from rwmf.namelist import compose
+from rwmf import _simulation as simulation
+from rwmf import cli, studies
+from rwmf._sweep import RecordFile, find_records
+from rwmf.case.namelist import compose
 from rwmf.quantities import find
 from rwmf.studies.overturning import SURVIVES
-from rwmf.sweep import RecordFile, find_records
 from scenes import read_table
 
 sys.path.append(str(ROOT / "bench"))

@@ -10,7 +10,7 @@ import pytest
 import rwmf
 from hypothesis import given
 from hypothesis import strategies as st
-from rwmf.namelist import format_value
+from rwmf.case.namelist import format_value
 from scenes import coupled, record
 
 TEXT = """! a comment

@@ -280,13 +280,15 @@ import os, signal, threading, time
 import rwmf
 from scenes import coupled
 case = coupled(frame={"T_s": 0.05}, motion={"kind": "sine", "cycles": 1e6}, solver={"t_end": 1e6})
+# imported before the signal: it is meant for the kernel
+simulate = rwmf.simulate
 sent = []
 def send():
     sent.append(time.perf_counter())
     os.kill(os.getpid(), signal.SIGINT)
 threading.Timer(0.5, send).start()
 try:
-    rwmf.simulate(case)
+    simulate(case)
 except KeyboardInterrupt as error:
     assert isinstance(error, rwmf.Interrupted)
     print(time.perf_counter() - sent[0])

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from rwmf import cli, commands
+from rwmf import cli
+from rwmf.cli import check
 from scenes import block, coupled
 
 QUICK = {"method": "dop853", "rtol": 1e-6, "t_end": 1.0}
@@ -125,7 +126,7 @@ def test_what_nobody_has_foreseen(
     def fail(_: object) -> int:
         raise ZeroDivisionError("by\nnothing")
 
-    monkeypatch.setattr(commands, "check", fail)
+    monkeypatch.setattr(check, "run", fail)
     monkeypatch.delenv("RWMF_TRACEBACK", raising=False)
     assert _told(["check", "case.nml"], capfd) == (
         3,

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 import rwmf
 from conftest import ROOT
-from rwmf import _measure, cli
-from rwmf.cost import METHODS, PRACTICES, TOLERANCES, Cost, Row, cheapest
+from rwmf import cli
+from rwmf._cost import METHODS, PRACTICES, TOLERANCES, Cost, Row, cheapest
+from rwmf._library import measure as _measure
 from rwmf.quantities import QUANTITIES
 
 PULSE = """&wall h = 2.0, b = 0.5 /

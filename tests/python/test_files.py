@@ -19,7 +19,8 @@ from pathlib import Path
 import pytest
 import rwmf
 from conftest import Runner
-from rwmf import _library, cli, files
+from rwmf import _library, cli
+from rwmf._files import files
 from rwmf.errors import InputError, OutputError
 from scenes import coupled
 from writers import RWMF, WRITERS, Writer, prepare
@@ -167,7 +168,7 @@ whole = open("whole.nc", "rb").read()
 refused = 0
 for size in [*range(0, len(whole), 6000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
-    from rwmf.sweep import netcdf, plan, run
+    from rwmf._sweep import netcdf, plan, run
     found = plan.make_plan(case, grid, (), ("u_s_max",), 0)
     chunks = {c.number: c for c in run._Work(found, 0, None, None, (1, 1)).run(set())}
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
@@ -280,7 +281,8 @@ def test_what_other_users_leave_stays(start: Run, tmp_path: Path) -> None:
 def test_a_killed_run_leaves_a_file_that_the_next_one_removes(tmp_path: Path) -> None:
     code = """
 import os, signal
-from rwmf import cli, files
+from rwmf import cli
+from rwmf._files import files
 with files.replacing("x.txt") as stream:
     stream.write(b"half")
     stream.flush()

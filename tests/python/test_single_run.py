@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 import rwmf
 from conftest import Runner
-from rwmf import _measure, cli
+from rwmf import cli
+from rwmf._library import measure as _measure
 
 SCENE = """&wall h = 2.0, b = 0.5 /
 &frame gamma = 5.0, xi_s = 0.05 /

@@ -16,8 +16,8 @@ import rwmf
 import xarray as xr
 from conftest import Runner
 from rwmf import cli
+from rwmf._sweep import merge
 from rwmf.errors import InputError
-from rwmf.sweep import merge
 from scenes import coupled
 
 pytest.importorskip("h5py")

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import rwmf
 from conftest import ROOT
-from rwmf.reproduce.engines import COLUMNS, EngineHistory, compare, crossings, read, write
-from rwmf.reproduce.histories import VALIDATION
-from rwmf.reproduce.validation import VARIANTS, agrees, fitted_restitution, tolerance
+from reproduce.engines import COLUMNS, EngineHistory, compare, crossings, read, write
+from reproduce.histories import VALIDATION
+from reproduce.validation import VARIANTS, agrees, fitted_restitution, tolerance
 
 EXACT, LINEAR, SYMMETRIC, PUBLISHED = VARIANTS
 STORED = [("mujoco", name) for name in VALIDATION] + [("calculix", n) for n in ("g5", "g1800")]

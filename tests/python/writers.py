@@ -36,7 +36,7 @@ class Writer:
 
 _SAVE = "import sys, rwmf; rwmf.Case.from_namelist('case.nml').to_namelist(sys.argv[1])"
 _ENGINE = (
-    "import numpy as np; from pathlib import Path; from rwmf.reproduce import engines;"
+    "import numpy as np; from pathlib import Path; from reproduce import engines;"
     "engines.write(Path('engine.csv'), {}, np.zeros((3, 6)))"
 )
 _STUDY = ["study", "wall", "case.nml", "--T_s", "0.5,1", "--gamma", "5"]

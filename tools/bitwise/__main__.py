@@ -108,7 +108,7 @@ def _every_row(tree: Tree, hosts: Path) -> Iterator[Row]:
 
 def _is_wanted(row: Row, options: argparse.Namespace) -> bool:
     if options.show:
-        return row.key == options.show
+        return bool(row.key == options.show)
     if options.quick and not row.is_quick:
         return False
     pattern = options.only

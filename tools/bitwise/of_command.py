@@ -135,7 +135,7 @@ def say(scene: Scene | None, words: tuple[str, ...]) -> str:
     printed, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
         try:
-            status = main(list(words))
+            status: object = main(list(words))
         except SystemExit as leave:
             status = leave.code
     text = _without_seconds(printed.getvalue(), is_json="--json" in words)

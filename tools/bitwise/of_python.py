@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import rwmf
 from rwmf import studies
@@ -143,7 +144,7 @@ def spectrum(scene: Scene, method: str, threads: int) -> str:
 
     def compute(case: rwmf.Case) -> str:
         case = case.replace(solver={"method": method})
-        grid: dict[str, list[float]] = {"T_s": [0.3, 0.9, 1.7]}
+        grid: dict[str, Any] = {"T_s": [0.3, 0.9, 1.7]}
         if case.wall and not case.storeys:
             grid |= {"gamma": [3.0, 300.0], "b": [0.45, 0.55]}
         given = rwmf.spectrum(case, threads=threads)
@@ -245,7 +246,9 @@ def _private_reference() -> Callable[..., object]:
     """
     name = "solve_reference"
     holders = [m for key, m in sorted(sys.modules.items()) if key.startswith("rwmf.")]
-    return next(getattr(module, name) for module in holders if hasattr(module, name))
+    found: Callable[..., object]
+    found = next(getattr(module, name) for module in holders if hasattr(module, name))
+    return found
 
 
 def _shortened(case: rwmf.Case) -> rwmf.Case:

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rwmf
@@ -134,7 +135,7 @@ def _records() -> list[str]:
     return ["noise0.txt", "noise1.txt"]
 
 
-def _suite() -> dict[str, object]:
+def _suite() -> dict[str, Any]:
     return {"records": _records(), "unit": "g", "dt": 0.04}
 
 

@@ -49,7 +49,18 @@ class Ledger:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a file; none is an empty ledger."""
+        """Read a file; none is an empty ledger.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+
+        Returns
+        -------
+        Ledger
+            What it holds.
+        """
         ledger = cls()
         name = ""
         for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():
@@ -66,7 +77,13 @@ class Ledger:
         return ledger
 
     def write(self, path: Path) -> None:
-        """Write a file."""
+        """Write a file.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+        """
         lines = [f"{key}\t{value}" for key, value in self.setting.items()]
         lines.append("")
         for name in NAMES:
@@ -76,7 +93,20 @@ class Ledger:
         path.write_text(_HEAD + "\n".join(lines) + "\n", encoding="utf-8")
 
     def differences(self, setting: Mapping[str, str], name: str) -> list[str]:
-        """Say in what a setting differs from the recorded one, as far as a call depends on it."""
+        """Say in what a setting differs from the recorded one, as far as a call depends on it.
+
+        Parameters
+        ----------
+        setting : mapping of str to str
+            What counts depend on, here.
+        name : str
+            Name of the call.
+
+        Returns
+        -------
+        list of str
+            One text for each difference.
+        """
         is_python = any(call.name == name and call.program == "python" for call in CALLS)
         return [
             f"{key}: counts are of '{self.setting[key]}', here is '{value}'"

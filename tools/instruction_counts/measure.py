@@ -64,7 +64,13 @@ class Measured(NamedTuple):
 
 
 class Build(NamedTuple):
-    """The build folder of a checkout, and what is counted in it."""
+    """The build folder of a checkout, and what is counted in it.
+
+    Attributes
+    ----------
+    root : path
+        The checkout.
+    """
 
     root: Path
 

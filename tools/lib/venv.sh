@@ -28,11 +28,12 @@ install_venv() {
 }
 
 # The package is used from its folder: no install step between an edit and a run. The extension is
-# linked into that folder by build.sh.
+# linked into that folder by build.sh. The package `reproduce` of the folder plots is for tests and
+# measurements.
 link_package() {
    local site
    site="$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')"
-   printf '%s\n' "$root/driver" >"$site/rwmf-checkout.pth"
+   printf '%s\n' "$root/driver" "$root/plots" >"$site/rwmf-checkout.pth"
    printf '#!%s\nfrom rwmf.__main__ import main\n\nraise SystemExit(main())\n' "$python" \
       >"$venv/bin/rwmf"
    chmod 755 "$venv/bin/rwmf"

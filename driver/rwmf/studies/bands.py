@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import xarray as xr
 
+from rwmf._sweep.axes import name_axes
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-from rwmf.sweep.axes import name_axes
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["sensitivity_bands"]
 
@@ -21,7 +22,7 @@ def sensitivity_bands(
     grid: Mapping[str, object],
     uncertain: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
-    **how: object,
+    **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute the range of the displacement over uncertain parameters.
 

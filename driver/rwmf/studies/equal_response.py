@@ -9,14 +9,13 @@ import numpy as np
 import xarray as xr
 
 from rwmf import _library
+from rwmf._sweep.executors import count_threads
+from rwmf._sweep.unsupported import refuse_storeys
 from rwmf.case import Case
-from rwmf.endings import ending_of
 from rwmf.errors import InputError
-from rwmf.quantities import AXES
+from rwmf.quantities import AXES, ending_of
 from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
-from rwmf.sweep.engine import count_threads
-from rwmf.unsupported import refuse_storeys
 
 __all__ = ["equal_response"]
 

@@ -5,20 +5,21 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf._sweep.axes import name_axes
+from rwmf._sweep.quantities import find_quantities
+from rwmf._sweep.record_sets import RecordFile, find_records
+from rwmf._sweep.run import RunOptions, sweep
+from rwmf._sweep.unsupported import refuse_storeys
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 from rwmf.studies.wall_effect import without_wall
-from rwmf.sweep.axes import name_axes
-from rwmf.sweep.quantities import find_quantities
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile, find_records
-from rwmf.unsupported import refuse_storeys
 
 __all__ = ["exceedance", "fragility", "incremental_dynamic_analysis"]
 
@@ -36,7 +37,7 @@ def incremental_dynamic_analysis(
     grid: Mapping[str, object] | None = None,
     unit: str | None = None,
     dt: float | None = None,
-    **how: object,
+    **how: Unpack[RunOptions],
 ) -> xr.Dataset:
     """Scale every record of a suite to common levels of intensity and run it.
 

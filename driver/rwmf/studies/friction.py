@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import xarray as xr
 
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["friction_spectra"]
 
@@ -24,7 +25,7 @@ def friction_spectra(
     case: Case,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
-    **how: object,
+    **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute required friction, pivot reaction, base shear and cable force for many frames.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rwmf import _library
+from rwmf._files.names import readable
 from rwmf.case import Case
-from rwmf.words import readable
 
 __all__ = ["origin_of"]
 

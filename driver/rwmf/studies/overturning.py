@@ -16,13 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rwmf import simulation
+from rwmf import _simulation as simulation
+from rwmf._sweep.executors import count_threads
 from rwmf.case import Case
-from rwmf.endings import ending_of
 from rwmf.errors import InputError
+from rwmf.quantities import ending_of
 from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
-from rwmf.sweep.engine import count_threads
 
 __all__ = ["SURVIVES", "Wall", "overturning_map"]
 
@@ -50,7 +50,23 @@ class Wall:
 
     @classmethod
     def of(cls, case: Case) -> Wall:
-        """Take it from a case with a wall."""
+        """Take it from a case with a wall.
+
+        Parameters
+        ----------
+        case : Case
+            A case with a wall.
+
+        Returns
+        -------
+        Wall
+            Its wall.
+
+        Raises
+        ------
+        InputError
+            When the case has no wall, or a hinged one.
+        """
         if case.wall is None:
             raise InputError("overturning: the case has no &wall")
         if case.wall.get("base") == "pinned":

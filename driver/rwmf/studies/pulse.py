@@ -41,6 +41,11 @@ class Pulse:
         study : str
             Name of the study, for the message.
 
+        Returns
+        -------
+        Pulse
+            The pulse.
+
         Raises
         ------
         InputError

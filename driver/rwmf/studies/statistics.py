@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from rwmf.endings import ENDINGS
+from rwmf.quantities import ENDINGS
 
 __all__ = ["cumulative_distribution", "percentiles", "with_overturning"]
 

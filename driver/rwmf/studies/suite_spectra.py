@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import xarray as xr
 
+from rwmf._sweep.quantities import find_quantities
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
 from rwmf.studies.statistics import USUAL_PERCENTILES, percentiles, with_overturning
-from rwmf.sweep.quantities import find_quantities
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["suite_spectra"]
 
@@ -21,7 +22,7 @@ def suite_spectra(
     records: Sequence[str | RecordFile],
     quantity: str = "u_s_max",
     q: Sequence[float] = USUAL_PERCENTILES,
-    **how: object,
+    **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute spectra of every record and their percentiles.
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
 from rwmf import _library
+from rwmf._sweep.axes import keys_of_axis, name_axes
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-from rwmf.sweep.axes import keys_of_axis, name_axes
-from rwmf.sweep.run import sweep
-from rwmf.sweep.suite import RecordFile
 
 __all__ = ["wall_effect", "without_wall"]
 
@@ -62,7 +63,7 @@ def wall_effect(
     case: Case,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
-    **how: object,
+    **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compare the frame with the wall to the frame alone.
 

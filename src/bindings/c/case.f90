@@ -119,6 +119,7 @@ contains
    subroutine name_file(kept, error)
       type(kept_case_t), intent(in) :: kept
       type(error_t), allocatable, intent(inout) :: error
+      !! what was wrong with the case, if anything
 
       if (allocated(error) .and. len(kept%path) > 0) call add_context(error, kept%path)
    end subroutine name_file

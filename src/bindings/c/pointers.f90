@@ -18,6 +18,7 @@ contains
       character(*), intent(in) :: what
       !! lies there, for the message
       type(error_t), allocatable, intent(inout) :: error
+      !! `err_input` for NULL
 
       if (allocated(error) .or. c_associated(address)) return
       call fail(error, err_input, 'the address for the '//what//' is NULL')
@@ -30,6 +31,7 @@ contains
       character(*), intent(in) :: what
       !! 'case', 'wall' or 'element'
       type(error_t), allocatable, intent(inout) :: error
+      !! `err_input` for NULL and for a handle in use
       type(c_ptr), pointer :: kept
 
       call require_address(handle, 'handle', error)

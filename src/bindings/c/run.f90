@@ -97,6 +97,7 @@ contains
    !> How a motion has ended by a time [s].
    pure type(c_ending_t) function ending_of(t, overturned, collapsed)
       real(c_double), intent(in) :: t
+      !! [s]
       logical, intent(in) :: overturned
       logical, intent(in) :: collapsed
 

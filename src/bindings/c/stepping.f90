@@ -102,6 +102,7 @@ contains
       bind(c, name='rwmf_create')
       type(c_ptr), value :: namelist
       real(c_double), value :: t_begin
+      !! [s]
       real(c_double), value :: peak
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
@@ -119,6 +120,7 @@ contains
       bind(c, name='rwmf_create_from_case')
       type(c_ptr), value :: from
       real(c_double), value :: t_begin
+      !! [s]
       real(c_double), value :: peak
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
@@ -166,6 +168,7 @@ contains
    integer(c_int) function c_advance(handle, t, message, size) bind(c, name='rwmf_advance')
       type(c_ptr), value :: handle
       real(c_double), value :: t
+      !! [s]
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(stepping_t) :: wall
@@ -209,6 +212,7 @@ contains
       bind(c, name='rwmf_advance_ground')
       type(c_ptr), value :: handle
       real(c_double), value :: t
+      !! [s]
       type(c_funptr), value :: compute
       type(c_ptr), value :: data
       type(c_ptr), value :: message

@@ -110,6 +110,7 @@ contains
       !! path of its file, '' when it was made in memory
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
+      !! the case is not acceptable, or a record cannot be read
       type(case_t), intent(in), optional :: known
       !! as in `read_case_text`
 

@@ -129,6 +129,7 @@ contains
       real(wp), intent(in) :: y(2)
       !! theta, theta'
       real(wp), intent(out) :: y_dot(2)
+      !! rates of the states
 
       call enter_interval(scene%equation%model_t, scene%equation%state, &
          interval_at(scene%equation%motion, t))

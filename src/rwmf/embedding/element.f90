@@ -188,6 +188,7 @@ contains
    pure subroutine require_element(element, error)
       type(wall_element_t), intent(in) :: element
       type(error_t), allocatable, intent(inout) :: error
+      !! `err_input` for an element that was never created
 
       if (allocated(error) .or. element%m_w > 0) return
       call fail(error, err_input, 'no element: it was never created')

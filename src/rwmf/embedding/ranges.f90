@@ -75,6 +75,7 @@ contains
       character(*), intent(in) :: names(:)
       !! of the numbers, with blanks behind
       type(error_t), allocatable, intent(inout) :: error
+      !! `err_input` for one that is none
       integer :: i
 
       do i = 1, size(x)

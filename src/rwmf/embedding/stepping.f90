@@ -299,6 +299,7 @@ contains
       type(stepping_t), intent(inout) :: stepping
       type(snapshot_t), intent(out) :: snapshot
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a wall that was never created
 
       call require(stepping, error)
       if (allocated(error)) return
@@ -314,6 +315,7 @@ contains
       type(stepping_t), intent(inout) :: stepping
       type(snapshot_t), intent(in) :: snapshot
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a wall never created, an empty snapshot, or that of another wall
 
       call require(stepping, error)
       if (allocated(error)) return
@@ -333,6 +335,7 @@ contains
       type(stepping_t), intent(in) :: stepping
       type(wall_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a wall that was never created
 
       call require(stepping, error)
       if (allocated(error)) return
@@ -387,6 +390,7 @@ contains
       type(stepping_t), intent(in) :: stepping
       type(wall_forces_t), intent(out) :: forces
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a wall that was never created
       type(wall_state_t) :: state
       type(cable_state_t) :: cable
       real(wp) :: frame_mass
@@ -439,6 +443,7 @@ contains
       type(event_t), allocatable, intent(out) :: events(:)
       !! (events)
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a wall that was never created
 
       call require(stepping, error)
       if (allocated(error)) return

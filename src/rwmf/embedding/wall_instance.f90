@@ -78,8 +78,10 @@ contains
    subroutine start_instance(instance, t_begin, peak, error)
       type(wall_instance_t), pointer, intent(in) :: instance
       real(wp), intent(in), optional :: t_begin
+      !! [s]
       real(wp), intent(in), optional :: peak
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator cannot be made, or the history does not fit into memory
 
       associate (equation => instance%equation, case => instance%case)
          instance%identity = identity_of(equation)
@@ -204,6 +206,7 @@ contains
       end select
    end subroutine save_state
 
+   !> Return to what `save_state` remembered.
    subroutine restore_state(instance, snapshot)
       type(wall_instance_t), pointer, intent(in) :: instance
       type(snapshot_t), intent(in) :: snapshot

@@ -99,6 +99,7 @@ contains
       real(wp), intent(in) :: span
       !! [s]
       type(error_t), allocatable, intent(out) :: error
+      !! the right-hand side is not finite
       real(wp) :: scale(size(self%y1))
       real(wp) :: rate
 

@@ -1,6 +1,7 @@
 !> Searches in one dimension by reverse communication: a search says where it wants to know the
 !> function, the caller evaluates it there and hands the value back. So all procedures are pure, and
-!> what a function needs, and how it fails, is the caller's affair.
+!> what a function needs, and how it fails, is the caller's affair. Numbers are in the caller's
+!> units.
 module rwmf_math_roots
    use rwmf_core_kinds, only: wp
    implicit none

@@ -84,8 +84,11 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
+      !! of the slenderness [-]
       real(wp), intent(in) :: phi
+      !! [rad]
       integer, intent(in) :: side
+      !! +1 or -1, by the sign of theta
       type(cable_state_t), intent(out) :: cable
 
       cable%force = 0
@@ -99,8 +102,11 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
+      !! of the slenderness [-]
       real(wp), intent(in) :: phi
+      !! [rad]
       integer, intent(in) :: side
+      !! +1 or -1, by the sign of theta
       type(cable_state_t), intent(out) :: cable
 
       call signed_linear_cable(law, branch, sin_alpha, phi, abs(side), cable)
@@ -111,8 +117,11 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
+      !! of the slenderness [-]
       real(wp), intent(in) :: phi
+      !! [rad]
       integer, intent(in) :: side
+      !! +1 or -1, by the sign of theta
       type(cable_state_t), intent(out) :: cable
 
       cable%force = law%eta_0 + side*law%rate*phi
@@ -191,8 +200,11 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
+      !! of the slenderness [-]
       real(wp), intent(in) :: phi
+      !! [rad]
       integer, intent(in) :: side
+      !! +1 or -1, by the sign of theta
       type(cable_state_t), intent(out) :: cable
       real(wp) :: elongation
       real(wp) :: arm

@@ -213,6 +213,7 @@ module rwmf_model_equation
       type(parameters_t) :: p
       !! parameters in the paper's letters; those of absent effects are zero
       real(wp) :: sin_alpha
+      !! of the slenderness [-]
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
       real(wp) :: weight_share = 0

@@ -16,6 +16,7 @@ contains
       integer, intent(in) :: side
       !! in force, +1 or -1
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp), intent(out) :: u(0:)
       !! (0:n) [m]
       real(wp), intent(out) :: v(:)

@@ -93,8 +93,11 @@ contains
       type(kinematics_t), intent(in) :: kin
       !! at this rotation
       real(wp), intent(in) :: t
+      !! [s]
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp), intent(in) :: y_ddot
+      !! rates of the rates
       real(wp) :: force(2)
       !! [m/s2]
       real(wp), allocatable :: resisting(:)

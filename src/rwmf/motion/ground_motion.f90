@@ -260,6 +260,7 @@ contains
    pure logical function is_curved(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      !! between two knots of the ground motion
 
       is_curved = motion%shape == shape_pulse .and. interval >= motion%curve%first &
          .and. interval < motion%curve%last
@@ -281,6 +282,7 @@ contains
    pure real(wp) function vertical_acceleration(motion, interval, t) result(vertical)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      !! between two knots of the ground motion
       real(wp), intent(in) :: t
       !! [s], in the closed interval
       type(line_t) :: line
@@ -295,6 +297,7 @@ contains
    pure type(line_t) function vertical_line_of(motion, interval, horizontal) result(line)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      !! between two knots of the ground motion
       type(line_t), intent(in) :: horizontal
       !! line of the horizontal motion there
 
@@ -320,6 +323,7 @@ contains
    pure real(wp) function interval_end(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      !! between two knots of the ground motion
 
       if (interval < size(motion%knot)) then
          interval_end = motion%knot(interval + 1)
@@ -377,6 +381,7 @@ contains
    pure real(wp) function turning_point(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      !! between two knots of the ground motion
       real(wp), intent(in) :: t
       !! [s], inside the interval
 
@@ -394,6 +399,7 @@ contains
    pure real(wp) function steep_point(motion, interval, t, share)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
+      !! between two knots of the ground motion
       real(wp), intent(in) :: t
       !! [s], inside the interval
       real(wp), intent(in) :: share

@@ -37,6 +37,7 @@ contains
       character(*), intent(in) :: name
       !! of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`: a file cannot be written, or is one that the case was read from
       character(*), intent(in), optional :: source
       !! path of the namelist
       type(atomic_file_t) :: summary
@@ -60,7 +61,9 @@ contains
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
+      !! of the file
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`: the file cannot be written, or is one that the case was read from
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
       type(atomic_file_t) :: file
@@ -85,6 +88,7 @@ contains
    !> Fails when a file that a case of this name may write is one that a case was read from.
    subroutine check_outputs(folder, name, case, error, source)
       character(*), intent(in) :: folder
+      !! its path
       character(*), intent(in) :: name
       !! of the case that writes, see `case_name`
       type(case_t), intent(in) :: case

@@ -274,6 +274,7 @@ contains
    pure subroutine keep_numbers(case, group, values)
       class(structure_t), intent(inout) :: case
       character(*), intent(in) :: group
+      !! its name, without &
       real(wp), intent(in) :: values(:)
       type(effect_numbers_t), allocatable :: all_numbers(:)
       integer :: n
@@ -291,6 +292,7 @@ contains
    pure logical function has_numbers(case, group)
       class(structure_t), intent(in) :: case
       character(*), intent(in) :: group
+      !! its name, without &
 
       has_numbers = .false.
       if (allocated(case%numbers)) has_numbers = any(case%numbers%group == group)
@@ -300,6 +302,7 @@ contains
    pure function numbers_of(case, group) result(values)
       class(structure_t), intent(in) :: case
       character(*), intent(in) :: group
+      !! its name, without &
       real(wp), allocatable :: values(:)
       integer :: i
 

@@ -73,6 +73,7 @@ contains
    pure integer function key_place(values, group, key) result(place)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
       !! letters may be small or capital
       character(len(key)) :: name
@@ -100,7 +101,9 @@ contains
    pure logical function has_key(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       integer :: place
 
       place = key_place(values, group, key)
@@ -112,7 +115,9 @@ contains
    pure integer function key_line(values, group, key) result(line)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       integer :: place
 
       place = key_place(values, group, key)
@@ -157,7 +162,9 @@ contains
    pure function text_of(values, group, key) result(text)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(value_length(values, first_value(values, group, key))) :: text
 
       text = value_text(values, first_value(values, group, key))
@@ -167,7 +174,9 @@ contains
    pure real(wp) function real_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       integer :: number
 
       number = first_value(values, group, key)
@@ -179,7 +188,9 @@ contains
    pure integer function integer_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
 
       integer_of = nint(real_of(values, group, key))
    end function integer_of
@@ -188,7 +199,9 @@ contains
    pure logical function logical_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
 
       logical_of = real_of(values, group, key) > 0
    end function logical_of
@@ -197,7 +210,9 @@ contains
    pure subroutine get_real(values, group, key, value)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       real(wp), allocatable, intent(out) :: value
       !! [unit of the key]
 
@@ -208,7 +223,9 @@ contains
    pure subroutine get_text(values, group, key, value)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(:), allocatable, intent(out) :: value
 
       if (first_value(values, group, key) > 0) value = text_of(values, group, key)
@@ -218,7 +235,9 @@ contains
    pure subroutine get_list(values, group, key, list)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       real(wp), allocatable, intent(out) :: list(:)
       !! (n) [unit of the key]
       integer :: place
@@ -234,7 +253,9 @@ contains
    pure subroutine get_texts(values, group, key, list)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(:), allocatable, intent(out) :: list(:)
       !! (n) padded with blanks
       integer :: place

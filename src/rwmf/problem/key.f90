@@ -39,7 +39,9 @@ contains
    !> A key that must be given.
    pure type(key_t) function required(group, key, type, unit, allowed, help)
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(*), intent(in) :: type
       character(*), intent(in) :: unit
       character(*), intent(in) :: allowed
@@ -51,7 +53,9 @@ contains
    !> A key that may be left out.
    pure type(key_t) function optional_key(group, key, type, unit, default, allowed, help, implies)
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(*), intent(in) :: type
       character(*), intent(in) :: unit
       character(*), intent(in) :: default
@@ -67,6 +71,7 @@ contains
    pure type(key_t) function of_kind(kinds, key, type, unit, default, allowed, help)
       character(*), intent(in) :: kinds
       character(*), intent(in) :: key
+      !! its name
       character(*), intent(in) :: type
       character(*), intent(in) :: unit
       character(*), intent(in) :: default

@@ -37,9 +37,11 @@ contains
    subroutine check_needs(values, group, other, reason, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: other
       character(*), intent(in) :: reason
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` when it is missing
 
       if (.not. has_group(values, group) .or. has_group(values, other)) return
       call fail_group(values, group, 'must not be given without &'//other//' ('//reason//')', error)
@@ -49,11 +51,13 @@ contains
    subroutine check_one_of(values, group, a, b, condition, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: a
       character(*), intent(in) :: b
       character(*), intent(in) :: condition
       !! 'with ...'
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` when both or none are given
 
       if (has_key(values, group, a) .and. has_key(values, group, b)) then
          call fail_key(values, group, b, 'must not be given beside '//a//': exactly one of both ' &
@@ -68,8 +72,10 @@ contains
    subroutine fail_group(values, group, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`
 
       call fail_at_group(group, values%groups(group_place(values, group))%line, problem, error)
    end subroutine fail_group
@@ -78,9 +84,12 @@ contains
    subroutine fail_key(values, group, key, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`
       character(:), allocatable :: shown_values
       integer :: i
 
@@ -115,11 +124,14 @@ contains
    !> Report a key with its values: `&frame: gamma = -1.0 (line 7): must be ...`.
    subroutine fail_at_key(group, key, shown_values, line, problem, error)
       character(*), intent(in) :: group
+      !! its name, without &
       character(*), intent(in) :: key
+      !! its name
       character(*), intent(in) :: shown_values
       integer, intent(in) :: line
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`
 
       call fail(error, err_input, '&'//group//': '//key//' = '//shown_values//' (line ' &
          //trim(integer_to_text(line))//'): '//problem)
@@ -128,9 +140,11 @@ contains
    !> Report a group with its line: `&frame (line 5): ...`.
    subroutine fail_at_group(group, line, problem, error)
       character(*), intent(in) :: group
+      !! its name, without &
       integer, intent(in) :: line
       character(*), intent(in) :: problem
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`
 
       call fail(error, err_input, '&'//shown(group)//' (line '//trim(integer_to_text(line))//'): ' &
          //problem)

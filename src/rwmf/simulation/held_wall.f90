@@ -47,6 +47,7 @@ contains
       integer, intent(out) :: side
       !! of the motion that begins, +1 or -1; 0 for none
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp) :: t_limit
 
       call begin_held_step(hybrid, equation, integrator%steps, t_target, t_limit, side)
@@ -97,6 +98,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: side
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(storey_end_t) :: ending
       type(step_view_t) :: step
 

@@ -120,6 +120,7 @@ contains
       !! [s]
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
+      !! as `advance`
 
       do while (hybrid%t < t_target .and. .not. has_ended(hybrid))
          if (hybrid%mode == mode_rest) then
@@ -140,6 +141,7 @@ contains
       class(integrator_t), intent(in) :: integrator
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
+      !! `err_interrupt` after that wish, `err_numerical` beyond the bound
 
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then
@@ -158,7 +160,9 @@ contains
       class(integrator_t), intent(inout) :: integrator
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
+      !! [s]
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp) :: t_begin
       real(wp) :: t_limit
       integer :: interval
@@ -192,6 +196,7 @@ contains
       integer, intent(in) :: side
       !! +1 or -1
       type(error_t), allocatable, intent(out) :: error
+      !! the wall jumps
 
       if (equation%moves_at_rest) call hold_wall(equation%state, .false.)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
@@ -312,6 +317,7 @@ contains
       integer(i8), intent(in) :: steps
       !! that the integrator has taken
       real(wp), intent(in) :: t_target
+      !! [s]
       real(wp), intent(out) :: t_limit
       !! not beyond the present time: there was no way to go, and a knot has been passed [s]
       real(wp), intent(out) :: span
@@ -345,6 +351,7 @@ contains
       class(integrator_t), intent(inout), target :: integrator
       type(recorder_t), intent(inout) :: recorder
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(storey_end_t) :: ending
       type(step_view_t) :: step
       integer :: event
@@ -375,6 +382,7 @@ contains
       integer, intent(in) :: event
       !! one of the `event_` numbers, or 0
       type(error_t), allocatable, intent(out) :: error
+      !! the wall jumps
 
       select case (event)
       case (event_impact)

@@ -150,6 +150,7 @@ contains
       type(hybrid_t), intent(out) :: hybrid
       type(recorder_t), intent(out) :: recorder
       type(error_t), allocatable, intent(out) :: error
+      !! as `create` of the integrator and `create_recorder`
 
       equation%rhs_evaluations = 0
       call integrator%create(equation, above_round_off(tolerances(case, equation, size_guess), &
@@ -219,6 +220,7 @@ contains
       floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
    end function above_round_off
 
+   !> State at t = 0 that `&initial` gives, at rest without it.
    pure function initial_state(case, equation) result(y)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation

@@ -40,6 +40,7 @@ contains
       type(control_t), intent(in) :: control
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
+      !! as `simulate`
 
       if (allocated(case%solver%accuracy)) then
          call run_to_accuracy(case, motion, control, result, error)

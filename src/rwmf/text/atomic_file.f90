@@ -265,6 +265,7 @@ contains
       character(*), intent(in) :: folder
       !! '' is the current one
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` when they cannot
       integer(c_int), parameter :: exists = 0_c_int, writable_and_searchable = 3_c_int
       character(:), allocatable :: path
 
@@ -279,6 +280,7 @@ contains
    !> `folder/name`, where the folder may be '' (the current one).
    pure function join_path(folder, name) result(path)
       character(*), intent(in) :: folder
+      !! its path
       character(*), intent(in) :: name
       character(len(folder) + len(name) + merge(1, 0, &
          index(folder, '/', back=.true.) < len(folder))) :: path

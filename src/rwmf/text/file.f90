@@ -46,6 +46,7 @@ contains
    !> Errors: no such file, not a regular file, empty, 2 GB or more, not readable.
    subroutine read_file(path, bytes, error)
       character(*), intent(in) :: path
+      !! of the file
       character(:), allocatable, intent(out) :: bytes
       type(error_t), allocatable, intent(out) :: error
       integer(i8) :: size

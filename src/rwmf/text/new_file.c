@@ -1,6 +1,6 @@
 /* What atomic_file.f90 asks of the operating system in structures and flags that only C knows.
 
-   The rules are those of driver/rwmf/files.py: a new file has a random name, is created exclusively
+   The rules are those of driver/rwmf/_files/files.py: a new file has a random name, is created exclusively
    and locked while it is written, so that the file of a killed run is known by its lock, which
    nobody holds. */
 

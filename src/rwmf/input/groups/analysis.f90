@@ -17,6 +17,7 @@ module rwmf_input_groups_analysis
 
 contains
 
+   !> The group `&model`: its keys, and how they are checked and read.
    type(case_group_t) function model_group() result(group)
       group%name = 'model'
       group%is_of_scene = .false.
@@ -38,6 +39,7 @@ contains
       case%model%overturning_angle = real_of(case%values, 'model', 'overturning_angle')
    end subroutine fill_model
 
+   !> The group `&solver`: its keys, and how they are checked and read.
    type(case_group_t) function solver_group() result(group)
       group%name = 'solver'
       group%is_of_scene = .false.
@@ -110,6 +112,7 @@ contains
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
    end subroutine fill_solver
 
+   !> The group `&output`: its keys, and how they are checked and read.
    type(case_group_t) function output_group() result(group)
       group%name = 'output'
       group%is_of_scene = .false.

@@ -21,6 +21,7 @@ module rwmf_input_groups_excitation
 
 contains
 
+   !> The group `&motion`: its keys, and how they are checked and read.
    type(case_group_t) function motion_group() result(group)
       group%name = 'motion'
       group%keys = motion_keys()

@@ -17,6 +17,7 @@ module rwmf_input_groups_spectrum
 
 contains
 
+   !> The group `&spectrum`: its keys, and how they are checked and read.
    type(case_group_t) function spectrum_group() result(group)
       group%name = 'spectrum'
       group%is_of_scene = .false.

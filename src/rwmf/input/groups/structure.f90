@@ -16,6 +16,7 @@ module rwmf_input_groups_structure
 
 contains
 
+   !> The group `&wall`: its keys, and how they are checked and read.
    type(case_group_t) function wall_group() result(group)
       group%name = 'wall'
       group%keys = [ &
@@ -41,6 +42,7 @@ contains
       has_wall = allocated(case%wall)
    end function has_wall
 
+   !> The group `&frame`: its keys, and how they are checked and read.
    type(case_group_t) function frame_group() result(group)
       group%name = 'frame'
       group%keys = [ &
@@ -87,6 +89,7 @@ contains
       has_frame = allocated(case%frame)
    end function has_frame
 
+   !> The group `&cable`: its keys, and how they are checked and read.
    type(case_group_t) function cable_group() result(group)
       group%name = 'cable'
       group%needs(1) = 'wall'
@@ -129,6 +132,7 @@ contains
       has_cable = allocated(case%cable)
    end function has_cable
 
+   !> The group `&impact`: its keys, and how they are checked and read.
    type(case_group_t) function impact_group() result(group)
       group%name = 'impact'
       group%needs(1) = 'wall'
@@ -188,6 +192,7 @@ contains
       has_impact = allocated(case%impact)
    end function has_impact
 
+   !> The group `&initial`: its keys, and how they are checked and read.
    type(case_group_t) function initial_group() result(group)
       group%name = 'initial'
       group%needs(1) = 'wall'

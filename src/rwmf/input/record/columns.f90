@@ -131,8 +131,10 @@ contains
    !> Report a word that is not a number.
    subroutine fail_at_word(line, word, error)
       integer, intent(in) :: line
+      !! number of the line in the file
       character(*), intent(in) :: word
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`
 
       call fail(error, err_input, 'line '//trim(integer_to_text(line))//": '"//shown(word) &
          //"' is not a finite number")

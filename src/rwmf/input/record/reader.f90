@@ -22,6 +22,7 @@ contains
    !> Errors: those of `read_file` and `parse_record`.
    subroutine read_record(path, dt, unit, scale, g, record, error)
       character(*), intent(in) :: path
+      !! of the file
       real(wp), intent(in), optional :: dt
       !! sampling interval of a one-column record [s]; must be absent for the other formats
       character(*), intent(in), optional :: unit

@@ -60,6 +60,7 @@ contains
    !> Right-hand side as SUNDIALS calls it. A value that is not finite asks for a smaller step.
    integer(c_int) function evaluate_rhs(t, vector, vector_dot, user_data) bind(c, name='')
       real(c_double), value :: t
+      !! [s]
       type(N_Vector), intent(inout) :: vector
       type(N_Vector), intent(inout) :: vector_dot
       type(c_ptr), value :: user_data
@@ -137,6 +138,7 @@ contains
       type(equation_t), intent(inout), target :: equation
       type(tolerance_t), intent(in) :: tolerance
       type(error_t), allocatable, intent(out) :: error
+      !! no memory, or SUNDIALS refuses
 
       self%equation => equation
       self%steps = 0_i8
@@ -168,6 +170,7 @@ contains
       self%is_initialised = .false.
    end subroutine destroy_common
 
+   !> Release a vector of SUNDIALS and what it holds; harmless when there is none.
    subroutine free_vector(vector, values)
       type(N_Vector), pointer, intent(inout) :: vector
       real(c_double), pointer, intent(inout) :: values(:)

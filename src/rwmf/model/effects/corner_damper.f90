@@ -20,6 +20,7 @@ module rwmf_model_effects_corner_damper
 
 contains
 
+   !> The group `&damper`: its keys, and how they are checked and read.
    type(case_group_t) function damper_group() result(group)
       group%name = 'damper'
       group%needs(1) = 'wall'
@@ -43,6 +44,7 @@ contains
       has_damper = allocated(case%damper)
    end function has_damper
 
+   !> The dampers' contribution to the equation, if the case has them.
    subroutine prepare_damper(case, equation, damper)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

@@ -21,6 +21,7 @@ module rwmf_model_effects_corner_inerter
 
 contains
 
+   !> The group `&inerter`: its keys, and how they are checked and read.
    type(case_group_t) function inerter_group() result(group)
       group%name = 'inerter'
       group%needs(1) = 'wall'
@@ -44,6 +45,7 @@ contains
       has_inerter = allocated(case%inerter)
    end function has_inerter
 
+   !> The inerters' contribution to the equation, if the case has them.
    subroutine prepare_inerter(case, equation, inerter)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

@@ -16,6 +16,7 @@ module rwmf_model_effects_fuse
 
 contains
 
+   !> The group `&fuse`: its keys, and how they are checked and read.
    type(case_group_t) function fuse_group() result(group)
       group%name = 'fuse'
       group%needs(1) = 'wall'
@@ -59,6 +60,7 @@ contains
       has_fuse = allocated(case%fuse)
    end function has_fuse
 
+   !> The fuses' contribution to the equation, if the case has them.
    subroutine prepare_fuse(case, equation, fuse)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

@@ -16,6 +16,7 @@ module rwmf_model_effects_impact_table
 
 contains
 
+   !> What a rule 'table' adds to the group `&impact`.
    type(case_group_t) function impact_table_group() result(group)
       group%name = 'impact'
       group%after = 'impact'

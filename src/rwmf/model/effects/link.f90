@@ -19,6 +19,7 @@ module rwmf_model_effects_link
 
 contains
 
+   !> The group `&link`: its keys, and how they are checked and read.
    type(case_group_t) function link_group() result(group)
       group%name = 'link'
       group%needs = [character(12) :: 'wall', 'frame']

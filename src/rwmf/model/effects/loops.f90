@@ -25,11 +25,13 @@ contains
    subroutine lane_rates(scene, coef, y, motion, y_dot)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      !! coefficients of the effects at this rotation
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! states: theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of effects
       type(lane_motion_t), intent(inout) :: motion
       !! in: accelerations of the ground; out: kinematics, inertia and moment
       real(wp), intent(out) :: y_dot(lane_count, scene%n)
+      !! rates of the states
       integer :: i
 
       if (scene%has_wall) then
@@ -89,6 +91,7 @@ contains
       real(wp), intent(in) :: weight
       !! of the powers in the sum
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      !! coefficients of the effects at this rotation
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! states
       real(wp), intent(in) :: y_dot(lane_count, scene%n)
@@ -130,6 +133,7 @@ contains
    pure subroutine power_unit(scene, coef, unit)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      !! coefficients of the effects at this rotation
       real(wp), intent(out) :: unit(lane_count)
       integer :: i
 

@@ -26,6 +26,7 @@ module rwmf_model_effects_p_delta
 
 contains
 
+   !> The group `&p_delta`: its keys, and how they are checked and read.
    type(case_group_t) function p_delta_group() result(group)
       group%name = 'p_delta'
       group%needs(1) = 'frame'

@@ -13,6 +13,7 @@ module rwmf_model_effects_pinned_base
 
 contains
 
+   !> What a hinged base adds to the group `&wall`.
    type(case_group_t) function pinned_base_group() result(group)
       group%name = 'wall'
       group%after = 'wall'

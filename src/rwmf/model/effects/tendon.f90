@@ -16,6 +16,7 @@ module rwmf_model_effects_tendon
 
 contains
 
+   !> The group `&tendon`: its keys, and how they are checked and read.
    type(case_group_t) function tendon_group() result(group)
       group%name = 'cable'
       group%after = 'cable'

@@ -22,6 +22,7 @@ module rwmf_model_effects_vertical_motion
 
 contains
 
+   !> The group `&vertical`: its keys, and how they are checked and read.
    type(case_group_t) function vertical_group() result(group)
       group%name = 'vertical'
       group%after = 'motion'
@@ -92,6 +93,7 @@ contains
          //'&vertical file: the host hands over the motion, and &vertical ratio follows it')
    end subroutine refuse_element
 
+   !> The vertical motion's contribution to the equation, if the case has it.
    subroutine prepare_vertical(case, equation, vertical)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

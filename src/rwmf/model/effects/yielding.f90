@@ -21,6 +21,7 @@ module rwmf_model_effects_yielding
 
 contains
 
+   !> The group `&yielding`: its keys, and how they are checked and read.
    type(case_group_t) function yielding_group() result(group)
       group%name = 'yielding'
       group%needs(1) = 'frame'

@@ -290,12 +290,14 @@ contains
       if (is_yielding(branch)) yield_direction = branch%kind
    end function yield_direction
 
+   !> Does it follow a line of yielding?
    elemental logical function is_yielding(branch)
       type(branch_t), intent(in) :: branch
 
       is_yielding = abs(branch%kind) == yields_up
    end function is_yielding
 
+   !> Has it broken?
    pure logical function is_broken(branch)
       type(branch_t), intent(in) :: branch
 

@@ -140,6 +140,7 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp) :: energy(2)
 
       energy(1) = 0

@@ -183,6 +183,7 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp) :: x
       integer :: i
 
@@ -204,6 +205,7 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp) :: energy(2)
       real(wp) :: x
       integer :: i
@@ -226,8 +228,11 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
+      !! [s]
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp), intent(in) :: y_ddot
+      !! rates of the rates
       real(wp), intent(inout) :: force(2)
       real(wp) :: half_angle
       !! of the chord from the vertical, as well [rad]

@@ -92,6 +92,7 @@ contains
       type(storey_end_t), intent(out) :: ending
       !! what happens at its end
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
 
       if (step%equation%floors%yields) call stop_at_storey(step, ending, error)
       if (allocated(error) .or. drifts == 0) return

@@ -34,6 +34,7 @@ contains
       real(wp), intent(out) :: y(:)
       !! (states) there
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp), parameter :: short = 2.0e-7_wp
       !! part of the piece whose third power times a rate is round-off [-]
       type(bracket_t) :: bracket
@@ -163,6 +164,7 @@ contains
       !! (states) there
       logical, intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp) :: h
       real(wp) :: v(2)
       !! theta' at the ends, not negative [rad/s]

@@ -31,6 +31,7 @@ contains
       !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
       !! unloads there), `event_passage`, or 0
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp), dimension(size(step%y_a)), target :: y_a, y_b
       type(step_view_t) :: part
       integer :: i, n

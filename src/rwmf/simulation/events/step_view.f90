@@ -44,7 +44,9 @@ contains
    function until(step, t, y) result(piece)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
+      !! [s]
       real(wp), intent(in), contiguous, target :: y(:)
+      !! states
       type(step_view_t) :: piece
 
       piece = step
@@ -56,7 +58,9 @@ contains
    function from(step, t, y) result(piece)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
+      !! [s]
       real(wp), intent(in), contiguous, target :: y(:)
+      !! states
       type(step_view_t) :: piece
 
       piece = step
@@ -104,6 +108,7 @@ contains
       real(wp), intent(out) :: y(:)
       !! (states)
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
 
       if (t <= step%integrator%t0) then
          y = step%integrator%y0

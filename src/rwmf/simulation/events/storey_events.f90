@@ -66,6 +66,7 @@ contains
       type(step_view_t), intent(inout) :: step
       type(storey_end_t), intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(moment_t) :: a, b
       real(wp) :: y(size(step%y_a))
       integer :: n, i
@@ -293,6 +294,7 @@ contains
       real(wp), intent(in) :: limit(2)
       !! [m]
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp) :: reach
       !! how far it may go beyond its ends, twice what a steady deceleration allows [m]
       real(wp) :: t
@@ -385,6 +387,7 @@ contains
       !! [s]
       type(moment_t), intent(out) :: now
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp) :: y(size(step%y_a))
 
       call sample_state(step, t, y, error)

@@ -62,6 +62,7 @@ contains
       type(team_t), intent(inout), target :: team
       !! of one lane; made here when it is none yet
       type(error_t), allocatable, intent(out) :: error
+      !! as `advance`
       type(lane_t), target :: lanes(1)
 
       if (.not. allocated(team%room)) call create_team(equation, integrator%pair, &

@@ -207,6 +207,7 @@ contains
       type(motion_t), intent(in) :: motion
       logical, intent(in) :: has_vertical
       real(wp), intent(in) :: t_end
+      !! [s]
       type(team_t), intent(inout) :: team
       type(line_t) :: line, vertical
       real(wp) :: begin, limit
@@ -225,6 +226,7 @@ contains
       end do
    end subroutine tabulate_lines
 
+   !> Lines of the ground motion in one interval as a row of the table.
    pure function line_row(limit, line, vertical) result(row)
       real(wp), intent(in) :: limit
       !! [s]

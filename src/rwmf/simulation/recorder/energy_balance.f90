@@ -27,6 +27,7 @@ contains
       type(energy_t), intent(inout) :: energy
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp) :: work(power_count)
 
       select type (integrator => piece%integrator)

@@ -94,6 +94,7 @@ contains
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(step_view_t) :: span
       logical :: is_settled
       integer :: i, n

@@ -90,6 +90,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       type(error_t), allocatable, intent(out) :: error
+      !! the history does not fit into memory
 
       recorder%u_max = -1
       recorder%theta_max = -huge(1.0_wp)
@@ -193,6 +194,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
 
       call observe_peaks(recorder, piece, error)
       if (allocated(error)) return

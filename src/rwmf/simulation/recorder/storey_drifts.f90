@@ -33,6 +33,7 @@ contains
       real(wp), intent(inout) :: largest(:)
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(moment_t) :: before, after
       type(storey_span_t) :: span
       integer :: n, i, k

@@ -75,6 +75,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
+      !! coefficients of the effects at this rotation
       integer :: i
 
       associate (floors => model%floors, n => model%floors%n)
@@ -95,6 +96,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
+      !! coefficients of the effects at this rotation
 
       coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
@@ -205,6 +207,7 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
+      !! states
       real(wp) :: energy(2)
       real(wp) :: u(0:size(equation%floors%m))
       real(wp) :: v(size(equation%floors%m))

@@ -23,6 +23,7 @@ module rwmf_model_effects_storeys_storeys
 
 contains
 
+   !> The group `&storeys`: its keys, and how they are checked and read.
    type(case_group_t) function storeys_group() result(group)
       group%name = 'storeys'
       group%needs(1) = 'frame'

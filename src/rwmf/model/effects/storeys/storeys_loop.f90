@@ -199,6 +199,7 @@ contains
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
       !! those of `add_floors`, as the others
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
+      !! states
       real(wp), intent(in) :: y_dot(lane_count, floor_states(n, law))
       !! their rates
       type(lane_motion_t), intent(in) :: motion

@@ -121,6 +121,7 @@ contains
    pure subroutine branch_limits(equation, storey, low, high)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: storey
+      !! its number, from the ground up
       real(wp), intent(out) :: low
       !! [m]
       real(wp), intent(out) :: high
@@ -135,6 +136,7 @@ contains
       class(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
+      !! its number, from the ground up
 
       if (allocated(state%storey_signs)) then
          loading_direction = state%storey_signs(storey)%loading_direction
@@ -147,6 +149,7 @@ contains
    pure logical function stands_still(state, storey)
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
+      !! its number, from the ground up
 
       stands_still = .false.
       if (allocated(state%storey_signs)) stands_still = &
@@ -158,6 +161,7 @@ contains
    pure integer function side_beyond_zero(state, storey) result(side)
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
+      !! its number, from the ground up
 
       side = 0
       if (.not. allocated(state%storey_signs)) return
@@ -181,6 +185,7 @@ contains
    pure subroutine stop_at_zero(model, storey, y)
       type(model_t), intent(in) :: model
       integer, intent(in) :: storey
+      !! its number, from the ground up
       real(wp), intent(inout) :: y(:)
       !! (states)
 
@@ -192,6 +197,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: storey
+      !! its number, from the ground up
       logical, intent(in) :: is_rising
       !! d_i grows
 
@@ -204,6 +210,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: storey
+      !! its number, from the ground up
       logical, intent(in) :: is_rising
       !! d_i grows from here on
       real(wp), intent(in) :: y(:)

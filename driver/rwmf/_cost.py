@@ -1,0 +1,396 @@
+"""What accuracy costs in time: every method and tolerance against a trusted reference."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._library import measure as _measure
+from rwmf._library.measure import Measurement, Reference
+from rwmf.case import Case
+from rwmf.errors import InputError, NumericalError
+
+__all__ = ["METHODS", "PRACTICES", "TOLERANCES", "Cost", "Row", "cheapest", "cost", "count_tasks"]
+
+METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+TOLERANCES = tuple(10.0**-k for k in range(2, 14))
+# label, name in the kernel, divisor of the usual interval
+PRACTICES = (
+    ("ode45, default", "ode45", 1.0),
+    ("RK4, dt", "rk4", 1.0),
+    ("RK4, dt/10", "rk4", 10.0),
+    ("Newmark, dt", "newmark", 1.0),
+    ("Newmark, dt/10", "newmark", 10.0),
+)
+_QUAD = (1e-18, 1e-20)
+_DOUBLE = (1e-12, 1e-13)
+# a case that takes longer in quadruple precision is measured against double precision
+_MOST_REFERENCE_SECONDS = 20.0
+# time for the repeats of one row, and for those of all rows together
+_ROW_SECONDS = 0.03
+_ALL_SECONDS = 10.0
+# flights shorter than this part of the longest one are chatter
+_CHATTER = 0.01
+_DIGITS_BETTER = 100.0
+_ROUND_OFF = float(np.finfo(float).eps) / 2
+
+# what the kernel's ode45 uses: MATLAB's default
+_ODE45_RTOL = 1e-3
+# settings whose times differ by less than this are as cheap
+_SAME_TIME = 1.05
+
+Progress = Callable[[int, int], None]
+_Task = tuple[str, float, Callable[[float], Measurement]]
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One method at one tolerance, or one of today's procedures.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method, or label of the procedure.
+    rtol : float
+        Relative tolerance [-], NaN for a procedure with fixed steps.
+    relative_error : float
+        Of the peak: u_s_max, or theta_max without a frame [-]. 1 when only one of row and reference
+        overturns.
+    seconds : float
+        Fastest of all repeats [s].
+    steps, rhs_evaluations, impacts : int
+        Counts.
+    theta_max_relative_error : float
+        Of the largest rotation [-]; NaN without a wall.
+    impact_time_error_s : float
+        Largest distance of an impact of the reference from the nearest one of the row, chatter left
+        out [s]; NaN without impacts.
+    end_state_relative_error : float
+        Of the state at the end, over the largest rotation and angular velocity [-].
+    overturned : bool
+        Whether the wall overturned.
+    status : str
+        'ok', or why there is no result.
+    """
+
+    method: str
+    rtol: float
+    relative_error: float
+    seconds: float
+    steps: int
+    rhs_evaluations: int
+    impacts: int
+    theta_max_relative_error: float
+    impact_time_error_s: float
+    end_state_relative_error: float
+    overturned: bool
+    status: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Keys of ``rwmf cost --json``.
+
+        Returns
+        -------
+        dict
+            Values by the keys of `rwmf cost --json`.
+        """
+        return dataclasses.asdict(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class Cost:
+    """Work and precision of a case.
+
+    Attributes
+    ----------
+    reference : dict
+        How the reference was obtained, its results and its own error.
+    rows : list of Row
+        Methods and tolerances.
+    practices : list of Row
+        What practitioners run today.
+    target : float
+        Relative error asked for [-].
+    recommended : Row or None
+        The cheapest row that has this error, as have all tighter tolerances of its method.
+    """
+
+    reference: dict[str, Any]
+    rows: list[Row]
+    practices: list[Row]
+    target: float
+    recommended: Row | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Keys of ``rwmf cost --json``."""
+        return {
+            "reference": self.reference,
+            "rows": [row.to_dict() for row in self.rows],
+            "practices": [row.to_dict() for row in self.practices],
+            "target": self.target,
+            "recommended": None if self.recommended is None else self.recommended.to_dict(),
+        }
+
+
+def count_tasks() -> int:
+    """Count the units of work that `cost` reports: the reference, and two rounds of all rows.
+
+    Returns
+    -------
+    int
+        Their number.
+    """
+    return 2 * (len(METHODS) * len(TOLERANCES) + len(PRACTICES)) + 1
+
+
+def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> Cost:
+    """Measure what accuracy costs in time.
+
+    Every method runs at tolerances from 1e-2 to 1e-13, and the procedures that practitioners use
+    today run once; their errors are those against a run in quadruple precision. The case's own
+    method, tolerances and output do not matter.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    target : float
+        Relative error of the peak that the recommendation is for [-].
+    progress : callable, optional
+        Called with the number of finished units of work and of all.
+
+    Returns
+    -------
+    Cost
+        Reference, rows, procedures of today and recommendation.
+
+    Raises
+    ------
+    InputError
+        When the case or the target is not acceptable.
+    NumericalError
+        When no reference can be computed.
+    Interrupted
+        After Ctrl-C.
+    """
+    if not 0 < target < 1:
+        raise InputError(f"target = {target}: must be in (0, 1)")
+    total = count_tasks()
+    report = progress or (lambda done, total: None)
+    report(0, total)
+    reference, facts = _reference(case)
+    report(1, total)
+    tasks = [*_practices(case), *_methods(case)]
+    watch = _Stopwatch()
+    rows: list[Row] = []
+    for label, rtol, measure in tasks:
+        rows.append(_row(label, rtol, measure, watch.budget(), reference))
+        report(len(rows) + 1, total)
+    # the second round meets another load of the machine
+    for i, (_, _, measure) in enumerate(tasks):
+        if rows[i].status == "ok" and watch.budget() > 0:
+            seconds = min(rows[i].seconds, measure(watch.budget()).seconds)
+            rows[i] = dataclasses.replace(rows[i], seconds=seconds)
+        report(len(rows) + i + 2, total)
+    practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
+    return Cost(_judge(facts, rows), rows, practices, target, cheapest(rows, target))
+
+
+class _Stopwatch:
+    """Time for repeats: fixed for a row, until all of it is spent."""
+
+    def __init__(self) -> None:
+        self.started = time.monotonic()
+
+    def budget(self) -> float:
+        """Time for the repeats of the next row, 0 for a single run [s]."""
+        left = _ALL_SECONDS - (time.monotonic() - self.started)
+        return _ROW_SECONDS if left > 0 else 0.0
+
+
+def _practices(case: Case) -> list[_Task]:
+    return [
+        (label, _ODE45_RTOL if name == "ode45" else math.nan, _practice(case, name, divisor))
+        for label, name, divisor in PRACTICES
+    ]
+
+
+def _methods(case: Case) -> list[_Task]:
+    return [
+        (method, rtol, _method(case, method, rtol)) for method in METHODS for rtol in TOLERANCES
+    ]
+
+
+def _method(case: Case, method: str, rtol: float) -> Callable[[float], Measurement]:
+    return lambda budget: _measure.measure_method(case, method, rtol, budget)
+
+
+def _practice(case: Case, name: str, divisor: float) -> Callable[[float], Measurement]:
+    return lambda budget: _measure.measure_baseline(case, name, divisor, budget)
+
+
+class _TooSlowError(Exception):
+    """Quadruple precision takes too long."""
+
+
+def _reference(case: Case) -> tuple[Reference, dict[str, Any]]:
+    """Results that the errors are measured against, and how they were obtained."""
+    started = time.monotonic()
+
+    def watch(_: int) -> None:
+        if time.monotonic() - started > _MOST_REFERENCE_SECONDS:
+            raise _TooSlowError
+
+    how = "extrapolation of order 18 in quadruple precision"
+    tolerances = _QUAD
+    try:
+        found = _measure.solve_reference(case, *_QUAD, watch)
+    except (_TooSlowError, NumericalError) as error:
+        cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
+        how = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
+        tolerances = _DOUBLE
+        found = _double_reference(case)
+    peak = _peak_name(found)
+    facts = {
+        "method": how,
+        "rtol": tolerances[1],
+        "relative_error": _ratio(found.differences[peak], found.values[peak]),
+        "error_estimate": f"difference from a run at rtol {tolerances[0]:.0e}",
+        "peak": peak,
+        **found.values,
+        "overturned": found.overturned,
+        "impacts": found.impacts,
+        "seconds": found.seconds,
+    }
+    return found, facts
+
+
+def _double_reference(case: Case) -> Reference:
+    """Two tolerances in double precision: not two digits better than the best row."""
+    loose, tight = (_measure.measure_method(case, "extrapolation", rtol, 0.0) for rtol in _DOUBLE)
+    differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
+    fields = {field.name: getattr(tight, field.name) for field in dataclasses.fields(tight)}
+    return Reference(**fields, differences=differences)
+
+
+def _judge(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
+    """Tell whether the reference is two digits better than the best row (or round-off)."""
+    errors = [row.relative_error for row in rows if row.status == "ok"]
+    best = max(min(errors, default=0.0), _ROUND_OFF)
+    return facts | {"good_enough": facts["relative_error"] * _DIGITS_BETTER <= best}
+
+
+def _row(
+    label: str,
+    rtol: float,
+    measure: Callable[[float], Measurement],
+    budget: float,
+    reference: Reference,
+) -> Row:
+    """Measure, and compare with the reference."""
+    try:
+        found = measure(budget)
+    except NumericalError as error:
+        nan = math.nan
+        return Row(label, rtol, nan, nan, 0, 0, 0, nan, nan, nan, False, str(error))
+    peak = _peak_name(reference)
+    same_fate = found.overturned == reference.overturned
+    return Row(
+        method=label,
+        rtol=rtol,
+        relative_error=_relative(found, reference, peak) if same_fate else 1.0,
+        seconds=found.seconds,
+        steps=found.steps,
+        rhs_evaluations=found.rhs_evaluations,
+        impacts=found.impacts,
+        theta_max_relative_error=_relative(found, reference, "theta_max_rad"),
+        impact_time_error_s=_impact_error(found.impact_times, reference.impact_times),
+        end_state_relative_error=_end_error(found, reference),
+        overturned=found.overturned,
+        status="ok",
+    )
+
+
+def _peak_name(reference: Measurement) -> str:
+    return "theta_max_rad" if math.isnan(reference.values["u_s_max_m"]) else "u_s_max_m"
+
+
+def _relative(found: Measurement, reference: Measurement, name: str) -> float:
+    return _ratio(abs(found.values[name] - reference.values[name]), reference.values[name])
+
+
+def _ratio(difference: float, value: float) -> float:
+    if difference == 0:
+        return 0.0
+    return difference / abs(value) if value != 0 else math.inf
+
+
+def _end_error(found: Measurement, reference: Measurement) -> float:
+    """Error of the final state over the largest rotation and angular velocity."""
+    scales = [reference.values["theta_max_rad"], reference.values["theta_dot_max_rad_s"]]
+    names = ("theta_end_rad", "theta_dot_end_rad_s")
+    errors = [abs(found.values[name] - reference.values[name]) for name in names]
+    if math.isnan(scales[0]):
+        # bare frame: displacement and velocity over the peak and the speed at the end or there
+        scales = [reference.values["u_s_max_m"]]
+        errors = errors[:1]
+    return max(_ratio(error, scale) for error, scale in zip(errors, scales, strict=True))
+
+
+def _impact_error(found: npt.NDArray[np.float64], reference: npt.NDArray[np.float64]) -> float:
+    """Largest distance of a clear impact of the reference from the nearest one found [s]."""
+    clear = reference[_clear_impacts(reference)]
+    if clear.size == 0:
+        return math.nan
+    if found.size == 0:
+        return math.inf
+    right = np.clip(np.searchsorted(found, clear), 0, found.size - 1)
+    left = np.maximum(right - 1, 0)
+    return float(np.minimum(abs(found[right] - clear), abs(found[left] - clear)).max())
+
+
+def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    """Impacts between flights that are long enough to tell them apart from chatter."""
+    if times.size == 0:
+        return np.zeros(0, dtype=bool)
+    flights = np.diff(times, prepend=0.0, append=np.inf)
+    limit = _CHATTER * flights[:-1].max()
+    clear: npt.NDArray[np.bool_] = (flights[:-1] >= limit) & (flights[1:] >= limit)
+    return clear
+
+
+def cheapest(rows: list[Row], target: float) -> Row | None:
+    """Find the cheapest row within a target, as are all tighter ones of its method: not by luck.
+
+    Parameters
+    ----------
+    rows : list of Row
+        Methods and tolerances.
+    target : float
+        Relative error of the peak [-].
+
+    Returns
+    -------
+    Row or None
+        The row; None when there is none.
+    """
+    good: list[Row] = []
+    for method in METHODS:
+        mine = sorted((row for row in rows if row.method == method), key=lambda row: row.rtol)
+        for row in mine:
+            if not row.relative_error <= target:
+                break
+            good.append(row)
+    fastest = min((row.seconds for row in good), default=0.0)
+    # where the samples of a record determine the steps, many tolerances cost the same
+    return max(
+        (row for row in good if row.seconds <= _SAME_TIME * fastest),
+        key=lambda row: row.rtol,
+        default=None,
+    )

@@ -1,0 +1,372 @@
+"""Files that are written: complete or not at all, and never in the place of an input.
+
+Every writer of the package writes into `replacing`: a new file beside the target that takes its
+name when its bytes are on the disk. The order is write, fsync, rename, fsync of the folder; what
+becomes superfluous (the journal of a sweep) is removed after that.
+
+A new file has a random name and is created exclusively, so that nothing planted under its name is
+followed, and it is locked while it is written. So the file of a killed run is known by its lock,
+which nobody holds, on every host that shares the folder; the next run into the folder removes it.
+The batch program keeps to the same names and locks.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import functools
+import os
+import re
+import secrets
+import shutil
+import stat
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from rwmf.errors import InputError, OutputError
+
+__all__ = [
+    "check_outputs",
+    "is_regular_or_new",
+    "remove",
+    "replacing",
+    "reported",
+    "sync_folder",
+    "write_bytes",
+]
+
+_TEMPORARY = re.compile(r"\.rwmf-[0-9a-f]{16}\.tmp(\.\w+)?")
+_DESCRIPTOR = re.compile(r"/(?:dev|proc/(?:self|thread-self))/fd/(\d+)")
+_NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+# as the kernel counts before it takes a chain of links for a circle
+_MOST_LINKS = 40
+
+
+def check_outputs(
+    outputs: Iterable[str | os.PathLike[str] | None],
+    inputs: Iterable[str | os.PathLike[str]] = (),
+) -> None:
+    """Complain about a place that cannot be written before the computation, not after it.
+
+    Parameters
+    ----------
+    outputs : iterable of path or None
+        Files that the run writes.
+    inputs : iterable of path
+        Files that it reads: none of the outputs may be one of them, under whatever name.
+
+    Raises
+    ------
+    InputError
+        When an output is an input, or two outputs are one file.
+    OutputError
+        When a folder does not exist or cannot be written, or when an output is a folder.
+    """
+    inputs = list(inputs)
+    known: list[Path] = []
+    for path in [Path(path) for path in outputs if path is not None]:
+        with reported(path):
+            target = _resolve(path)
+        check_not_read(path, inputs)
+        if _is_special(target):
+            continue
+        _check_folder(target.parent)
+        if target.is_dir():
+            raise OutputError(f"{path}: is a folder, not a file")
+        if any(target == other or _is_same(target, other) for other in known):
+            raise InputError(f"{path}: is written twice by this run; write to another file")
+        known.append(target)
+
+
+def check_not_read(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]]) -> None:
+    """Refuse to write a file that is read, under whatever name.
+
+    Parameters
+    ----------
+    path : path
+        File to write.
+    inputs : iterable of path
+        Files that are read.
+
+    Raises
+    ------
+    InputError
+        When the file is one of them.
+    """
+    for source in inputs:
+        if _is_same(path, source):
+            raise InputError(f"{path}: is read by this run, as {source}; write to another file")
+
+
+def is_regular_or_new(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a path, links followed, is a regular file or nothing yet.
+
+    Parameters
+    ----------
+    path : str or path
+        The path.
+
+    Returns
+    -------
+    bool
+        Whether a file can be made or read there.
+    """
+    return not _is_special(_resolve(Path(path)))
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str], ending: str = "") -> Iterator[BinaryIO]:
+    """Give a new file that takes the place of another when the block ends without an error.
+
+    A link stays, its target is replaced. What is no regular file (a pipe, a device, an open
+    descriptor as /dev/stdout) stays what it is and gets the bytes.
+
+    Parameters
+    ----------
+    path : path
+        The target; what is there stays until the new file is complete and on the disk.
+    ending : str
+        What the name of the new file ends with, for writers that go by it.
+
+    Yields
+    ------
+    file
+        To be written; its `name` is its path.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    with reported(path):
+        target = _resolve(Path(path))
+        if _is_special(target):
+            with tempfile.NamedTemporaryFile(suffix=ending) as passing:
+                yield cast("BinaryIO", passing)
+                passing.flush()
+                _copy(Path(passing.name), target)
+            return
+        _remove_leftovers(target.parent.absolute())
+        stream = _create(target.parent, ending)
+        try:
+            # renamed under the lock: nobody takes the file for that of a killed run
+            with stream:
+                yield stream
+                stream.flush()
+                os.fsync(stream.fileno())
+                Path(stream.name).replace(target)
+            sync_folder(target.parent)
+        finally:
+            Path(stream.name).unlink(missing_ok=True)
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file as `replacing` does.
+
+    Parameters
+    ----------
+    path : path
+        The target.
+    content : bytes
+        All of it.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    with replacing(path) as stream:
+        stream.write(content)
+
+
+def remove(path: Path) -> None:
+    """Remove a file, if it is there, for good: a power cut does not bring it back.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be removed.
+    """
+    with reported(path):
+        target = _resolve(path)
+        target.unlink(missing_ok=True)
+        sync_folder(target.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to the disk, as far as its file system can.
+
+    Parameters
+    ----------
+    folder : path
+        The folder.
+
+    Raises
+    ------
+    OSError
+        When the disk fails.
+    """
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except PermissionError:
+        # it may be written without being readable
+        return
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def reported(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn what the operating system says about writing a file into an `OutputError`.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Yields
+    ------
+    None
+        The block that writes.
+
+    Raises
+    ------
+    OutputError
+        When the block fails.
+    """
+    try:
+        yield
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def _open_new(path: str, _: int) -> int:
+    return os.open(path, _NEW, 0o666)
+
+
+def _create(folder: Path, ending: str) -> BinaryIO:
+    """Create a file under a random name and lock it; with the permissions that umask leaves."""
+    while True:
+        path = folder / f".rwmf-{secrets.token_hex(8)}.tmp{ending}"
+        stream = open(path, "w+b", opener=_open_new)  # noqa: SIM115
+        try:
+            # another process may have looked before the lock, and removed the file
+            if _lock(stream.fileno(), unsupported=True) and path.exists():
+                return stream
+        except BaseException:
+            stream.close()
+            path.unlink(missing_ok=True)
+            raise
+        stream.close()
+
+
+def _lock(descriptor: int, *, unsupported: bool) -> bool:
+    """Lock a file; `unsupported` is the answer where the file system has no locks."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return unsupported
+    return True
+
+
+@functools.cache
+def _remove_leftovers(folder: Path) -> None:
+    """Remove files of killed runs: ours, and with a lock that nobody holds. Once a process."""
+    try:
+        left = [path for path in folder.iterdir() if _TEMPORARY.fullmatch(path.name)]
+    except OSError:
+        # a folder that cannot be listed can be written
+        return
+    for name in left:
+        try:
+            descriptor = os.open(name, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK)
+        except OSError:
+            continue
+        try:
+            status = os.fstat(descriptor)
+            own = stat.S_ISREG(status.st_mode) and status.st_uid == os.geteuid()
+            if own and _lock(descriptor, unsupported=False):
+                name.unlink(missing_ok=True)
+        except OSError:
+            continue
+        finally:
+            os.close(descriptor)
+
+
+def _resolve(path: Path) -> Path:
+    """Follow the links of the last name, to a place that may be empty, or to a descriptor."""
+    for _ in range(_MOST_LINKS):
+        if _DESCRIPTOR.fullmatch(os.fspath(path)):
+            return path
+        try:
+            link = path.readlink()
+        except OSError:
+            return path
+        except ValueError as error:
+            raise OSError(errno.EINVAL, str(error)) from error
+        _check_owner(path)
+        path = path.parent / link
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+
+
+def _check_owner(link: Path) -> None:
+    """Refuse a link that another user may have planted in a folder that all may write."""
+    folder = link.parent.stat()
+    shared = folder.st_mode & stat.S_ISVTX and folder.st_mode & stat.S_IWOTH
+    if shared and link.lstat().st_uid not in (os.geteuid(), folder.st_uid):
+        raise OSError(errno.EACCES, "it is another user's link in a folder that all may write")
+
+
+def _is_special(target: Path) -> bool:
+    """Tell whether there is what is written through: no regular file and no folder."""
+    if _DESCRIPTOR.fullmatch(os.fspath(target)):
+        return True
+    try:
+        mode = target.stat().st_mode
+    except (OSError, ValueError):
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Give all bytes to what is no regular file."""
+    found = _DESCRIPTOR.fullmatch(os.fspath(target))
+    if found and sys.stdout is not None:
+        # what has been printed so far comes first
+        sys.stdout.flush()
+    place = os.dup(int(found[1])) if found else os.open(target, os.O_WRONLY | os.O_CLOEXEC)
+    with source.open("rb") as reader, os.fdopen(place, "wb") as writer:
+        shutil.copyfileobj(reader, writer)
+
+
+def _is_same(path: str | os.PathLike[str], other: str | os.PathLike[str]) -> bool:
+    try:
+        return Path(path).samefile(other)
+    except (OSError, ValueError):
+        return False
+
+
+def _check_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        raise OutputError(f"{folder}: the folder does not exist")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputError(f"{folder}: the folder cannot be written")
+    _remove_leftovers(folder.absolute())

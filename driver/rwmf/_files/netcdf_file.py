@@ -1,0 +1,122 @@
+"""A new NetCDF file on a disk that may be full.
+
+HDF5 cannot close a file whose writes fail: what it still holds is found again when the process
+ends, which then dies. So it is never told of a failure. Whatever the disk does not take is kept in
+memory until HDF5 has closed the file, and the error is raised then.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from rwmf._files import files
+
+if TYPE_CHECKING:
+    from h5netcdf import File
+    from typing_extensions import Buffer
+
+
+__all__ = ["new_file"]
+
+
+@contextmanager
+def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
+    """Give an empty NetCDF file that appears when the block ends without an error.
+
+    Parameters
+    ----------
+    path : path
+        The target.
+
+    Yields
+    ------
+    file : h5netcdf.File
+        To be filled.
+    check : callable
+        Raises the error when the disk has refused a part; for long fillings.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    import h5netcdf
+
+    with files.replacing(path) as stream:
+        disk = _Disk(stream)
+        try:
+            with h5netcdf.File(disk, "w") as file:
+                yield file, disk.check
+        finally:
+            # the cause, whatever HDF5 makes of it
+            disk.check()
+
+
+class _Disk(io.RawIOBase):
+    """A file that takes everything; what the disk refuses it keeps itself.
+
+    Parameters
+    ----------
+    stream : file
+        Where the bytes go as long as that works.
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._descriptor = stream.fileno()
+        self._error: OSError | None = None
+        self._kept: list[tuple[int, bytes]] = []
+        self._position = 0
+        self._end = 0
+
+    def check(self) -> None:
+        """Raise what went wrong, if anything did."""
+        if self._error is not None:
+            raise self._error
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Move to a place, which may lie behind the end."""
+        self._position = offset + (0, self._position, self._end)[whence]
+        return self._position
+
+    def write(self, data: Buffer) -> int:
+        """Take all bytes."""
+        content = bytes(data)
+        written = 0
+        try:
+            while self._error is None and written < len(content):
+                place = self._position + written
+                written += os.pwrite(self._descriptor, content[written:], place)
+        except OSError as error:
+            self._error = error
+        if written < len(content):
+            self._kept.append((self._position, content))
+        self._position += len(content)
+        self._end = max(self._end, self._position)
+        return len(content)
+
+    def readinto(self, buffer: Buffer) -> int:
+        """Give back what has been written; zeros where nothing has."""
+        view = memoryview(buffer).cast("B")
+        first, n = self._position, len(view)
+        found = os.pread(self._descriptor, n, first)
+        view[:] = found + bytes(n - len(found))
+        for offset, content in self._kept:
+            a, z = max(offset, first), min(offset + len(content), first + n)
+            if a < z:
+                view[a - first : z - first] = content[a - offset : z - offset]
+        self._position += n
+        return n
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the length."""
+        self._end = self._position if size is None else size
+        try:
+            os.ftruncate(self._descriptor, self._end)
+        except OSError as error:
+            self._error = self._error or error
+        return self._end

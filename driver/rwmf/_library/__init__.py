@@ -1,0 +1,35 @@
+"""The one place that knows the compiled kernel: buffers, handles, status numbers, Ctrl-C.
+
+Text enters the kernel as UTF-8 bytes and leaves it in byte buffers. No other module imports the
+extensions; `measure`, which needs that in quadruple precision, is imported by those who measure.
+"""
+
+from rwmf._library.case import KernelCase, read_case
+from rwmf._library.results import Run, Spectrum
+from rwmf._library.start import check_threads, start_simulation, start_spectrum
+from rwmf._library.tables import (
+    instruction_set,
+    law_warning,
+    needs_of_groups,
+    quantities,
+    result_names,
+    schema,
+    version,
+)
+
+__all__ = [
+    "KernelCase",
+    "Run",
+    "Spectrum",
+    "check_threads",
+    "instruction_set",
+    "law_warning",
+    "needs_of_groups",
+    "quantities",
+    "read_case",
+    "result_names",
+    "schema",
+    "start_simulation",
+    "start_spectrum",
+    "version",
+]

@@ -1,0 +1,287 @@
+"""Measurements by the kernel: one method or procedure, and the quadruple-precision reference."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._kernel import rwmf_bindings_python_cost as _cost
+from rwmf._library.marshalling import encode, fetch_text, message_buffer
+from rwmf._library.worker import wait_for
+from rwmf._reference import rwmf_bindings_python_reference as _reference
+
+if TYPE_CHECKING:
+    from rwmf.case import Case
+
+
+__all__ = ["Measurement", "Reference", "measure_baseline", "measure_method", "solve_reference"]
+
+# impacts beyond are counted, their times left out: only chatter has so many
+_MOST_IMPACTS = 20000
+
+
+@dataclasses.dataclass(frozen=True)
+class Measurement:
+    """One way to compute a case.
+
+    Attributes
+    ----------
+    values : dict
+        Numbers by the kernel's names, unit included; NaN for what does not apply to the scene.
+    impact_times : numpy.ndarray, shape (impacts,)
+        Times of the impacts [s].
+    steps, rhs_evaluations, impacts : int
+        Counts.
+    overturned : bool
+        Whether the wall overturned.
+    seconds : float
+        Fastest of all repeats, measured inside the kernel [s].
+    dt : float
+        Step of a procedure with fixed steps [s], else NaN.
+    """
+
+    values: dict[str, float]
+    impact_times: npt.NDArray[np.float64]
+    steps: int
+    rhs_evaluations: int
+    impacts: int
+    overturned: bool
+    seconds: float
+    dt: float = float("nan")
+
+    def close(self) -> None:
+        """Release nothing: everything has been copied."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Reference(Measurement):
+    """Results in quadruple precision.
+
+    Attributes
+    ----------
+    differences : dict
+        How much each value differs from that at a looser tolerance.
+    impact_differences : numpy.ndarray, shape (impacts,)
+        The same for each impact time [s].
+    """
+
+    differences: dict[str, float] = dataclasses.field(default_factory=dict)
+    impact_differences: npt.NDArray[np.float64] = dataclasses.field(
+        default_factory=lambda: np.zeros(0)
+    )
+
+
+def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
+    """Run a case with a method and tolerance, repeatedly.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    method : str
+        As `&solver method`.
+    rtol : float
+        As `&solver rtol` [-].
+    budget : float
+        Time to be spent on repeats [s]; 0: one run.
+
+    Returns
+    -------
+    Measurement
+        The results.
+
+    Raises
+    ------
+    InputError, NumericalError, Interrupted
+        As the kernel reports them.
+    """
+
+    def call(
+        control: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
+    ) -> tuple[dict[str, Any], int, int]:
+        seconds, counts, status, n = _cost.measure(
+            case.kernel.handle,
+            encode(method),
+            rtol,
+            budget,
+            control,
+            buffers.values,
+            buffers.impact_times,
+            message,
+        )
+        return {"seconds": seconds} | _counts(counts), status, n
+
+    found, buffers = _run(call, case)
+    return Measurement(**buffers.content(found["impacts"]), **found)
+
+
+def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Measurement:
+    """Run a case with one of today's procedures, repeatedly.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    name : str
+        'ode45', 'rk4' or 'newmark'.
+    divisor : float
+        The step is the usual interval of samples over this [-].
+    budget : float
+        Time to be spent on repeats [s]; 0: one run.
+
+    Returns
+    -------
+    Measurement
+        The results.
+
+    Raises
+    ------
+    InputError, NumericalError
+        As the kernel reports them.
+    """
+
+    def call(
+        _: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
+    ) -> tuple[dict[str, Any], int, int]:
+        seconds, dt, counts, status, n = _cost.measure_baseline(
+            case.kernel.handle,
+            encode(name),
+            divisor,
+            budget,
+            buffers.values,
+            buffers.impact_times,
+            message,
+        )
+        return {"seconds": seconds, "dt": dt} | _counts(counts), status, n
+
+    found, buffers = _run(call, case)
+    return Measurement(**buffers.content(found["impacts"]), **found)
+
+
+def solve_reference(
+    case: Case,
+    rtol_loose: float,
+    rtol: float,
+    progress: Callable[[int], None] | None = None,
+) -> Reference:
+    """Run a case in quadruple precision at two tolerances.
+
+    The quadruple kernel is a library of its own, to which a case of the double one means nothing:
+    it reads the text, and the records, again.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    rtol_loose, rtol : float
+        Relative tolerances [-]; the results are those of the second.
+    progress : callable, optional
+        Called about 20 times a second with the number of finished runs; what it raises stops the
+        kernel.
+
+    Returns
+    -------
+    Reference
+        Results, and how much they differ between the tolerances.
+
+    Raises
+    ------
+    InputError, NumericalError, Interrupted
+        As the kernel reports them.
+    """
+    differences = np.full(_n_values(), np.nan)
+    impact_differences = np.zeros(_MOST_IMPACTS)
+
+    def call(
+        control: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
+    ) -> tuple[dict[str, Any], int, int]:
+        seconds, counts, status, n = _reference.solve(
+            encode(case.text),
+            encode(case.kernel_source()),
+            rtol_loose,
+            rtol,
+            control,
+            buffers.values,
+            differences,
+            buffers.impact_times,
+            impact_differences,
+            message,
+        )
+        return {"seconds": seconds} | _counts(counts), status, n
+
+    found, buffers = _run(call, case, progress)
+    return Reference(
+        **buffers.content(found["impacts"]),
+        **found,
+        differences=_by_name(differences),
+        impact_differences=impact_differences[: found["impacts"]].copy(),
+    )
+
+
+class _Buffers:
+    """Arrays that the kernel fills."""
+
+    def __init__(self) -> None:
+        self.values = np.full(_n_values(), np.nan)
+        self.impact_times = np.zeros(_MOST_IMPACTS)
+
+    def content(self, impacts: int) -> dict[str, Any]:
+        return {
+            "values": _by_name(self.values),
+            "impact_times": self.impact_times[:impacts].copy(),
+        }
+
+
+_Call = Callable[
+    [npt.NDArray[np.int64], _Buffers, npt.NDArray[np.int8]], tuple[dict[str, Any], int, int]
+]
+
+
+class _Found(dict[str, Any]):
+    """Facts of a run; nothing of them stays in the kernel."""
+
+    def close(self) -> None:
+        """Release nothing."""
+
+
+def _run(
+    call: _Call, case: Case, progress: Callable[[int], None] | None = None
+) -> tuple[dict[str, Any], _Buffers]:
+    """Wait for the kernel in a way that Ctrl-C can end."""
+    buffers = _Buffers()
+    message = message_buffer()
+    found = _Found()
+
+    def work(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
+        facts, status, n = call(control, buffers, message)
+        found.update(facts)
+        return 0, status, n
+
+    wait_for(work, message, case.kernel_source(), lambda _: found, progress)
+    return found, buffers
+
+
+def _counts(counts: npt.NDArray[np.int64]) -> dict[str, Any]:
+    steps, rhs_evaluations, impacts, overturned = (int(count) for count in counts[:4])
+    return {
+        "steps": steps,
+        "rhs_evaluations": rhs_evaluations,
+        "impacts": impacts,
+        "overturned": bool(overturned),
+    }
+
+
+def _names() -> list[str]:
+    return fetch_text(_cost.value_names).split()
+
+
+def _n_values() -> int:
+    return len(_names())
+
+
+def _by_name(values: npt.NDArray[np.float64]) -> dict[str, float]:
+    return dict(zip(_names(), values.tolist(), strict=True))

@@ -1,0 +1,202 @@
+"""Results in the kernel, and what Python sees of them."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
+from rwmf._library.case import KernelCase
+from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
+from rwmf._library.memory import Memory, MemoryView
+from rwmf._library.tables import law_warning
+
+__all__ = ["Run", "Spectrum"]
+
+# scalars of a run that are fetched at once
+_FIRST_ROOM = 256
+
+
+class Result:
+    """A result in the kernel's memory; leave the ``with`` block and it is released.
+
+    Arrays that show its memory keep it until they are gone as well.
+
+    Parameters
+    ----------
+    case : KernelCase
+        That was computed.
+    handle : int
+        Of the result.
+    """
+
+    def __init__(self, case: KernelCase, handle: int) -> None:
+        self._case = case
+        self._memory: Memory | None = Memory(handle)
+
+    @property
+    def memory(self) -> Memory:
+        """The memory; an address in the kernel must never be used after its release."""
+        if self._memory is None:
+            raise RuntimeError("this result of the kernel has been released")
+        return self._memory
+
+    @property
+    def handle(self) -> int:
+        """The handle of the memory."""
+        return self.memory.handle
+
+    def close(self) -> None:
+        """Let go of the kernel's memory; calling it twice does no harm."""
+        self._memory = None
+
+    def __enter__(self) -> Self:
+        """Return the result itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Let go of the kernel's memory."""
+        self.close()
+
+
+class Run(Result):
+    """Result of one simulation."""
+
+    def summary(self) -> dict[str, Any]:
+        """Named scalars and lists: the keys of ``rwmf run --json`` in their order.
+
+        Returns
+        -------
+        dict
+            Values by key.
+        """
+        lines: list[str] = []
+        room = _FIRST_ROOM
+        while True:
+            reals, counts = np.zeros(room), np.zeros(room, dtype=np.int64)
+            lines = fetch_text(
+                _kernel.result_summary, self._case.handle, self.handle, reals, counts
+            ).splitlines()
+            if len(lines) <= room:
+                break
+            room = len(lines)
+        numbers = zip(lines, reals.tolist(), counts.tolist(), strict=False)
+        return dict(summary_item(*item) for item in numbers)
+
+    def history(self) -> tuple[list[str], npt.NDArray[np.float64]]:
+        """Column names and values (columns, rows); both empty without `&output dt`.
+
+        The values are the kernel's memory, which the array keeps: changes of it show in whatever
+        else looks at the history of this run.
+
+        Returns
+        -------
+        list of str
+            Names of the columns.
+        numpy.ndarray, shape (columns, rows)
+            The values, in the units that the names end with.
+        """
+        address, n_rows, n_columns, _ = _kernel.result_history(self.handle)
+        if n_columns == 0:
+            return [], np.zeros((0, 0))
+        values = np.asarray(MemoryView(self.memory, address, (n_columns, n_rows)))
+        return fetch_text(_kernel.result_columns, self.handle).splitlines(), values
+
+    def events(self) -> dict[str, npt.NDArray[Any]]:
+        """Arrays over the events: kind (names), t [s], theta [rad] and theta_dot [rad/s].
+
+        For the bare frame theta is the displacement [m] and theta_dot its rate [m/s].
+
+        Returns
+        -------
+        dict of str to numpy.ndarray, each shape (events,)
+            The arrays by name.
+        """
+        n = _kernel.result_history(self.handle)[3]
+        kinds = np.zeros(n, dtype=np.intc)
+        t, theta, theta_dot = (np.zeros(n) for _ in range(3))
+        if n > 0:
+            _kernel.result_events(self.handle, kinds, t, theta, theta_dot)
+        names = np.array(fetch_text(_kernel.event_names).splitlines(), dtype=str)
+        return {"kind": names[kinds - 1], "t": t, "theta": theta, "theta_dot": theta_dot}
+
+    def write(self, source: str, folder: str) -> None:
+        """Write the files of the batch program, named after `source`, into `folder`.
+
+        Parameters
+        ----------
+        source : str
+            Path of the case's file.
+        folder : str
+            Where the files are made.
+
+        Raises
+        ------
+        OutputError
+            When a file cannot be written.
+        """
+        message = message_buffer()
+        status, n = _kernel.result_write(
+            self._case.handle, self.handle, encode(source), encode(folder), message
+        )
+        raise_for(status, message, n, writing=True)
+
+
+class Spectrum(Result):
+    """Result of a spectrum."""
+
+    def warnings(self) -> list[str]:
+        """Say what to keep in mind about all ordinates.
+
+        Returns
+        -------
+        list of str
+            One line each.
+        """
+        return law_warning(self._case.broken_laws()).splitlines()
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds.
+
+        Returns
+        -------
+        dict
+            The facts by name; the time in s.
+        """
+        names = ("n_T", "n_gamma", "n_b", "bare", "threads", "rhs_evaluations", "seconds")
+        return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
+
+    def values(self) -> dict[str, npt.NDArray[Any]]:
+        """T_s [s], gamma [-], b [m], status (b, gamma, T_s), each quantity likewise by its key.
+
+        Returns
+        -------
+        dict of str to numpy.ndarray
+            Axes of shape (n,), the others of shape (n_b, n_gamma, n_T).
+        """
+        shape = tuple(_kernel.spectrum_shape(self.handle)[:3])
+        keys = fetch_text(_kernel.spectrum_quantities, self.handle).split("\t")
+        axes = [np.zeros(n) for n in shape]
+        address = _kernel.spectrum_values(self.handle, *axes)
+        found = np.asarray(MemoryView(self.memory, address, (len(keys), *shape[::-1])))
+        status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
+        return dict(zip(keys, found, strict=True)) | {
+            "T_s": axes[0],
+            "gamma": axes[1],
+            "b": axes[2],
+            "status": status.reshape(shape[::-1]),
+        }
+
+    def write(self, path: str) -> None:
+        """Write the CSV file of the batch program."""
+        message = message_buffer()
+        status, n = _kernel.spectrum_write(self._case.handle, self.handle, encode(path), message)
+        raise_for(status, message, n, writing=True)

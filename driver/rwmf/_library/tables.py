@@ -1,0 +1,107 @@
+"""What the kernel tells about itself: version, and its tables of keys, groups and quantities."""
+
+from __future__ import annotations
+
+from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
+from rwmf._library.marshalling import encode, fetch_text, split_table
+
+__all__ = [
+    "instruction_set",
+    "law_warning",
+    "needs_of_groups",
+    "quantities",
+    "result_names",
+    "schema",
+    "version",
+]
+
+
+def version() -> str:
+    """Version of the compiled kernel.
+
+    Returns
+    -------
+    str
+        For example ``'0.2.0'``.
+    """
+    return fetch_text(_kernel.version)
+
+
+def instruction_set() -> str:
+    """Instructions that method ``fast`` uses on this processor.
+
+    Returns
+    -------
+    str
+        For example ``'x86-64-v4'``.
+    """
+    return fetch_text(_kernel.instruction_set)
+
+
+def schema() -> list[list[str]]:
+    """Return the kernel's table of groups and keys.
+
+    Returns
+    -------
+    list of list of str
+        One row a key: group, key, type, unit, default, what is allowed, help.
+    """
+    return split_table(fetch_text(_kernel.schema))
+
+
+def needs_of_groups() -> dict[str, list[str]]:
+    """Return the groups of a case, each with those without which it must not be given.
+
+    Returns
+    -------
+    dict of str to list of str
+        In the order of the documentation.
+    """
+    rows = split_table(fetch_text(_kernel.groups))
+    found: dict[str, list[str]] = {}
+    for name, *needs in rows:
+        found.setdefault(name, []).extend(needs)
+    return found
+
+
+def quantities() -> list[list[str]]:
+    """Return the kernel's table of output quantities.
+
+    Returns
+    -------
+    list of list of str
+        One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
+    """
+    return split_table(fetch_text(_kernel.quantities))
+
+
+def result_names(source: str) -> list[str]:
+    """Return the files that the batch program may write for a case.
+
+    Parameters
+    ----------
+    source : str
+        Path of its namelist.
+
+    Returns
+    -------
+    list of str
+        Their names, without folder.
+    """
+    return fetch_text(_kernel.result_names, encode(source)).splitlines()
+
+
+def law_warning(laws: int) -> str:
+    """Say in one line which laws are broken.
+
+    Parameters
+    ----------
+    laws : int
+        The bits of `KernelCase.broken_laws`, of one case or of several.
+
+    Returns
+    -------
+    str
+        The line, '' for none.
+    """
+    return fetch_text(_kernel.law_warning, laws)

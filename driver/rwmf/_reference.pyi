@@ -1,0 +1,5 @@
+"""Extension made by f2py: its arguments are documented in the Fortran sources of the bindings."""
+
+from typing import Any
+
+rwmf_bindings_python_reference: Any

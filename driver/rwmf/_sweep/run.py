@@ -1,0 +1,351 @@
+"""The sweep itself: plan, compute, keep, assemble; and the joining of parts."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TypedDict
+
+import numpy as np
+import xarray as xr
+
+from rwmf._files import files
+from rwmf._files.names import readable
+from rwmf._sweep import netcdf
+from rwmf._sweep.chunk_store import ChunkStore, read_layout
+from rwmf._sweep.executors import count_threads, run_in_threads, run_on
+from rwmf._sweep.layout import Layout, difference
+from rwmf._sweep.plan import Plan, make_plan
+from rwmf._sweep.quantities import DISPLACEMENT, QUANTITIES
+from rwmf._sweep.record_sets import RecordFile, find_records
+from rwmf._sweep.task import Chunk
+from rwmf.case import Case
+from rwmf.errors import InputError, Interrupted, OutputError
+
+__all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
+
+Progress = Callable[[int, int], None]
+
+
+class RunOptions(TypedDict, total=False):
+    """Arguments of `sweep` on how its runs are computed, that a study hands on.
+
+    Attributes
+    ----------
+    threads : int
+        Threads, 0 for all.
+    executor : concurrent.futures.Executor, optional
+        Processes, MPI ranks or Dask workers in their place.
+    progress : callable, optional
+        Called with the number of finished runs and of all.
+    chunk : int
+        Largest number of runs in a chunk, 0 for the usual one.
+    """
+
+    threads: int
+    executor: Executor | None
+    progress: Progress | None
+    chunk: int
+
+
+class SweepOptions(RunOptions, total=False):
+    """Arguments of `sweep` that a study hands on, those on how records are read included.
+
+    Attributes
+    ----------
+    unit : str, optional
+        Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of records of one column [s].
+    """
+
+    unit: str | None
+    dt: float | None
+
+
+def sweep(
+    case: Case,
+    grid: Mapping[str, object] | None = None,
+    records: Sequence[str | os.PathLike[str] | RecordFile] = (),
+    file: str | os.PathLike[str] | None = None,
+    *,
+    quantities: Sequence[str] = (DISPLACEMENT,),
+    threads: int = 0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    restart: bool = False,
+    part: tuple[int, int] = (1, 1),
+    chunk: int = 0,
+    unit: str | None = None,
+    dt: float | None = None,
+) -> xr.Dataset:
+    """Run the product of records and parameters.
+
+    Parameters
+    ----------
+    case : Case
+        What all runs have in common; the values of its `&spectrum` are part of the grid.
+    grid : mapping, optional
+        Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on
+        the motion), ``eta`` (pairs eta_0, eta_alpha), or any key of the case (``e``,
+        ``formulation``, ``frame.xi_s``).
+    records : sequence of str or path, optional
+        Ground motions in the place of the case's own, see `find_records`; each runs to its last
+        sample unless ``t_end`` is in the grid.
+    file : str or path, optional
+        NetCDF file to write. Finished chunks are kept beside it until it is complete: the same
+        call continues where it was interrupted and gives the same bytes.
+    quantities : sequence of str
+        What is kept of each run, a whole grid of T_s, gamma and b a call.
+    threads : int
+        Threads, 0 for all; not used with an executor. The result does not depend on it.
+    executor : concurrent.futures.Executor, optional
+        Other engine: processes, MPI ranks, Dask workers.
+    progress : callable, optional
+        Called with the number of finished runs and of all.
+    restart : bool
+        Discard what an earlier call left in the place of `file`; nothing else than a sweep.
+    part : (int, int)
+        (K, N): only the K-th of N parts of the chunks, to be joined by `merge`; needs `file`.
+    chunk : int
+        Largest number of runs in a chunk, 0 for the usual one.
+    unit : str, optional
+        Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval [s] of records of one column.
+
+    Returns
+    -------
+    xarray.Dataset
+        The quantities and ``status`` (numbers, their names in its ``flag_meanings``) over all
+        axes; the attribute ``warnings`` says what some of the runs do not conserve. With a file it
+        is opened from there, with a part it is empty but for attributes.
+
+    Raises
+    ------
+    InputError
+        When something is not acceptable, when `file` is read by the sweep or belongs to another.
+    OutputError
+        When the file cannot be written.
+    Interrupted
+        After Ctrl-C.
+    """
+    if not isinstance(chunk, int | np.integer) or chunk < 0:
+        raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
+    found: Sequence[RecordFile] = find_records(records, unit=unit, dt=dt) if len(records) else ()
+    plan = make_plan(case, grid or {}, found, tuple(quantities), chunk)
+    work = _Work(plan, threads, executor, progress, part)
+    if file is None:
+        _check_part(part, in_memory=True)
+        chunks = {chunk.number: chunk for chunk in work.run(set())}
+        return _to_dataset(plan.layout, chunks.__getitem__)
+    inputs: list[str | os.PathLike[str]] = [*case.inputs, *(record.path for record in found)]
+    return _sweep_to_file(work, Path(file), inputs, restart)
+
+
+class _Work:
+    """Chunks of a plan that one call is to compute, with the report of its progress."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        threads: int,
+        executor: Executor | None,
+        progress: Progress | None,
+        part: tuple[int, int],
+    ) -> None:
+        _check_part(part)
+        self.plan = plan
+        self.part = part
+        # of an executor its owner decides
+        self._threads = count_threads(threads) if executor is None else 0
+        self._executor = executor
+        self._progress = progress
+        k, n = part
+        self._numbers = range(k - 1, plan.layout.n_chunks, n)
+
+    def run(self, done: set[int]) -> Iterator[Chunk]:
+        """Compute what is not done."""
+        layout = self.plan.layout
+        sizes = {number: int(np.prod(layout.chunk_shape(number))) for number in self._numbers}
+        total = sum(sizes.values())
+        finished = sum(sizes[number] for number in done if number in sizes)
+        missing = [number for number in self._numbers if number not in done]
+
+        def tell(unfinished: int = 0) -> None:
+            if self._progress is not None:
+                self._progress(finished + unfinished, total)
+
+        tell()
+        if self._executor is None:
+            chunks = run_in_threads(self.plan.task, missing, self._threads, tell)
+        else:
+            chunks = run_on(self._executor, (self.plan.task(number) for number in missing))
+        for result in chunks:
+            finished += sizes[result.number]
+            yield result
+            tell()
+
+
+def _sweep_to_file(
+    work: _Work, path: Path, inputs: Sequence[str | os.PathLike[str]], restart: bool
+) -> xr.Dataset:
+    netcdf.check_package()
+    store_path = path_of_store(path, work.part)
+    files.check_outputs([path, store_path], inputs)
+    if not files.is_regular_or_new(path):
+        raise InputError(f"{path}: a sweep is read again, it needs a regular file")
+    layout = work.plan.layout
+    if path.exists():
+        if not restart:
+            _check_same(path, layout)
+            if work.part[1] == 1:
+                _drop_store(store_path, layout)
+            return open_result(path)
+        # nothing else is discarded than a sweep
+        netcdf.read_identity(path)
+    with ChunkStore(store_path, layout, restart=restart) as store:
+        if restart:
+            files.remove(path)
+        done = {number for number in range(layout.n_chunks) if number in store}
+        try:
+            for result in work.run(done):
+                store.add(result)
+        except KeyboardInterrupt as error:
+            raise Interrupted(
+                f"{len(store)} of {layout.n_chunks} chunks are kept in {store_path}; the same "
+                "command continues"
+            ) from error
+        if work.part[1] > 1:
+            return xr.Dataset(attrs=netcdf.attributes(layout))
+        netcdf.write(layout, store.get, path)
+        # under its lock: what another process finds is the file
+        files.remove(store_path)
+    return open_result(path)
+
+
+def _drop_store(path: Path, layout: Layout) -> None:
+    """Remove the store that a run left which was killed when the file was complete."""
+    if path.exists():
+        # that of another sweep, or of a running one, is not ours to remove
+        with contextlib.suppress(InputError, OutputError), ChunkStore(path, layout):
+            files.remove(path)
+
+
+def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
+    """Name the file that keeps the finished chunks of a sweep, or of one part of it.
+
+    Parameters
+    ----------
+    path : path
+        NetCDF file of the sweep.
+    part : (int, int)
+        (K, N): the K-th of N parts.
+
+    Returns
+    -------
+    path
+        The file beside it.
+    """
+    suffix = "" if part[1] == 1 else f".part-{part[0]}-of-{part[1]}"
+    return path.with_name(f"{path.name}{suffix}.journal")
+
+
+def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> xr.Dataset:
+    """Join the parts of a sweep; the file is that of an undivided one.
+
+    Parameters
+    ----------
+    parts : sequence of str or path
+        Journals of all parts.
+    file : str or path
+        NetCDF file to write.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened from the file.
+
+    Raises
+    ------
+    InputError
+        When a part is missing, or when the parts are not of one sweep.
+    OutputError
+        When the file cannot be written.
+    """
+    netcdf.check_package()
+    files.check_outputs([file], parts)
+    layout = read_layout(Path(parts[0]))
+    stores: list[ChunkStore] = []
+    try:
+        for name in parts:
+            if not Path(name).is_file():
+                raise InputError(f"{name}: the file does not exist")
+            stores.append(ChunkStore(Path(name), layout))
+        owner = {n: item for item in stores for n in range(layout.n_chunks) if n in item}
+        if len(owner) < layout.n_chunks:
+            missing = layout.n_chunks - len(owner)
+            raise InputError(
+                f"{missing} of {layout.n_chunks} chunks are in none of the parts: a part is "
+                "missing or has not finished"
+            )
+        netcdf.write(layout, lambda number: owner[number].get(number), Path(file))
+    finally:
+        for item in stores:
+            item.close()
+    return open_result(Path(file))
+
+
+def open_result(path: Path) -> xr.Dataset:
+    """Open the file of a sweep.
+
+    Parameters
+    ----------
+    path : path
+        NetCDF file of the sweep.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened, not read.
+    """
+    return xr.open_dataset(path, engine="h5netcdf")
+
+
+def _check_same(path: Path, layout: Layout) -> None:
+    old, new = netcdf.read_identity(path), layout.to_text()
+    if old != new:
+        raise InputError(
+            f"{path}: holds another sweep (-), not this one (+):\n{difference(old, new)}\n"
+            "restart to discard it, or write to another file"
+        )
+
+
+def _check_part(part: tuple[int, int], *, in_memory: bool = False) -> None:
+    k, n = part
+    if not 1 <= k <= n:
+        raise InputError(f"part {k}/{n}: K/N needs 1 <= K <= N")
+    if in_memory and n > 1:
+        raise InputError(f"part {k}/{n}: a part needs a file to keep its chunks")
+
+
+def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
+    """Label a sweep that was kept in memory as xarray would read it from its file."""
+    names = netcdf.status_names(layout, source)
+    arrays = netcdf.assemble(layout, source, names, ())
+    dataset = xr.Dataset(attrs=netcdf.attributes(layout))
+    for item in layout.coordinates:
+        labels = {"units": item.unit} if item.unit else {}
+        labels["long_name"] = item.meaning
+        dataset.coords[item.name] = (
+            item.dimension,
+            np.array(list(map(readable, item.values))),
+            labels,
+        )
+    for name in layout.quantities:
+        dataset[name] = (layout.dims, arrays[name], QUANTITIES[name].attributes)
+    dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
+    return dataset

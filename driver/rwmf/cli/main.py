@@ -1,0 +1,83 @@
+"""The command ``rwmf``: words of the command line to calls of the package."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from rwmf._files.streams import ReaderGoneError, guarded
+from rwmf.cli.parser import make_parser
+from rwmf.errors import Interrupted, OutputError, RwmfError
+
+__all__ = ["main"]
+
+
+# exit status of what the program did not foresee
+_UNFORESEEN = 3
+_SHOW_TRACEBACK = "RWMF_TRACEBACK"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Words after the command's name; otherwise those of the process.
+
+    Returns
+    -------
+    int
+        Exit status: 0, 1 numerical failure, 2 input or output, 3 an error that the program did not
+        foresee, 130 interrupted.
+    """
+    with guarded() as lost:
+        try:
+            status = _run(arguments)
+        except RwmfError as error:
+            print(f"rwmf: {error}", file=sys.stderr)
+            status = error.exit_status
+        except KeyboardInterrupt:
+            print("rwmf: interrupted", file=sys.stderr)
+            status = Interrupted.exit_status
+        except SystemExit as leave:
+            # after --help, --version, and a word that argparse refuses
+            status = int(leave.code or 0)
+        except ReaderGoneError:
+            status = 0
+        except Exception as error:
+            status = _report(error)
+    if not lost:
+        return status
+    if isinstance(lost[0], BrokenPipeError):
+        return 0
+    text = f"the standard output cannot be written: {lost[0].strerror}; files are complete"
+    print(f"rwmf: {text}", file=sys.stderr)
+    return status or OutputError.exit_status
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    options = make_parser().parse_args(arguments)
+    # only the module of the command that is called, and what that needs
+    module, function = options.run.split(".")
+    status: int = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
+    sys.stdout.flush()
+    return status
+
+
+def _report(error: Exception) -> int:
+    """Show in one line what no command has foreseen, and return the exit status."""
+    if os.environ.get(_SHOW_TRACEBACK):
+        raise error
+    if isinstance(error, OSError) and error.filename is not None:
+        print(f"rwmf: {error.filename}: {error.strerror}", file=sys.stderr)
+        return OutputError.exit_status
+    text = " ".join(str(error).split())
+    print(
+        f"rwmf: unforeseen {type(error).__name__}{text and ': '}{text} "
+        f"({_SHOW_TRACEBACK}=1 in the environment shows where)",
+        file=sys.stderr,
+    )
+    return _UNFORESEEN

@@ -1,0 +1,251 @@
+"""The words and options of the command line.
+
+Nothing here computes or imports what computes: help and complaints about a word come at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from rwmf.cli.study_parser import add_study
+from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
+from rwmf.cli.words import number, whole, written_file
+
+__all__ = ["make_parser"]
+
+# processes on one machine: beyond any, and what the system still starts
+_MOST_WORKERS = 4096
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Build the parser of the command line.
+
+    Returns
+    -------
+    argparse.ArgumentParser
+        What it parses has the attribute ``run``: module of this package and its function that does
+        what is asked for.
+    """
+    parser = argparse.ArgumentParser(
+        prog="rwmf",
+        description="Dynamic response of post-tensioned rocking wall-moment frames.",
+        epilog="example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png",
+    )
+    parser.add_argument(
+        "--version",
+        action=_ShowVersion,
+        nargs=0,
+        default=argparse.SUPPRESS,
+        help="show program's version number and exit",
+    )
+    commands = Subcommands(parser, "COMMAND")
+    for add in (
+        _add_run,
+        _add_spectrum,
+        _add_cost,
+        _add_check,
+        _add_records,
+        _add_sweep,
+        _add_merge,
+        add_study,
+        _add_reproduce,
+        _add_animate,
+    ):
+        add(commands)
+    return parser
+
+
+class _ShowVersion(argparse.Action):
+    """Ask the kernel, which takes longer to load than all the rest, only when it is asked for."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        from rwmf import _library
+
+        print(f"{parser.prog} {_library.version()} ({_library.instruction_set()})")
+        parser.exit()
+
+
+def _add_run(commands: Subcommands) -> None:
+    parser = commands.add(
+        "run",
+        "Simulate one case and print its maxima, counts and cost (&spectrum is ignored).",
+        "inputs/fig06_mild_frame_one_cosine.nml --plot history.png",
+        "run.run",
+    )
+    add_case(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    add_plot(parser, "the history")
+    parser.add_argument(
+        "--loops",
+        metavar="FILE",
+        type=written_file,
+        help="draw force over displacement of frame, cable and fuses",
+    )
+    parser.add_argument("--out", metavar="DIR", help="write the CSV files of rwmf-batch there")
+
+
+def _add_spectrum(commands: Subcommands) -> None:
+    parser = commands.add(
+        "spectrum",
+        "Compute the spectrum that the case's &spectrum asks for: largest displacements of the "
+        "frame, or other quantities.",
+        "inputs/fig12_one_cosine.nml --csv cosine.csv --plot cosine.png",
+        "spectrum.run",
+    )
+    add_case(parser)
+    parser.add_argument(
+        "--csv", metavar="FILE", type=written_file, help="write the spectrum as rwmf-batch does"
+    )
+    add_plot(parser, "the spectrum")
+    add_threads(parser)
+    parser.add_argument(
+        "--quantity",
+        metavar="KEY",
+        nargs="+",
+        help="what each ordinate reports in place of &spectrum quantities (docs/outputs.md)",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _add_cost(commands: Subcommands) -> None:
+    parser = commands.add(
+        "cost",
+        "Show what accuracy costs in time: every method and tolerance, and what is usual today, "
+        "against a reference in quadruple precision (less than 30 s).",
+        "inputs/accuracy_elcentro_1s.nml --plot cost.png",
+        "cost.run",
+    )
+    add_case(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    add_plot(parser, "error against time")
+    parser.add_argument(
+        "--target",
+        metavar="ERROR",
+        type=number(0, 1),
+        default=1e-6,
+        help="relative error of the peak that a setting is recommended for (1e-6)",
+    )
+
+
+def _add_check(commands: Subcommands) -> None:
+    parser = commands.add(
+        "check",
+        "Read and validate a case; print effects, states, events, outputs, what is not simulated, "
+        "and every value.",
+        "inputs/fig12_one_cosine.nml",
+        "check.run",
+    )
+    add_case(parser)
+
+
+def _add_records(commands: Subcommands) -> None:
+    parser = commands.add(
+        "records",
+        "Recorded ground motions that come with a Python package.",
+        "export elcentro inputs/records/elcentro.csv",
+    )
+    actions = Subcommands(parser, "ACTION")
+    actions.add(
+        "list", "List the records with variant, points, dt, peak and checksum.", "", "records.show"
+    )
+    export = actions.add(
+        "export",
+        "Write a record into a file that &motion can name; samples stay unchanged.",
+        "elcentro inputs/records/elcentro.csv",
+        "records.export",
+    )
+    export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
+    export.add_argument("file", metavar="FILE", type=written_file, help="file to write")
+
+
+def _add_sweep(commands: Subcommands) -> None:
+    parser = commands.add(
+        "sweep",
+        "Run the product of records and parameters that a namelist asks for, into NetCDF.",
+        "restitution.nml --file restitution.nc",
+        "sweep.run",
+    )
+    parser.add_argument("sweep", metavar="SWEEP.nml", help="namelist with &sweep and &grid")
+    parser.add_argument(
+        "--file", metavar="FILE.nc", type=written_file, help="NetCDF file (default: SWEEP.nc)"
+    )
+    add_threads(parser)
+    parser.add_argument(
+        "--engine",
+        metavar="NAME",
+        default="threads",
+        help="threads, processes, mpi (under mpiexec -n N python -m mpi4py.futures -m rwmf), dask "
+        "or dask:ADDRESS",
+    )
+    parser.add_argument(
+        "--workers", metavar="N", type=whole(0, _MOST_WORKERS), default=0, help="of the engine"
+    )
+    parser.add_argument("--part", metavar="K/N", default="1/1", help="only the K-th of N parts")
+    parser.add_argument("--restart", action="store_true", help="discard what is there")
+
+
+def _add_merge(commands: Subcommands) -> None:
+    parser = commands.add(
+        "merge",
+        "Join parts: the journals of rwmf sweep --part, or the CSV files of rwmf-batch --part.",
+        "whole.nc whole.nc.part-*.journal",
+        "sweep.merge_parts",
+    )
+    parser.add_argument(
+        "file", metavar="FILE", type=written_file, help="file to write, .nc or .csv"
+    )
+    parser.add_argument("parts", metavar="PART", nargs="+", help="all parts, in any order")
+
+
+def _add_reproduce(commands: Subcommands) -> None:
+    parser = commands.add(
+        "reproduce",
+        "Draw the paper's figures again, judge its claims, compare with contact engines; needs the "
+        "checkout of the project.",
+        "4 12 --out plots",
+        "reproduce.run",
+    )
+    parser.add_argument(
+        "figures",
+        nargs="*",
+        metavar="FIGURE",
+        help="4 to 13, benefit, band, free, block, g5, disc; all when absent",
+    )
+    parser.add_argument(
+        "--docs", type=Path, metavar="DIR", help="write claims.md and validation.md there"
+    )
+    for name, what in (
+        ("out", "of the results (default: plots"),
+        ("inputs", "of the cases (default: inputs"),
+        ("validation", "of the engines' cases (default: validation"),
+    ):
+        parser.add_argument(
+            f"--{name}", type=Path, metavar="DIR", help=f"folder {what} of the checkout)"
+        )
+
+
+def _add_animate(commands: Subcommands) -> None:
+    parser = commands.add(
+        "animate",
+        "Draw a film of wall, frame and ground: rocking, impacts and lift-off.",
+        "inputs/fig06_mild_frame_one_cosine.nml --out rocking.gif",
+        "animate.run",
+    )
+    add_case(parser)
+    positive = number(above=0)
+    parser.add_argument(
+        "--out", type=written_file, metavar="FILE", help="gif or mp4; CASE.gif when absent"
+    )
+    parser.add_argument("--fps", type=whole(1, 100), default=20, help="frames a second of the film")
+    parser.add_argument(
+        "--speed", type=positive, default=1.0, help="0.5 for half of the real speed"
+    )
+    parser.add_argument("--until", type=positive, metavar="T", help="end of the film [s]")

@@ -1,0 +1,71 @@
+"""What ``rwmf reproduce`` does: it hands over to the project's checkout.
+
+The paper's figures and tables are made of the cases and stored histories of the checkout, by the
+package in its folder ``plots``: neither is installed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import rwmf
+from rwmf.errors import InputError
+
+__all__ = ["find_checkout", "run"]
+
+# what shows that a folder is the checkout
+_MARK = Path("plots", "reproduce", "command.py")
+
+
+def find_checkout() -> Path:
+    """Find the project's checkout.
+
+    Returns
+    -------
+    path
+        The checkout that the package lies in, otherwise the one of the current folder.
+
+    Raises
+    ------
+    InputError
+        When neither lies in a checkout.
+    """
+    package = Path(rwmf.__path__[0]).resolve()
+    current = Path.cwd()
+    for folder in (*package.parents, current, *current.parents):
+        if (folder / _MARK).is_file():
+            return folder
+    raise InputError(
+        "reproduce needs the checkout of the project, with its cases and stored histories: run it "
+        f"there; neither {current} nor {package} lies in one"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Draw figures and write tables (``rwmf reproduce``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError
+        When there is no checkout; and whatever the computations raise.
+    """
+    checkout = find_checkout()
+    for name in ("inputs", "validation"):
+        setattr(options, name, getattr(options, name) or checkout / name)
+    options.out = options.out or checkout / "plots"
+    sys.path.insert(0, str(checkout / "plots"))
+    status: int = import_module("reproduce.command").run(options)
+    return status

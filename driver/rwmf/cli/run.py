@@ -1,0 +1,97 @@
+"""What ``rwmf run`` does."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rwmf import _library, loops
+from rwmf import _simulation as simulation
+from rwmf._files import files
+from rwmf.case import Case
+from rwmf.cli.output import print_json, print_warnings
+from rwmf.plotting import files as figures
+
+__all__ = ["run"]
+
+# points of a plotted history when the case asks for none
+_PLOT_POINTS = 4000
+# and of its loops, whose corners a history of the response need not show
+_LOOP_POINTS = 40000
+
+
+def run(options: argparse.Namespace) -> int:
+    """Simulate one case (``rwmf run``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
+    case = Case.from_namelist(options.case)
+    written = _library.result_names(options.case) if options.out else ()
+    outputs = [options.plot, options.loops, *(Path(options.out, name) for name in written)]
+    files.check_outputs(outputs, case.inputs)
+    figures.check_formats(options.plot, options.loops)
+    if options.loops:
+        loops.check_springs(case)
+    with simulation.start(case) as result:
+        summary = result.summary()
+        if options.out:
+            result.write(options.case, options.out)
+        if options.plot:
+            _plot_history(case, result, options.plot)
+        if options.loops:
+            _plot_loops(case, result, options.loops)
+    print_warnings(options.case, summary["warnings"])
+    if options.json:
+        print_json(summary)
+    else:
+        _print_table(summary)
+    return 0
+
+
+def _plot_history(case: Case, result: _library.Run, path: str) -> None:
+    dataset = simulation.to_dataset(result)
+    if "time" not in dataset.coords:
+        # the integration does not depend on the history: the same response, sampled
+        dt = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
+        dataset = simulation.simulate(case, dt)
+    figures.save_history(dataset, path)
+
+
+def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
+    """Sample the corners of the loops finely, whatever interval the case asks for."""
+    dataset = simulation.to_dataset(result)
+    fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
+    if "time" not in dataset.coords or case.output.dt > fine:
+        dataset = simulation.simulate(case, fine)
+    figures.save_loops(dataset, case, path)
+
+
+def _print_table(summary: dict[str, Any]) -> None:
+    width = max(len(key) for key in summary)
+    for key, value in summary.items():
+        if isinstance(value, list):
+            # warnings stand on the error output already
+            text = ", ".join(value) if key == "effects" else str(len(value))
+        elif isinstance(value, bool):
+            text = "yes" if value else "no"
+        elif isinstance(value, float):
+            text = f"{value:.10g}"
+        else:
+            text = str(value)
+        print(f"{key:{width}s}  {text}")

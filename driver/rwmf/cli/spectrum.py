@@ -1,0 +1,106 @@
+"""What ``rwmf spectrum`` does."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rwmf import _spectrum
+from rwmf._files import files
+from rwmf.case import Case
+from rwmf.case.grid import count_ordinates, with_grid
+from rwmf.cli.output import print_json, print_warnings
+from rwmf.cli.progress import progress_bar
+from rwmf.plotting import files as figures
+from rwmf.quantities import ENDINGS, names_by_key
+
+__all__ = ["run"]
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute a spectrum (``rwmf spectrum``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
+    case = Case.from_namelist(options.case)
+    case = with_grid(case, quantities=options.quantity)
+    files.check_outputs([options.plot, options.csv], case.inputs)
+    figures.check_formats(options.plot)
+    with (
+        progress_bar(count_ordinates(case)) as report,
+        _spectrum.start(case, options.threads, report) as sweep,
+    ):
+        dataset = _spectrum.to_dataset(sweep)
+        if options.csv:
+            sweep.write(options.csv)
+    print_warnings(options.case, dataset.attrs["warnings"])
+    if options.plot:
+        figures.save_spectrum(dataset, options.plot)
+    if options.json:
+        print_json(_spectrum_object(dataset))
+    else:
+        _print_spectrum(dataset, options)
+    return 0
+
+
+def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
+    """Keys of ``rwmf spectrum --json`` in their order."""
+    found: dict[str, Any] = {"T_s_s": dataset["T_s"].values}
+    if "gamma" in dataset.dims:
+        found["gamma"] = dataset["gamma"].values
+        found["b_m"] = dataset["b"].values
+    for key, name in names_by_key(dataset.data_vars).items():
+        found[key] = dataset[name].values
+    for key in ("seconds", "threads", "rhs_evaluations", "warnings"):
+        found[key] = dataset.attrs[key]
+    return found
+
+
+def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
+    status = dataset["status"].values
+    failed = ~np.isin(status, ("ok", *ENDINGS))
+    # a frame collapses only where an effect limits its drift
+    ended = [name for name in ENDINGS if name == "overturned" or (status == name).any()]
+    print(
+        f"{status.size} simulations in {dataset.attrs['seconds']:.2f} s "
+        f"with {dataset.attrs['threads']} threads, {failed.sum()} failed, "
+        + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
+    )
+    for path in (options.csv, options.plot):
+        if path:
+            print(f"written: {path}")
+    if not options.csv and not options.plot:
+        _print_ordinates(dataset)
+
+
+def _print_ordinates(dataset: xr.Dataset) -> None:
+    """One line a period, one column a mass ratio and half width."""
+    bare = "gamma" not in dataset.dims
+    columns = dataset if bare else dataset.stack(column=("b", "gamma"))
+    names = names_by_key(name for name in dataset.data_vars if name != "status")
+    for key, name in names.items():
+        heads = [key]
+        if not bare:
+            if len(names) > 1:
+                print(f"{key}:")
+            heads = [f"gamma={gamma:g},b={b:g}" for b, gamma in columns["column"].values]
+        print(" ".join([f"{'T_s_s':>9s}", *(f"{head:>20s}" for head in heads)]))
+        values = columns[name].values.reshape(dataset.sizes["T_s"], -1)
+        for period, row in zip(dataset["T_s"].values, values, strict=True):
+            print(" ".join([f"{period:9.4f}", *(f"{value:20.9g}" for value in row)]))

@@ -1,0 +1,171 @@
+"""What ``rwmf study`` does: one study, one dataset, one figure."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+from rwmf import studies
+from rwmf._files import files
+from rwmf._files.netcdf_file import new_file
+from rwmf._sweep import RecordFile, find_records
+from rwmf._sweep.quantities import find_quantities
+from rwmf.case import Case
+from rwmf.cli.output import print_warnings
+from rwmf.cli.progress import progress
+from rwmf.cli.study_parser import FACTORS, TENSIONS
+from rwmf.cli.words import numbers
+from rwmf.errors import InputError
+from rwmf.plotting import files as figures
+from rwmf.plotting import studies as plots
+
+__all__ = ["run"]
+
+Report = Callable[[int, int], None]
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute a study, write it, draw it (``rwmf study``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, OutputError, NumericalError, Interrupted
+        As the study and the writers of files.
+    """
+    case = Case.from_namelist(options.case)
+    words = getattr(options, "records", None) or ()
+    records: Sequence[RecordFile] = find_records(words, unit=options.unit) if words else ()
+    inputs = [*case.inputs, *(Path(record.path) for record in records)]
+    files.check_outputs([options.plot, options.file], inputs)
+    figures.check_formats(options.plot)
+    study = _STUDIES[options.study]
+    with progress() as report:
+        dataset = study.compute(options, case, report)
+    print_warnings(options.case, dataset.attrs["warnings"].splitlines())
+    if options.file:
+        _write(dataset, Path(options.file))
+    if options.plot:
+        with figures.new_figure(6.4 * study.panels**0.5, 3.8) as figure:
+            study.draw(dataset, figure.subplots(1, study.panels))
+            figures.save(figure, options.plot)
+    for path in (options.file, options.plot):
+        if path:
+            print(f"written: {path}")
+    if "median" in dataset:
+        print(_fit_in_words(dataset))
+    if not options.file and not options.plot:
+        print(dataset)
+    return 0
+
+
+def _overturning(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    return studies.overturning_map(
+        case, options.omega, options.amplitude, options.tolerance, options.threads, report
+    )
+
+
+def _spectra(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    grid, how = _grid(options), _how(options, report)
+    return studies.suite_spectra(case, grid, options.records, options.quantity, **how)
+
+
+def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    (quantity,) = find_quantities((options.quantity,))
+    analysis = studies.incremental_dynamic_analysis(
+        case, options.levels, options.records, quantity, **_how(options, report)
+    )
+    curve = studies.fragility(analysis, options.limit, quantity)
+    return curve.assign({quantity: analysis[quantity]})
+
+
+def _wall(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    return studies.wall_effect(case, _grid(options), options.records, **_how(options, report))
+
+
+def _friction(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    return studies.friction_spectra(case, _grid(options), options.records, **_how(options, report))
+
+
+def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    factors, tensions = options.e, options.eta
+    if factors is None and case.impact is not None and case.impact.rule == "constant":
+        factors = numbers(FACTORS)
+    if tensions is None and case.cable is not None:
+        tensions = numbers(TENSIONS)
+    uncertain: dict[str, Sequence[object]] = {}
+    if factors is not None:
+        # a case that gives r takes its square
+        squared = case.impact is not None and "r" in case.impact.given
+        uncertain = {"r": [e**2 for e in factors]} if squared else {"e": factors}
+    if tensions is not None:
+        if len(tensions) % 2 > 0:
+            raise InputError("--eta: needs pairs eta_0, eta_alpha")
+        uncertain["eta"] = list(zip(tensions[::2], tensions[1::2], strict=True))
+    if not uncertain:
+        raise InputError(f"{options.case}: nothing is uncertain: give --e or --eta")
+    return studies.sensitivity_bands(
+        case, _grid(options), uncertain, options.records, **_how(options, report)
+    )
+
+
+def _equal_response(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
+    return studies.equal_response(
+        case, options.T_p, options.target, threads=options.threads, progress=report
+    )
+
+
+class _Study(NamedTuple):
+    """A study with its figure, which has one panel or several."""
+
+    compute: Callable[[argparse.Namespace, Case, Report], xr.Dataset]
+    draw: Callable[[xr.Dataset, Any], object]
+    panels: int = 1
+
+
+_STUDIES = {
+    "overturning": _Study(_overturning, plots.draw_overturning),
+    "spectra": _Study(_spectra, plots.draw_suite),
+    "fragility": _Study(_fragility, plots.draw_fragility),
+    "wall": _Study(_wall, plots.draw_wall_effect),
+    "friction": _Study(_friction, plots.draw_friction, panels=2),
+    "bands": _Study(_bands, plots.draw_bands),
+    "equal-response": _Study(_equal_response, plots.draw_equal_response),
+}
+
+
+def _grid(options: argparse.Namespace) -> dict[str, Sequence[object]]:
+    grid = {"T_s": options.T_s}
+    return grid if options.gamma is None else grid | {"gamma": options.gamma}
+
+
+def _how(options: argparse.Namespace, report: Report) -> dict[str, Any]:
+    return {"unit": options.unit, "threads": options.threads, "progress": report}
+
+
+def _fit_in_words(dataset: xr.Dataset) -> str:
+    """Say what a fragility curve comes down to."""
+    unit = dataset["limit"].attrs["units"]
+    limit = f"{float(dataset['limit']):g}" + ("" if unit == "1" else f" {unit}")
+    return (
+        f"{dataset.attrs['quantity']} > {limit}: "
+        f"median {float(dataset['median']):.6g} g, dispersion {float(dataset['dispersion']):.6g}"
+    )
+
+
+def _write(dataset: xr.Dataset, path: Path) -> None:
+    with new_file(path) as (file, _):
+        dataset.dump_to_store(xr.backends.H5NetCDFStore(file))

@@ -1,0 +1,170 @@
+"""The words and options of ``rwmf study``."""
+
+from __future__ import annotations
+
+import argparse
+
+from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
+from rwmf.cli.words import number, numbers, written_file
+
+__all__ = ["FACTORS", "TENSIONS", "add_study"]
+
+# the ranges of what is uncertain, when nothing else is said: velocity factors, pairs of eta
+FACTORS = "0.8:1:5"
+TENSIONS = "0,0,1,5,5,50"
+_PERIODS = "0.1:3:59"
+
+
+def add_study(commands: Subcommands) -> None:
+    """Add the word ``study``, and those that follow it.
+
+    Parameters
+    ----------
+    commands : Subcommands
+        Words of the command line. What is parsed has the name of the study as ``study``.
+    """
+    parser = commands.add(
+        "study",
+        "A study from a case: overturning map, spectra of a suite, fragility and others.",
+        "overturning inputs/study_block.nml --plot map.png",
+        "study.run",
+    )
+    studies = Subcommands(parser, "NAME")
+    for add in (
+        _add_overturning,
+        _add_spectra,
+        _add_fragility,
+        _add_wall,
+        _add_friction,
+        _add_bands,
+        _add_equal_response,
+    ):
+        add(studies)
+
+
+def _new(studies: Subcommands, name: str, text: str, example: str) -> argparse.ArgumentParser:
+    parser = studies.add(name, text, example, study=name)
+    add_case(parser)
+    add_plot(parser, "the result")
+    parser.add_argument(
+        "--file", metavar="FILE.nc", type=written_file, help="write the result as NetCDF"
+    )
+    add_threads(parser)
+    return parser
+
+
+def _list(parser: argparse.ArgumentParser, name: str, default: str | None, text: str) -> None:
+    shown = f" (default {default})" if default else ""
+    # the same option without its capitals is the same option
+    words = dict.fromkeys((f"--{name}", f"--{name.lower()}"))
+    parser.add_argument(*words, metavar="LIST", type=numbers, default=default, help=text + shown)
+
+
+def _add_records(parser: argparse.ArgumentParser, required: bool) -> None:
+    parser.add_argument(
+        "--records",
+        metavar="WORD",
+        nargs="+",
+        default=[],
+        required=required,
+        help="files, folders of AT2 files, fema:far_field and others",
+    )
+    parser.add_argument("--unit", help="unit of records that are not AT2: g, m/s2, cm/s2")
+
+
+def _add_grid(parser: argparse.ArgumentParser) -> None:
+    _list(parser, "T_s", _PERIODS, "periods of the frame in s")
+    _list(parser, "gamma", None, "mass ratios (default: those of the case)")
+
+
+def _add_overturning(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "overturning",
+        "Which pulses overturn the wall, and after how many impacts; boundaries are bisected.",
+        "inputs/study_block.nml --omega 1:8:71 --plot map.png",
+    )
+    _list(parser, "omega", "1:8:57", "frequencies of the pulse over p")
+    _list(parser, "amplitude", "0.5:12:70", "amplitudes a_p/(alpha g) to scan")
+    parser.add_argument(
+        "--tolerance", type=number(above=0), default=1e-6, help="width of the bisection"
+    )
+
+
+def _add_spectra(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "spectra",
+        "Spectra over a suite of records: percentiles of displacement, rotation or cable force.",
+        "inputs/study_elcentro.nml --records fema:far_field --plot suite.png",
+    )
+    _add_records(parser, required=True)
+    _add_grid(parser)
+    parser.add_argument(
+        "--quantity",
+        default="u_s_max",
+        help="u_s_max, theta_max_over_alpha, cable_force_increment_max_over_m_w_g",
+    )
+
+
+def _add_fragility(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "fragility",
+        "Incremental dynamic analysis of a suite and the probability to exceed a limit.",
+        "inputs/study_one_sine.nml --records fema:far_field --limit 0.2 --plot f.png",
+    )
+    _add_records(parser, required=True)
+    _list(parser, "levels", "0.1:2:20", "pseudo-spectral accelerations over g")
+    parser.add_argument("--quantity", default="u_s_max", help="the demand, see rwmf study spectra")
+    parser.add_argument("--limit", type=number(), required=True, help="limit of the demand")
+
+
+def _add_wall(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "wall",
+        "Seismic effect of the wall: displacement with it over that of the frame alone.",
+        "inputs/study_elcentro.nml --gamma 5,10,100 --plot wall.png",
+    )
+    _add_records(parser, required=False)
+    _add_grid(parser)
+
+
+def _add_friction(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "friction",
+        "Friction that the base needs, and cable force, over period and mass ratio of the frame.",
+        "inputs/study_one_sine.nml --gamma 5,100,1000 --plot friction.png",
+    )
+    _add_records(parser, required=False)
+    _add_grid(parser)
+
+
+def _add_bands(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "bands",
+        "Range of the spectrum over uncertain restitution and post-tension.",
+        "inputs/study_one_sine.nml --gamma 5,100 --e 0.8,0.9 --plot bands.png",
+    )
+    _add_records(parser, required=False)
+    _add_grid(parser)
+    texts = (
+        f"velocity factors at impact (default {FACTORS}, unless a rule of the case gives it)",
+        f"pairs eta_0, eta_alpha one after the other (default {TENSIONS}, with a cable)",
+    )
+    for name, text in zip(("e", "eta"), texts, strict=True):
+        _list(parser, name, None, text)
+
+
+def _add_equal_response(studies: Subcommands) -> None:
+    parser = _new(
+        studies,
+        "equal-response",
+        "Which amplitude of each pulse gives the same displacement of the frame.",
+        "inputs/study_one_sine.nml --target 0.2 --plot equal.png",
+    )
+    _list(parser, "T_p", "0.2:3:57", "periods of the pulse in s")
+    parser.add_argument("--target", type=number(above=0), required=True, help="displacement in m")

@@ -1,0 +1,140 @@
+"""What ``rwmf sweep`` and ``rwmf merge`` do."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from rwmf._files import files
+from rwmf._sweep.csv_parts import merge_csv
+from rwmf._sweep.executors import open_executor
+from rwmf._sweep.quantities import DISPLACEMENT
+from rwmf._sweep.run import merge, path_of_store, sweep
+from rwmf._sweep.sweep_file import read_sweep_file
+from rwmf.case import Case
+from rwmf.cli.output import print_warnings
+from rwmf.cli.progress import progress
+from rwmf.errors import InputError, Interrupted
+
+__all__ = ["merge_parts", "run"]
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a sweep (``rwmf sweep``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
+    asked = read_sweep_file(options.sweep)
+    path = Path(options.file) if options.file else asked.file
+    part = _parse_part(options.part)
+    files.check_outputs([path], [options.sweep, asked.case])
+    started = time.perf_counter()
+    try:
+        with open_executor(options.engine, options.workers) as executor, progress() as report:
+            dataset = sweep(
+                Case.from_namelist(str(asked.case)),
+                asked.grid,
+                asked.records,
+                path,
+                quantities=asked.quantities or (DISPLACEMENT,),
+                threads=options.threads,
+                executor=executor,
+                progress=report,
+                restart=options.restart,
+                part=part,
+                chunk=asked.chunk,
+                unit=asked.unit,
+                dt=asked.dt,
+            )
+    except Interrupted as error:
+        print(f"rwmf: {error}", file=sys.stderr)
+        raise
+    except InputError as error:
+        raise InputError(f"{options.sweep}: {error}") from error
+    seconds = time.perf_counter() - started
+    print_warnings(options.sweep, dataset.attrs["warnings"].splitlines())
+    if part[1] > 1:
+        print(f"part {part[0]}/{part[1]} is done: {path_of_store(path, part)} ({seconds:.1f} s)")
+    else:
+        _print_counts(dataset, path, seconds)
+    return 0
+
+
+def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
+    """Say what a sweep gave.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `sweep`.
+    path : path
+        Its file.
+    seconds : float
+        What it took [s].
+    """
+    codes = dataset["status"].values
+    names = dataset["status"].attrs["flag_meanings"].split()
+    parts = [f"{np.count_nonzero(codes == i)} {name}" for i, name in enumerate(names)]
+    sizes = " x ".join(f"{size} {name}" for name, size in dataset.sizes.items())
+    print(f"{codes.size} runs ({sizes}) in {seconds:.1f} s: {', '.join(parts)}")
+    print(f"written: {path}")
+
+
+def merge_parts(options: argparse.Namespace) -> int:
+    """Join parts (``rwmf merge``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files.
+    """
+    if Path(options.file).suffix.lower() == ".csv":
+        merge_csv(options.parts, options.file)
+    else:
+        merge(_stores(options.parts), options.file).close()
+    print(f"written: {options.file}")
+    return 0
+
+
+def _stores(parts: Sequence[str]) -> list[str]:
+    wrong = [part for part in parts if not part.endswith(".journal")]
+    if wrong:
+        raise InputError(f"{wrong[0]}: is no journal of rwmf sweep --part; for CSV give FILE.csv")
+    return list(parts)
+
+
+def _parse_part(word: str) -> tuple[int, int]:
+    try:
+        k, n = (int(item) for item in word.split("/"))
+    except ValueError:
+        raise InputError(f"--part {word}: must be K/N, for example 3/16") from None
+    return k, n

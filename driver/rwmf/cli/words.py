@@ -1,0 +1,157 @@
+"""Words of the command line, checked where they are read."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+
+from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
+from rwmf.errors import OutputError
+
+__all__ = ["number", "numbers", "thread_count", "whole", "written_file"]
+
+_MOST_THREADS = 2**31 - 1
+_MOST_NUMBERS = 1_000_000
+
+
+def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str], float]:
+    """Make the reader of an option that is a finite number.
+
+    Parameters
+    ----------
+    above, below : float
+        Ends of the range, which are not in it.
+
+    Returns
+    -------
+    callable
+        A type for `argparse`.
+    """
+    texts = {
+        (False, False): "a finite number",
+        (True, False): f"a finite number > {above:g}",
+        (False, True): f"a finite number < {below:g}",
+        (True, True): f"in ({above:g}, {below:g})",
+    }
+    allowed = texts[above > -math.inf, below < math.inf]
+
+    def read(word: str) -> float:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not (math.isfinite(value) and above < value < below):
+            raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {allowed}")
+        return value
+
+    return read
+
+
+def whole(lowest: int, highest: int) -> Callable[[str], int]:
+    """Make the reader of an option that is a whole number.
+
+    Parameters
+    ----------
+    lowest, highest : int
+        Ends of the range, both in it.
+
+    Returns
+    -------
+    callable
+        A type for `argparse`.
+    """
+
+    def read(word: str) -> int:
+        try:
+            value = int(word)
+        except ValueError:
+            value = lowest - 1
+        if not lowest <= value <= highest:
+            text = f"must be a whole number in [{lowest}, {highest}]"
+            raise argparse.ArgumentTypeError(f"{shorten(word)}: {text}")
+        return value
+
+    return read
+
+
+def numbers(word: str) -> list[float]:
+    """Read ``FIRST:LAST:N``, both ends included, or numbers with commas between them.
+
+    Parameters
+    ----------
+    word : str
+        Either of them.
+
+    Returns
+    -------
+    list of float
+        The numbers.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        When the word is neither, or when there are too many numbers.
+    """
+    # help and complaints about other words need not wait for it
+    import numpy as np
+
+    read = number()
+    try:
+        if ":" in word:
+            first, last, n = word.split(":")
+            n_points = whole(1, _MOST_NUMBERS)(n)
+            return [float(x) for x in np.linspace(read(first), read(last), n_points)]
+        return [read(item) for item in word.split(",")]
+    except (ValueError, argparse.ArgumentTypeError):
+        raise argparse.ArgumentTypeError(
+            f"{shorten(word)}: must be FIRST:LAST:N or finite numbers with commas between them, "
+            f"at most {_MOST_NUMBERS}"
+        ) from None
+
+
+def thread_count(word: str) -> int:
+    """Read a number of threads, 0 for all; the kernel says how many it takes.
+
+    Parameters
+    ----------
+    word : str
+        The number.
+
+    Returns
+    -------
+    int
+        The same.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        When it is no whole number, or a negative one.
+    """
+    return whole(0, _MOST_THREADS)(word)
+
+
+def written_file(word: str) -> str:
+    """Read the name of a file to write.
+
+    Parameters
+    ----------
+    word : str
+        The name, with folders or without.
+
+    Returns
+    -------
+    str
+        The same.
+
+    Raises
+    ------
+    OutputError
+        When no file can have that name.
+    """
+    problem = problem_of_name(word)
+    if problem is None and is_name_of_folder(word):
+        problem = "is a folder, not a file"
+    if problem is not None:
+        raise OutputError(f"{shorten(word)}: {problem}")
+    return word

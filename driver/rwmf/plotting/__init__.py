@@ -1,0 +1,1 @@
+"""Figures; what of it is public stands in `rwmf.plot`."""

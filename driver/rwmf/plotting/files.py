@@ -1,0 +1,205 @@
+"""Figures as files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from rwmf import loops
+from rwmf._files import files
+from rwmf.case import Case
+from rwmf.errors import InputError
+from rwmf.plotting import response as plot
+from rwmf.plotting.style import make_panels, style
+from rwmf.quantities import names_by_key
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "check_format",
+    "check_formats",
+    "new_figure",
+    "save",
+    "save_history",
+    "save_loops",
+    "save_spectrum",
+]
+
+
+@contextmanager
+def new_figure(width: float, height: float) -> Iterator[Figure]:
+    """Make a figure in the package's style that needs no screen.
+
+    Parameters
+    ----------
+    width, height : float
+        Size [inch].
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(style()):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure
+
+
+def check_format(path: str | os.PathLike[str]) -> str:
+    """Tell the format of a figure from its file's name.
+
+    Parameters
+    ----------
+    path : str or path
+        File to write.
+
+    Returns
+    -------
+    str
+        The format, for example ``'png'``.
+
+    Raises
+    ------
+    InputError
+        When there is no such format, or when matplotlib is missing.
+    """
+    try:
+        from matplotlib.backend_bases import FigureCanvasBase
+    except ModuleNotFoundError:
+        raise InputError("figures need the package matplotlib: pip install matplotlib") from None
+    kind = Path(path).suffix.lstrip(".").lower()
+    known = FigureCanvasBase.get_supported_filetypes()
+    if kind not in known:
+        raise InputError(f"{path}: {kind!r} is not a format of figures: {', '.join(known)}")
+    return kind
+
+
+def check_formats(*paths: str | None) -> None:
+    """Complain about names of figures before a computation, not after it.
+
+    Parameters
+    ----------
+    *paths : str, optional
+        Files to write; None for a figure that is not wanted.
+
+    Raises
+    ------
+    InputError
+        As `check_format`.
+    """
+    for path in filter(None, paths):
+        check_format(path)
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure; a failure leaves an earlier file untouched.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    path : str or path
+        File; its suffix names the format.
+
+    Raises
+    ------
+    InputError
+        When there is no such format.
+    OutputError
+        When the file cannot be written.
+    """
+    kind = check_format(path)
+    # without a date the same figure is the same file
+    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    with files.replacing(path) as stream:
+        figure.savefig(stream, format=kind, metadata=dated.get(kind))
+
+
+def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Draw a history into a file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history.
+    path : str or path
+        File to write.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `save`.
+    """
+    names = [name for name in plot.PANELS if name in dataset]
+    with new_figure(6.4, 0.8 + 1.5 * len(names)) as figure:
+        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)
+        plot.history(dataset, axes[:, 0], names)
+        figure.align_ylabels()
+        save(figure, path)
+
+
+def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) -> None:
+    """Draw force over displacement of the springs into a file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history.
+    case : Case
+        The case that was simulated.
+    path : str or path
+        File to write.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `save`, and when no spring has a force in the history.
+    """
+    n = len(loops.group_by_kind(loops.find_loops(dataset, case)))
+    with new_figure(3.2 * n, 3.0) as figure:
+        loops.draw(dataset, case, figure.subplots(1, n, squeeze=False)[0])
+        save(figure, path)
+
+
+def save_spectrum(
+    dataset: xr.Dataset,
+    path: str | os.PathLike[str],
+    bare: xr.Dataset | None = None,
+    title: str = "",
+) -> None:
+    """Draw a spectrum into a file, each of its quantities in a panel of its own.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.spectrum`.
+    path : str or path
+        File to write.
+    bare : xarray.Dataset, optional
+        Spectrum of the frame without wall, for comparison.
+    title : str
+        Title above the axes.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `save`.
+    """
+    names = list(names_by_key(name for name in dataset.data_vars if name != "status").values())
+    with new_figure(6.4, 3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
+        panels = make_panels(figure.subplots(len(names)), len(names))
+        for ax, name in zip(panels, names, strict=True):
+            plot.spectrum(dataset, ax, bare, name)
+        panels[0].set_title(title)
+        save(figure, path)

@@ -1,0 +1,80 @@
+"""What ``rwmf reproduce`` makes: the paper's figures, its claims judged, the validation."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from rwmf._files import files
+from rwmf.cli.progress import progress_bar
+from rwmf.errors import InputError, OutputError
+
+from reproduce import figures, pages
+from reproduce.response_cache import ResponseCache
+
+__all__ = ["run"]
+
+_PAGES = {"claims.md": pages.claims_page, "validation.md": pages.validation_page}
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make what the command line asks for.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As `rwmf.cli` parses them, with all folders.
+
+    Returns
+    -------
+    int
+        Exit status 0.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the simulations, the readers of histories and the writers of files.
+    """
+    started = time.perf_counter()
+    names = list(dict.fromkeys(figures.find(word) for word in options.figures or figures.FIGURES))
+    _check_folders(options, names)
+    cache = ResponseCache(options.inputs, options.validation)
+    with progress_bar(len(names)) as step:
+        for done, name in enumerate(names):
+            if step is None:
+                print(figures.FIGURES[name].caption, flush=True)
+            figures.make(cache, name, options.out)
+            if step is not None:
+                step(done + 1, len(names))
+    if options.docs:
+        _write_pages(cache, options.docs)
+    seconds = time.perf_counter() - started
+    print(f"{len(names)} figures in {options.out}, {seconds:.1f} s")
+    return 0
+
+
+def _check_folders(options: argparse.Namespace, names: list[str]) -> None:
+    """Complain before the computation, not after it."""
+    for folder in (options.inputs, options.validation):
+        if not folder.is_dir():
+            raise InputError(f"{folder}: the folder does not exist")
+    for folder in (options.out, options.docs):
+        if folder is not None:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                text = f"{folder}: the folder cannot be made: {error.strerror}"
+                raise OutputError(text) from error
+    written = [options.docs / name for name in _PAGES] if options.docs else []
+    drawn = [options.out / f"{name}.{kind}" for name in names for kind in figures.FORMATS]
+    read = [*options.inputs.rglob("*"), *options.validation.rglob("*")]
+    files.check_outputs([*drawn, *written], read)
+
+
+def _write_pages(cache: ResponseCache, folder: Path) -> None:
+    print("claims and validation", file=sys.stderr, flush=True)
+    for name, compose in _PAGES.items():
+        files.write_bytes(folder / name, compose(cache).encode())
+        print(f"written: {folder / name}")

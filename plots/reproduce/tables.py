@@ -1,0 +1,284 @@
+"""Tables of the claims and of the validation, as cells of text."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rwmf._simulation import simulate
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+from reproduce.claims import Judgement, judge
+from reproduce.claims_histories import CLAIMS as HISTORY_CLAIMS
+from reproduce.claims_spectra import CLAIMS as SPECTRUM_CLAIMS
+from reproduce.engines import Difference
+from reproduce.histories import ENGINES, VALIDATION, stored
+from reproduce.response_cache import ResponseCache
+from reproduce.validation import Row, agrees, fitted_restitution, measure, tolerance
+
+__all__ = [
+    "Table",
+    "claims_table",
+    "contact_table",
+    "differences_table",
+    "engines_table",
+    "markdown",
+    "restitution_table",
+    "tolerances_table",
+    "verdicts_table",
+]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells of text under heads.
+
+    Attributes
+    ----------
+    heads : tuple of str
+        One a column.
+    rows : list of tuple of str
+        The cells.
+    """
+
+    heads: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+
+
+def markdown(table: Table) -> str:
+    """Write a table for a Markdown page.
+
+    Parameters
+    ----------
+    table : Table
+        The table.
+
+    Returns
+    -------
+    str
+        Its lines.
+    """
+    rows: list[Sequence[str]] = [table.heads, ["---"] * len(table.heads), *table.rows]
+    lines = ("| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in rows)
+    return "\n".join(lines) + "\n"
+
+
+def claims_table(cache: ResponseCache) -> Table:
+    """Judge every claim.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where responses come from.
+
+    Returns
+    -------
+    Table
+        Place, claim, criterion, numbers and verdicts for both forms.
+    """
+    heads = (
+        "#",
+        "place",
+        "claim",
+        "counts as reproduced if",
+        "as published, e = 0.9",
+        "verdict",
+        "exact, momentum balance",
+        "verdict, exact",
+    )
+    judged = [judge(cache, claim) for claim in (*HISTORY_CLAIMS, *SPECTRUM_CLAIMS)]
+    return Table(heads, [_claim_row(i, found) for i, found in enumerate(judged, start=1)])
+
+
+def _claim_row(i: int, found: Judgement) -> tuple[str, ...]:
+    claim = found.claim
+    return (
+        str(i),
+        claim.place,
+        claim.text,
+        claim.criterion,
+        found.published.number,
+        found.verdict,
+        found.exact.number,
+        found.exact_verdict,
+    )
+
+
+def verdicts_table(claims: Table) -> Table:
+    """Count the verdicts.
+
+    Parameters
+    ----------
+    claims : Table
+        From `claims_table`.
+
+    Returns
+    -------
+    Table
+        Number of claims for each verdict and form.
+    """
+    columns = [[row[i].split(" (")[0] for row in claims.rows] for i in (5, 7)]
+    words = ("reproduced", "not reproduced", "depends on Table 1")
+    rows = [(word, *(str(column.count(word)) for column in columns)) for word in words]
+    return Table(("verdict", claims.heads[4], claims.heads[6]), rows)
+
+
+def differences_table(cache: ResponseCache) -> Table:
+    """Compare all variants with all engines.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the cases and the histories are.
+
+    Returns
+    -------
+    Table
+        Differences and whether they are within the tolerances.
+    """
+    heads = (
+        "case",
+        "engine",
+        "variant",
+        "theta rms",
+        "u_s rms",
+        "theta peak",
+        "u_s peak",
+        "impacts",
+        "impact time",
+        "within tolerance",
+    )
+    return Table(heads, [_difference_row(row) for row in measure(cache)])
+
+
+def _difference_row(row: Row) -> tuple[str, ...]:
+    found: Difference = row.difference
+    same = math.isfinite(found.impact_time)
+    return (
+        row.case,
+        _engine_name(row.engine),
+        row.variant,
+        _percent(found.theta_rms),
+        _percent(found.u_s_rms),
+        _percent(found.theta_peak),
+        _percent(found.u_s_peak),
+        f"{found.impacts} of {found.engine_impacts}",
+        f"{1e3 * found.impact_time:.2f} ms" if same else "-",
+        "yes" if agrees(found, tolerance(row.engine, row.case)) else "no",
+    )
+
+
+def tolerances_table(cache: ResponseCache) -> Table:
+    """List what counts as agreement for every stored history.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the histories are.
+
+    Returns
+    -------
+    Table
+        One row a history.
+    """
+    heads = ("case", "engine", "duration", "peaks, theta rms", "u_s rms", "impact time")
+    rows: list[tuple[str, ...]] = []
+    for name in VALIDATION:
+        for engine, history in stored(cache, name).items():
+            allowed = tolerance(engine, name)
+            rows.append(
+                (
+                    name,
+                    _engine_name(engine),
+                    f"{history['t_s'][-1]:g} s",
+                    f"{allowed.relative:.1%}",
+                    f"{allowed.u_s_rms:.1%}",
+                    f"{1e3 * allowed.impact_time:g} ms",
+                )
+            )
+    return Table(heads, rows)
+
+
+def contact_table(cache: ResponseCache) -> Table:
+    """Read how far the exact form is from CalculiX with other settings of the contact.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the table of ``bench/calculix/variants.py`` is.
+
+    Returns
+    -------
+    Table
+        One row a variant.
+
+    Raises
+    ------
+    InputError
+        When the table is missing.
+    """
+    path = cache.validation / "calculix" / "variants.csv"
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            heads, *rows = csv.reader(stream)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: not a table of variants: {error}") from error
+    return Table(tuple(heads), [tuple(row) for row in rows])
+
+
+def restitution_table(cache: ResponseCache) -> Table:
+    """Find the restitution of the engine and compare it with the momentum balance.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the cases and the histories are.
+
+    Returns
+    -------
+    Table
+        Restitution that fits the engine best, that of the momentum balance, largest slip.
+    """
+    rows: list[tuple[str, ...]] = []
+    for name in VALIDATION:
+        case = Case.from_namelist(cache.validation / f"{name}.nml")
+        history = stored(cache, name).get("mujoco")
+        if history is not None:
+            e_max = float(simulate(case)["e_max"])
+            found = fitted_restitution(case, history)
+            slip = 1e3 * float(history.facts["slip_max_m"])
+            rows.append((name, f"{found:.5f}", f"{e_max:.5f}", f"{slip:.3f} mm"))
+    return Table(("case", "e that fits MuJoCo best", "momentum balance", "slip of the base"), rows)
+
+
+def engines_table(cache: ResponseCache) -> Table:
+    """List the stored histories with the engine's version and parameters.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the histories are.
+
+    Returns
+    -------
+    Table
+        One row a history.
+    """
+    rows: list[tuple[str, ...]] = []
+    for name in VALIDATION:
+        for history in stored(cache, name).values():
+            facts = dict(history.facts)
+            engine = str(facts.pop("engine"))
+            rows.append((name, engine, ", ".join(f"{k} = {v}" for k, v in facts.items())))
+    return Table(("case", "engine", "parameters"), rows)
+
+
+def _engine_name(engine: str) -> str:
+    return ENGINES[engine].split(",")[0]
+
+
+def _percent(value: float) -> str:
+    return f"{value:.3%}" if math.isfinite(value) else "-"
