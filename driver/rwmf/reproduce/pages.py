@@ -135,7 +135,7 @@ def validation_page(contents: Contents) -> str:
             VALIDATION_NOTE + "\n",
             "The cases are `validation/*.nml`, the stored histories `validation/ENGINE/*.csv`; "
             "`python bench/mujoco_cases.py` and `python bench/calculix/run.py` compute them again, "
-            "`tests/python/test_validation.py` holds them against the model.\n",
+            "`tests/python/physics/test_validation.py` holds them against the model.\n",
             tables.markdown(contents.tolerances),
             tables.markdown(contents.differences),
             _CONTROL,

@@ -1,0 +1,41 @@
+"""Places of the checkout that tests name, and programs that they run."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SUPPORT = ROOT / "tests" / "support"
+REFERENCE = ROOT / "tests" / "reference"
+# the batch program of the build, or another one
+BATCH = Path(os.environ.get("RWMF_BATCH", ROOT / ".venv" / "bin" / "rwmf-batch"))
+
+Runner = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def run_words(words: list[str | Path], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command in a folder; its exit status is the caller's to judge.
+
+    Parameters
+    ----------
+    words : list
+        Program and arguments.
+    folder : Path
+        Where it runs.
+
+    Returns
+    -------
+    subprocess.CompletedProcess
+        Status and streams.
+    """
+    return subprocess.run(
+        [str(word) for word in words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
