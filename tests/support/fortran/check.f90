@@ -1,8 +1,13 @@
 !> Collects the checks of one test program.
 !>
-!> A test program holds one `type(checks_t)`, calls the procedures below with a name for each check
-!> and ends with `call checks%finish()`, which prints 'N passed, N failed' and stops with a
-!> non-zero status when a check failed or when none was made.
+!> A test program holds one `type(checks_t)`, asks `checks%wants(NAME)` before each group of checks,
+!> calls the procedures below with a name for each check and ends with `call checks%finish()`, which
+!> prints 'N passed, N failed' and stops with a non-zero status when a check failed or when none was
+!> made.
+!>
+!>    test_roots                   all groups
+!>    test_roots secant newton     those with one of these words in their names
+!>    test_roots --list            the names
 module check
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -14,7 +19,10 @@ module check
    type :: checks_t
       integer :: passed = 0
       integer :: failed = 0
+      character(:), allocatable, private :: listed
+      !! names that `--list` has printed, each between bars
    contains
+      procedure :: wants
       procedure :: that
       procedure :: close_to
       procedure :: no_error
@@ -23,6 +31,29 @@ module check
    end type checks_t
 
 contains
+
+   !> Whether a group of checks is to run: each without arguments, else those that the words of the
+   !> command line choose. With `--list` none runs, and the name is printed.
+   logical function wants(self, name)
+      class(checks_t), intent(inout) :: self
+      character(*), intent(in) :: name
+      !! of the group
+
+      character(80) :: word
+      integer :: i
+
+      wants = command_argument_count() == 0
+      do i = 1, command_argument_count()
+         call get_command_argument(i, word)
+         if (word == '--list' .and. .not. allocated(self%listed)) self%listed = '|'
+         wants = wants .or. index(name, trim(word)) > 0
+      end do
+      if (.not. allocated(self%listed)) return
+      if (index(self%listed, '|'//name//'|') == 0) then
+         print '(a)', name
+         self%listed = self%listed//name//'|'
+      end if
+   end function wants
 
    !> Count a condition; report it by its name when it does not hold.
    subroutine that(self, condition, name, detail)
@@ -99,6 +130,7 @@ contains
    subroutine finish(self)
       class(checks_t), intent(in) :: self
 
+      if (allocated(self%listed)) return
       print '(i0, a, i0, a)', self%passed, ' passed, ', self%failed, ' failed'
       if (self%failed > 0 .or. self%passed == 0) stop 1, quiet=.true.
    end subroutine finish

@@ -12,16 +12,16 @@ program test_practice
 
    type(checks_t) :: checks
 
-   call test_tight_ode45(checks)
-   call test_default_ode45(checks)
-   call test_first_order(checks, 'rk4')
-   call test_first_order(checks, 'newmark')
-   call test_smooth_order(checks, 'rk4', 4)
-   call test_smooth_order(checks, 'newmark', 2)
-   call test_rest(checks)
-   call test_overturning(checks)
-   call test_unknown_name(checks)
-   call test_no_period(checks)
+   if (checks%wants('tight_ode45')) call test_tight_ode45(checks)
+   if (checks%wants('default_ode45')) call test_default_ode45(checks)
+   if (checks%wants('first_order')) call test_first_order(checks, 'rk4')
+   if (checks%wants('first_order')) call test_first_order(checks, 'newmark')
+   if (checks%wants('smooth_order')) call test_smooth_order(checks, 'rk4', 4)
+   if (checks%wants('smooth_order')) call test_smooth_order(checks, 'newmark', 2)
+   if (checks%wants('rest')) call test_rest(checks)
+   if (checks%wants('overturning')) call test_overturning(checks)
+   if (checks%wants('unknown_name')) call test_unknown_name(checks)
+   if (checks%wants('no_period')) call test_no_period(checks)
    call checks%finish()
 
 contains

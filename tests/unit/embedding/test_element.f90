@@ -25,13 +25,13 @@ program test_element
       call test_tangents(trim(formulations(i)), 'linear', corners)
       if (i > 1) call test_tangents(trim(formulations(i)), 'truss', '&link L = 6.0 /'//corners)
    end do
-   call test_statics()
-   call test_impact()
-   call test_lift_off()
-   call test_hinged()
-   call test_period()
-   call test_bad_calls()
-   call test_bad_steps()
+   if (checks%wants('statics')) call test_statics()
+   if (checks%wants('impact')) call test_impact()
+   if (checks%wants('lift_off')) call test_lift_off()
+   if (checks%wants('hinged')) call test_hinged()
+   if (checks%wants('period')) call test_period()
+   if (checks%wants('bad_calls')) call test_bad_calls()
+   if (checks%wants('bad_steps')) call test_bad_steps()
    call checks%finish()
 
 contains
@@ -71,6 +71,7 @@ contains
       integer :: side
       integer :: k
 
+      if (.not. checks%wants('tangents, '//formulation)) return
       element = element_of(formulation, law, more)
       do side = -1, 1, 2
          motion = side*[0.15_wp, -0.8_wp, 3.0_wp]

@@ -21,19 +21,19 @@ program test_case
    character(*), parameter :: shaken = '&motion kind = ''sine'', v_p = 1, T_p = 1 /'//nl
    type(checks_t) :: checks
 
-   call test_defaults()
-   call test_values()
-   call test_spectrum()
-   call test_record()
-   call test_bad_names()
-   call test_stiff_springs()
-   call test_bad_values()
-   call test_bad_scenes()
-   call test_bad_motions()
-   call test_bad_runs()
-   call test_files()
-   call test_description()
-   call test_schema()
+   if (checks%wants('defaults')) call test_defaults()
+   if (checks%wants('values')) call test_values()
+   if (checks%wants('spectrum')) call test_spectrum()
+   if (checks%wants('record')) call test_record()
+   if (checks%wants('bad_names')) call test_bad_names()
+   if (checks%wants('stiff_springs')) call test_stiff_springs()
+   if (checks%wants('bad_values')) call test_bad_values()
+   if (checks%wants('bad_scenes')) call test_bad_scenes()
+   if (checks%wants('bad_motions')) call test_bad_motions()
+   if (checks%wants('bad_runs')) call test_bad_runs()
+   if (checks%wants('files')) call test_files()
+   if (checks%wants('description')) call test_description()
+   if (checks%wants('schema')) call test_schema()
    call checks%finish()
 
 contains

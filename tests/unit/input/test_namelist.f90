@@ -13,15 +13,15 @@ program test_namelist
    character(*), parameter :: crlf = achar(13)//achar(10)
    type(checks_t) :: checks
 
-   call test_checksum()
-   call test_real_to_text()
-   call test_round_trip()
-   call test_parse_real()
-   call test_parse_integer()
-   call test_nearest_name()
-   call test_groups()
-   call test_line_ends()
-   call test_errors()
+   if (checks%wants('checksum')) call test_checksum()
+   if (checks%wants('real_to_text')) call test_real_to_text()
+   if (checks%wants('round_trip')) call test_round_trip()
+   if (checks%wants('parse_real')) call test_parse_real()
+   if (checks%wants('parse_integer')) call test_parse_integer()
+   if (checks%wants('nearest_name')) call test_nearest_name()
+   if (checks%wants('groups')) call test_groups()
+   if (checks%wants('line_ends')) call test_line_ends()
+   if (checks%wants('errors')) call test_errors()
    call checks%finish()
 
 contains

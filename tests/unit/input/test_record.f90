@@ -16,15 +16,15 @@ program test_record
    !! two products in working precision
    type(checks_t) :: checks
 
-   call test_one_column()
-   call test_two_columns()
-   call test_uneven_times()
-   call test_units()
-   call test_at2_dialects()
-   call test_keys()
-   call test_bad_columns()
-   call test_bad_at2()
-   call test_files()
+   if (checks%wants('one_column')) call test_one_column()
+   if (checks%wants('two_columns')) call test_two_columns()
+   if (checks%wants('uneven_times')) call test_uneven_times()
+   if (checks%wants('units')) call test_units()
+   if (checks%wants('at2_dialects')) call test_at2_dialects()
+   if (checks%wants('keys')) call test_keys()
+   if (checks%wants('bad_columns')) call test_bad_columns()
+   if (checks%wants('bad_at2')) call test_bad_at2()
+   if (checks%wants('files')) call test_files()
    call checks%finish()
 
 contains

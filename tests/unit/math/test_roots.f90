@@ -10,15 +10,15 @@ program test_roots
    real(wp), parameter :: root_2 = sqrt(2.0_wp)
    type(checks_t) :: checks
 
-   call check_bisection()
-   call check_bisection_at_ends()
-   call check_spacings()
-   call check_newton()
-   call check_secant()
-   call check_secant_resolution()
-   call check_maximum()
-   call check_maximum_at_ends()
-   call check_stationary_points()
+   if (checks%wants('bisection')) call check_bisection()
+   if (checks%wants('bisection_at_ends')) call check_bisection_at_ends()
+   if (checks%wants('spacings')) call check_spacings()
+   if (checks%wants('newton')) call check_newton()
+   if (checks%wants('secant')) call check_secant()
+   if (checks%wants('secant_resolution')) call check_secant_resolution()
+   if (checks%wants('maximum')) call check_maximum()
+   if (checks%wants('maximum_at_ends')) call check_maximum_at_ends()
+   if (checks%wants('stationary_points')) call check_stationary_points()
    call checks%finish()
 
 contains

@@ -24,41 +24,41 @@ program test_storeys
    type(checks_t) :: checks
    integer :: i
 
-   call check_uniform_frame()
-   call check_damping_matrix()
+   if (checks%wants('uniform_frame')) call check_uniform_frame()
+   if (checks%wants('damping_matrix')) call check_damping_matrix()
    do i = 1, size(formulations)
-      call check_one_storey('reduced', trim(formulations(i)))
-      call check_one_storey('full', trim(formulations(i)))
-      call check_one_storey('every_floor', trim(formulations(i)))
+      if (checks%wants('one_storey')) call check_one_storey('reduced', trim(formulations(i)))
+      if (checks%wants('one_storey')) call check_one_storey('full', trim(formulations(i)))
+      if (checks%wants('one_storey')) call check_one_storey('every_floor', trim(formulations(i)))
    end do
-   call check_every_floor()
-   call check_links_of_every_floor()
-   call check_modal_superposition()
-   call check_reduced_bare_frame()
-   call check_stiff_storeys()
-   call check_lift_off_from_moving_rest()
-   call check_energy('exact', 0.5_wp)
-   call check_energy('symmetric', 0.0_wp)
-   call check_energy('exact', 0.9_wp)
-   call check_mirror()
-   call check_roof_takes_the_impact()
-   call check_stepping()
-   call check_spectrum()
-   call check_strong_storeys()
+   if (checks%wants('every_floor')) call check_every_floor()
+   if (checks%wants('links_of_every_floor')) call check_links_of_every_floor()
+   if (checks%wants('modal_superposition')) call check_modal_superposition()
+   if (checks%wants('reduced_bare_frame')) call check_reduced_bare_frame()
+   if (checks%wants('stiff_storeys')) call check_stiff_storeys()
+   if (checks%wants('lift_off_from_moving_rest')) call check_lift_off_from_moving_rest()
+   if (checks%wants('energy')) call check_energy('exact', 0.5_wp)
+   if (checks%wants('energy')) call check_energy('symmetric', 0.0_wp)
+   if (checks%wants('energy')) call check_energy('exact', 0.9_wp)
+   if (checks%wants('mirror')) call check_mirror()
+   if (checks%wants('roof_takes_the_impact')) call check_roof_takes_the_impact()
+   if (checks%wants('stepping')) call check_stepping()
+   if (checks%wants('spectrum')) call check_spectrum()
+   if (checks%wants('strong_storeys')) call check_strong_storeys()
    do i = 1, size(formulations)
       call check_one_yielding_storey('full', 'elastic_plastic', trim(formulations(i)))
       call check_one_yielding_storey('full', 'bouc_wen', trim(formulations(i)))
       call check_one_yielding_storey('every_floor', 'elastic_plastic', trim(formulations(i)))
    end do
-   call check_storeys_of_a_line()
-   call check_pushed_storeys()
+   if (checks%wants('storeys_of_a_line')) call check_storeys_of_a_line()
+   if (checks%wants('pushed_storeys')) call check_pushed_storeys()
    do i = 1, size(laws)
       call check_yielding_mirror(trim(laws(i)))
       call check_yielding_energy(trim(laws(i)), 'symmetric', 0.0_wp)
       call check_yielding_energy(trim(laws(i)), 'exact', 0.9_wp)
       call check_yielding_stepping(trim(laws(i)))
    end do
-   call check_refusals()
+   if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
 contains
@@ -463,6 +463,7 @@ contains
       type(result_t) :: frame
       type(error_t), allocatable :: error
 
+      if (.not. checks%wants('one_yielding_storey, '//law)) return
       case = yielding_case(1, coupling, formulation, [0.03_wp], 0.1_wp)
       case%yielding%law = law
       case%solver%rtol = 1.0e-11_wp
@@ -535,6 +536,7 @@ contains
       type(result_t) :: mirrored
       type(error_t), allocatable :: error
 
+      if (.not. checks%wants('yielding_mirror, '//law)) return
       case = yielding_case(3, 'full', 'symmetric', [0.01_wp, 0.02_wp, 0.02_wp], 0.0_wp)
       case%yielding%law = law
       call simulate(case, result, error)
@@ -556,6 +558,7 @@ contains
       type(result_t) :: result
       type(error_t), allocatable :: error
 
+      if (.not. checks%wants('yielding_energy, '//law)) return
       case = yielding_case(4, 'full', formulation, [0.01_wp, 0.015_wp, 0.02_wp, 0.01_wp], 0.02_wp)
       case%yielding%law = law
       case%impact%e = e
@@ -579,6 +582,7 @@ contains
       character(*), intent(in) :: law
       type(case_t) :: case
 
+      if (.not. checks%wants('yielding_stepping, '//law)) return
       case = yielding_case(3, 'full', 'exact', [0.01_wp], 0.05_wp)
       case%yielding%law = law
       case%impact%e = 0.3_wp

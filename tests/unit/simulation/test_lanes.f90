@@ -79,6 +79,7 @@ contains
       real(wp) :: error(2)
       integer :: i, j, steps
 
+      if (.not. checks%wants('order, '//name)) return
       call read_scene('&frame T_s=1.0, xi_s=0.0 / &solver t_end=1.0 /', case)
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
@@ -109,6 +110,7 @@ contains
       real(wp) :: work(1, power_count), missing(2), lost
       integer :: i, j, steps
 
+      if (.not. checks%wants('work, '//name)) return
       call read_scene('&frame T_s=1.0, xi_s=0.1 / &solver t_end=1.0 /', case)
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
@@ -148,6 +150,7 @@ contains
       real(wp) :: work(team_width, power_count), work_alone(1, power_count)
       integer :: i, level, n
 
+      if (.not. checks%wants('bits, '//name)) return
       call read_scene(text//' &solver t_end=4.0 /', case)
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
@@ -195,6 +198,7 @@ contains
       real(wp) :: u_s_max
       integer :: i
 
+      if (.not. checks%wants('spectrum, '//name)) return
       call read_scene(text//' &solver t_end=4.0, rtol=1.0e-7 /'//periods, case)
       call compute_spectrum(case, 1, lanes, error)
       call checks%no_error(error, name)
