@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib
 import pytest
 from checkout import BATCH, ROOT, Runner, run_words
+from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # noqa: F401
 from rwmf import records
 
 matplotlib.use("Agg")
