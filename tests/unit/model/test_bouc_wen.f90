@@ -2,6 +2,7 @@
 program test_bouc_wen
    use check, only: checks_t
    use hosts, only: repeats_the_bits
+   use ledgers, only: check_ledger
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: wp
    use rwmf_input_reader, only: read_case_text
@@ -325,23 +326,13 @@ contains
    subroutine check_energy(scene, name)
       type(case_t), intent(in) :: scene
       character(*), intent(in) :: name
-      type(case_t) :: case
       type(result_t) :: result
-      type(error_t), allocatable :: error
 
       if (.not. checks%wants('energy, '//name)) return
-      case = hysteretic(scene, 0.03_wp, 0.05_wp, 3.0_wp, 0.6_wp)
-      allocate (case%output)
-      case%output%energy = .true.
-      call simulate(case, result, error)
-      call checks%no_error(error, 'energy, '//name)
+      call check_ledger(checks, hysteretic(scene, 0.03_wp, 0.05_wp, 3.0_wp, 0.6_wp), 1.0e-8_wp, &
+         'energy, '//name, result)
       call checks%that(result%ductility > 2, 'it yields, '//name)
       call checks%that(result%energy%hysteretic > 0, 'and dissipates, '//name)
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%hysteretic &
-            + ledger%impact, &
-            ledger%initial + ledger%input, 'energy, '//name, atol=1.0e-8_wp*ledger%input_max)
-      end associate
    end subroutine check_energy
 
    !> All methods agree.

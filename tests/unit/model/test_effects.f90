@@ -1,6 +1,7 @@
 !> Effects beyond the paper's scene: each against its limit, its derivative and its energy.
 program test_effects
    use check, only: checks_t
+   use ledgers, only: check_ledger
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -274,20 +275,10 @@ contains
    subroutine check_energy(scene, name)
       type(case_t), intent(in) :: scene
       character(*), intent(in) :: name
-      type(case_t) :: case
       type(result_t) :: result
-      type(error_t), allocatable :: error
 
       if (.not. checks%wants('energy, '//name)) return
-      case = scene
-      allocate (case%output)
-      case%output%energy = .true.
-      call simulate(case, result, error)
-      call checks%no_error(error, 'energy, '//name)
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%impact, &
-            ledger%initial + ledger%input, 'energy, '//name, atol=1.0e-8_wp*ledger%input_max)
-      end associate
+      call check_ledger(checks, scene, 1.0e-8_wp, 'energy, '//name, result)
    end subroutine check_energy
 
    !> A small swing of the hinged wall is a linear oscillator whose stiffness gravity reduces and

@@ -2,6 +2,7 @@
 program test_storeys
    use check, only: checks_t
    use hosts, only: repeats_the_bits
+   use ledgers, only: check_ledger
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -347,19 +348,12 @@ contains
       real(wp), intent(in) :: e
       type(case_t) :: case
       type(result_t) :: result
-      type(error_t), allocatable :: error
 
       case = uniform_case(4, 2.0_wp, 1.0_wp, 'full', formulation, 'dop853')
       case%impact%e = e
       allocate (case%output)
-      case%output%energy = .true.
       case%output%dt = 0.1_wp
-      call simulate(case, result, error)
-      call checks%no_error(error, 'energy of storeys')
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%impact, &
-            ledger%initial + ledger%input, 'energy of storeys', atol=1.0e-9_wp*ledger%input_max)
-      end associate
+      call check_ledger(checks, case, 1.0e-9_wp, 'energy of storeys', result)
       if (e > 0.6_wp) return
       call checks%that(any(result%events%kind == event_rest), 'the wall comes to rest')
       if (e <= 0) call checks%that(result%lift_offs > 1, 'and lifts off again')
@@ -556,23 +550,16 @@ contains
       real(wp), intent(in) :: e
       type(case_t) :: case
       type(result_t) :: result
-      type(error_t), allocatable :: error
 
       if (.not. checks%wants('yielding_energy, '//law)) return
       case = yielding_case(4, 'full', formulation, [0.01_wp, 0.015_wp, 0.02_wp, 0.01_wp], 0.02_wp)
       case%yielding%law = law
       case%impact%e = e
       allocate (case%output)
-      case%output%energy = .true.
       case%output%dt = 0.1_wp
-      call simulate(case, result, error)
-      call checks%no_error(error, 'energy of yielding storeys')
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%hysteretic + ledger%impact, &
-            ledger%initial + ledger%input, 'energy of yielding storeys', &
-            atol=1.0e-9_wp*ledger%input_max)
-         call checks%that(ledger%hysteretic > 0.05_wp*ledger%input_max, 'they dissipate')
-      end associate
+      call check_ledger(checks, case, 1.0e-9_wp, 'energy of yielding storeys', result)
+      call checks%that(result%energy%hysteretic > 0.05_wp*result%energy%input_max, &
+         'they dissipate')
       if (law == 'bouc_wen') return
       call checks%that(count(result%events%kind == event_branch) > 10, 'branches are events')
    end subroutine check_yielding_energy

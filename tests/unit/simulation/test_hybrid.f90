@@ -2,6 +2,7 @@
 program test_hybrid
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use check, only: checks_t
+   use ledgers, only: check_ledger
    use rwmf_core_error, only: err_numerical, error_t
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_problem_case, only: case_t
@@ -47,19 +48,10 @@ contains
    !> Input = stored + viscous + impact, to the tolerance.
    subroutine check_energy(method)
       character(*), intent(in) :: method
-      type(case_t) :: case
       type(result_t) :: result
-      type(error_t), allocatable :: error
 
-      case = rwmf_scene('exact', 5.0_wp, 0.4_wp, method)
-      allocate (case%output)
-      case%output%energy = .true.
-      call simulate(case, result, error)
-      call checks%no_error(error, 'energy, '//method)
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%impact, &
-            ledger%initial + ledger%input, 'energy, '//method, atol=1.0e-7_wp*ledger%input_max)
-      end associate
+      call check_ledger(checks, rwmf_scene('exact', 5.0_wp, 0.4_wp, method), 1.0e-7_wp, &
+         'energy, '//method, result)
    end subroutine check_energy
 
    !> Lift-off at g tan(alpha) (1 + eta_0)/(1 + 2 gamma): nothing below, something above.
