@@ -18,7 +18,7 @@ import rwmf
 from rwmf import records
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "python"))
+sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 from random_cases import random_cases  # noqa: E402
 

@@ -4,7 +4,7 @@
     python bench/hard_cases.py --reference   first the answers that are not stored yet, or whose
                                              case has changed (all of them: some minutes)
 
-The cases are those of tests/hard; the trusted answers come from quadruple precision.
+The cases are those of tests/robustness; the trusted answers come from quadruple precision.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "hard"))
+sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 import collection  # noqa: E402
 from hard_scenes import METHODS  # noqa: E402
@@ -23,8 +23,8 @@ from hard_scenes import METHODS  # noqa: E402
 TARGET = ROOT / "docs" / "hard-cases.md"
 _HEAD = """# Hard cases
 
-Made by `python bench/hard_cases.py`; the cases are in `tests/hard/cases_*.py`, and
-`tests/hard` runs every row as a test.
+Made by `python bench/hard_cases.py`; the cases are in `tests/support/cases_*.py`, and
+`tests/robustness` runs every row as a test.
 
 **Truth** is the same problem in quadruple precision (extrapolation of order 18, rtol 1e-19); the
 difference from rtol 1e-16 is below 1e-13 of the peak wherever nothing amplifies it.
@@ -49,7 +49,7 @@ def main() -> int:
 
 def _answers(folder: Path) -> list[collection.Answer]:
     answers = []
-    stored = collection.read_answers() if collection.REFERENCE.exists() else {}
+    stored = collection.read_answers() if collection.ANSWERS.exists() else {}
     for family, hard in collection.every_case():
         old = stored.get((family, hard.name))
         if old is not None and old.checksum == collection.checksum(hard):

@@ -3,11 +3,11 @@
     .venv/bin/python bench/random_ordinates.py [--count 5000] [--first 0] [--periods 10]
                                                [--rtol 1e-7] [--processes 2]
 
-The scenes are the numbered ones of tests/hard/combinations.py (wall, frame or storeys, cable, link,
-dampers, fuses, inerters, vertical motion, tables of e; pulses and records); each is a spectrum by
-`method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is too wrong when its
-error exceeds rtol times its sensitivity to the motion, if that is more than 1. Errors are those
-against single runs by `extrapolation` at rtol 1e-13, which shares neither steps nor search of
+The scenes are the numbered ones of tests/support/combinations.py (wall, frame or storeys, cable,
+link, dampers, fuses, inerters, vertical motion, tables of e; pulses and records); each is a
+spectrum by `method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is too wrong
+when its error exceeds rtol times its sensitivity to the motion, if that is more than 1. Errors are
+those against single runs by `extrapolation` at rtol 1e-13, which shares neither steps nor search of
 events with the lanes. Every ordinate that is too wrong is listed.
 """
 
@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import rwmf
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "hard"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
 
 from combinations import combination
 

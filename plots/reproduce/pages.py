@@ -140,7 +140,7 @@ def validation_page(cache: ResponseCache) -> str:
             _VALIDATION_NOTE + "\n",
             "The cases are `validation/*.nml`, the stored histories `validation/ENGINE/*.csv`; "
             "`python bench/mujoco_cases.py` and `python bench/calculix/run.py` compute them again, "
-            "`tests/python/test_validation.py` holds them against the model.\n",
+            "`tests/python/physics/test_validation.py` holds them against the model.\n",
             tables.markdown(tables.tolerances_table(cache)),
             tables.markdown(tables.differences_table(cache)),
             _CONTROL,

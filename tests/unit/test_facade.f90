@@ -19,15 +19,15 @@ program test_facade
    type(checks_t) :: checks
 
    call checks%that(len(version) > 0, 'version')
-   call test_simulate()
-   call test_history_changes_nothing()
-   call test_spectrum_is_simulate()
-   call test_bad_case()
-   call test_bad_modes()
-   call test_no_period()
-   call test_cancel()
-   call test_many_threads()
-   call test_threads()
+   if (checks%wants('simulate')) call test_simulate()
+   if (checks%wants('history_changes_nothing')) call test_history_changes_nothing()
+   if (checks%wants('spectrum_is_simulate')) call test_spectrum_is_simulate()
+   if (checks%wants('bad_case')) call test_bad_case()
+   if (checks%wants('bad_modes')) call test_bad_modes()
+   if (checks%wants('no_period')) call test_no_period()
+   if (checks%wants('cancel')) call test_cancel()
+   if (checks%wants('many_threads')) call test_many_threads()
+   if (checks%wants('threads')) call test_threads()
    call checks%finish()
 
 contains

@@ -1,5 +1,5 @@
 !> The coefficients A_i and B_i of Eq. (15), in the paper's letters: the measure of what the
-!> loops over lanes add up to (tests/unit/test_equation.f90).
+!> loops over lanes add up to (tests/unit/model/test_equation.f90).
 !>
 !>    theta'' = A_1 theta'**2 + A_2 theta' + A_3 u_g'' + A_4   for theta < 0   (15a)
 !>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)

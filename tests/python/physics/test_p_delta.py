@@ -1,0 +1,939 @@
+"""Gravity on the displaced frame against programs of their own in SciPy, and closed forms.
+
+A massless leaning column carries the weight of m_g = m_g_over_m_s times the mass of each floor, and
+is held by the floors. The piece of it beside storey i bears W_i, the weight of what it carries at
+floor i and above. Its ends are d_i = u_i - u_(i-1) apart over the height h_i, so that they push the
+floor above outwards and the floor below inwards with the force W_i d_i/h_i (small drifts: the exact
+force, W_i d_i/sqrt(h_i^2 - d_i^2), is 0.5 % larger at a drift of 0.1). Floor i therefore feels
+
+    f_i = (C u')_i + V_i - V_(i+1),    V_i = k_i (d_i - p_i) - W_i d_i/h_i
+
+where p_i is what has yielded. k_i, p_i and C are those without gravity: columns yield and dampers
+damp as before. What moves with one coordinate x, u_i = s_i u(x), follows from virtual work: the
+shape s of a mode, a straight line, or the roof alone (0, .., 0, 1), beside which the other floors
+are free,
+
+    (sum m_i s_i^2) u'' = - sum s_i f_i - (sum m_i s_i) u_g''                 without wall
+    (4/3 R^2 + M L J) x'' = - L (M J' x'^2 + sum s_i f_i + N u_g'')
+                            - R cos(alpha - |x|) u_g''
+                            - sign(x) g R (sin(alpha - |x|) + q sin(alpha))   x: rotation of a wall
+
+with M = sum m_i s_i^2, N = sum m_i s_i, J = du/dx, J' = dJ/dx, and the lever L of the link: J, but
+for `published` and x < 0, where it is 2 h cos(x) (docs/theory.md). A wall at rest holds the roof.
+It lifts off where the right-hand side at x = 0+ or 0- points away from the base: free floors that
+lean push it, an x of 0 alone does not. The free floors have m_i u_i'' = - f_i - m_i u_g''.
+
+The run collapses where an |d_i|/h_i passes the limit. The drift of the roof, sum d_i/sum h_i, is a
+mean of those of the storeys with their heights as weights, and never passes it before them all.
+
+The plastic displacements are states here, which flow while a storey yields; the kernel has them in
+closed form on each branch. Nothing is shared with the kernel.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import c_host
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from checkout import ROOT
+from scenes import bare_frame, coupled
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh, expm
+from scipy.optimize import brentq
+
+G = 9.81
+METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+TIGHT = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
+SOLVER = {"rtol": 1e-12, "method": "dop853"}
+FORMULATIONS = ("published", "symmetric", "exact")
+# two programs: same physics, other numbers
+SAME = 1e-8
+H, B = 6.0, 1.5
+Array = np.ndarray
+Event = Callable[[float, Array], float]
+
+
+@dataclass
+class Pulse:
+    """Sine waves of ground acceleration."""
+
+    a_max_g: float
+    omega: float
+    cycles: int = 1
+
+    @property
+    def end(self) -> float:
+        """Time at which it is over [s]."""
+        return self.cycles * 2 * math.pi / self.omega
+
+    def __call__(self, t: float, *, is_over: bool) -> float:
+        """Ground acceleration [m/s2]."""
+        return 0.0 if is_over else self.a_max_g * G * math.sin(self.omega * t)
+
+    def group(self) -> dict[str, object]:
+        """`&motion` of a case."""
+        size = {"a_max_g": self.a_max_g, "omega_p": self.omega}
+        return {"kind": "sine", "cycles": float(self.cycles)} | size
+
+
+@dataclass
+class Wall:
+    """Rigid wall on its corners, with a cable of constant force."""
+
+    h: float = H
+    b: float = B
+    formulation: str = "exact"
+    e: float = 0.9
+    eta: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Derive what the geometry says."""
+        self.R, self.alpha = math.hypot(self.h, self.b), math.atan2(self.b, self.h)
+
+    def link(self, x: float, side: int) -> tuple[float, float, float, float]:
+        """Displacement of the roof, its first two derivatives by the rotation, and the lever."""
+        if side > 0 or self.formulation != "exact":
+            lift = self.alpha - side * x
+            u = side * 2 * self.R * (math.sin(self.alpha) - math.sin(lift))
+            slope, bend = 2 * self.R * math.cos(lift), side * 2 * self.R * math.sin(lift)
+            lever = 2 * self.h * math.cos(x) if self._differs(side) else slope
+            return u, slope, bend, lever
+        slope = 2 * self.h * math.cos(x)
+        return 2 * self.h * math.sin(x), slope, -2 * self.h * math.sin(x), slope
+
+    def _differs(self, side: int) -> bool:
+        return side < 0 and self.formulation == "published"
+
+    def own_moment(self, x: float, side: int, a_g: float) -> float:
+        """Moment of ground motion, weight and cable about the corner over m_w [m2/s2]."""
+        lift = self.alpha - side * x
+        back = math.sin(lift) + self.eta * math.sin(self.alpha)
+        return -self.R * math.cos(lift) * a_g - side * G * self.R * back
+
+
+@dataclass
+class Found:
+    """What the program finds."""
+
+    t: float = 0.0
+    collapsed: bool = False
+    largest: float = 0.0
+    state: Array = field(default_factory=lambda: np.zeros(0))
+    impacts: list[float] = field(default_factory=list)
+    lift_offs: list[float] = field(default_factory=list)
+    branches: list[float] = field(default_factory=list)
+    # those of them at which yielding begins
+    yields: list[float] = field(default_factory=list)
+
+
+@dataclass
+class Frame:
+    """Shear frame with a leaning column, with or without wall; masses over any one mass.
+
+    ``shape`` is the one displacement that is left to all floors; without it they are free.
+    """
+
+    m: Sequence[float]
+    k: Sequence[float]
+    heights: Sequence[float]
+    mu: float
+    limit: float = 0.1
+    xi: float = 0.05
+    u_y: Sequence[float] | None = None
+    hardening: float = 0.0
+    shape: Sequence[float] | None = None
+    wall: Wall | None = None
+
+    def __post_init__(self) -> None:
+        """Derive masses, dampers and weights."""
+        m, k = np.array(self.m), np.array(self.k)
+        self.mass, self.stiffness, self.n = m, k, len(m)
+        self.push = self.mu * G * np.cumsum(m[::-1])[::-1] / np.array(self.heights)
+        matrix = np.diag(k + np.append(k[1:], 0.0)) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+        squares, modes = eigh(matrix, np.diag(m))
+        if self.shape is None:
+            momentum = m[:, None] * modes
+            self.c = momentum @ np.diag(2 * self.xi * np.sqrt(squares)) @ momentum.T
+            self.s = np.append(np.zeros(self.n - 1), 1.0)
+        else:
+            self.s = np.array(self.shape) / self.shape[-1]
+            own = self.s @ m * self.s
+            omega = math.sqrt(self.s @ matrix @ self.s / (self.s @ (m * self.s)))
+            # force on the roof alone, as a damper of the one coordinate
+            self.c = np.zeros((self.n, self.n))
+            self.c[-1, -1] = 2 * self.xi * omega * (self.s @ (m * self.s))
+            assert own.size == self.n
+        self.free = 0 if self.shape is not None else self.n - 1
+        self.M, self.N = self.s @ (m * self.s), self.s @ m
+        strength = np.full(self.n, np.inf) if self.u_y is None else k * np.array(self.u_y)
+        self.strength, self.flow = strength, 1 - self.hardening
+        self.modulus = k * self.hardening / (1 - self.hardening)
+        self.step = 2 * math.pi / math.sqrt(squares[-1]) / 12
+
+    # motion of the floors from the state (x, x', u_1.., u_1'.., p_1..)
+
+    def floors(self, y: Array, side: int) -> tuple[Array, Array]:
+        """Displacements and velocities of all floors."""
+        u, v = y[0], y[1]
+        if self.wall:
+            u, slope, _, _ = self.wall.link(y[0], side)
+            v = slope * y[1]
+        if self.shape is not None:
+            return self.s * u, self.s * v
+        below = y[2 : 2 + 2 * self.free].reshape(2, self.free)
+        return np.append(below[0], u), np.append(below[1], v)
+
+    def storeys(self, y: Array, side: int) -> tuple[Array, Array]:
+        """Displacements of the storeys and their rates."""
+        u, v = self.floors(y, side)
+        return np.diff(u, prepend=0.0), np.diff(v, prepend=0.0)
+
+    def forces(self, y: Array, side: int) -> Array:
+        """f_i of the docstring."""
+        d, _ = self.storeys(y, side)
+        shear = self.stiffness * (d - y[-self.n :]) - self.push * d
+        return self.c @ self.floors(y, side)[1] + shear - np.append(shear[1:], 0.0)
+
+    def moment(self, y: Array, side: int, a_g: float) -> float:
+        """Moment on the wall without the inertia of the motion over m_w [m2/s2]."""
+        assert self.wall is not None
+        lever = self.wall.link(y[0], side)[3]
+        frame = self.s @ self.forces(y, side) + self.N * a_g
+        return self.wall.own_moment(y[0], side, a_g) - lever * frame
+
+    def rates(self, y: Array, side: int, modes: Array, a_g: float, *, rests: bool) -> Array:
+        """Return the derivative of the state."""
+        result, f = np.zeros_like(y), self.forces(y, side)
+        if self.free:
+            result[2 : 2 + self.free] = y[2 + self.free : 2 + 2 * self.free]
+            result[2 + self.free : 2 + 2 * self.free] = -f[:-1] / self.mass[:-1] - a_g
+        if not self.wall:
+            result[:2] = y[1], -(self.s @ f + self.N * a_g) / self.M
+        elif not rests:
+            _, slope, bend, lever = self.wall.link(y[0], side)
+            inertia = 4 / 3 * self.wall.R**2 + self.M * lever * slope
+            centripetal = self.M * lever * bend * y[1] ** 2
+            result[:2] = y[1], (self.moment(y, side, a_g) - centripetal) / inertia
+        result[-self.n :] = np.where(modes != 0, self.flow * self.storeys(y, side)[1], 0.0)
+        return result
+
+    # events
+
+    def over(self, y: Array, side: int) -> Array:
+        """Shears over those at which the storeys yield."""
+        plastic = y[-self.n :]
+        shear = self.stiffness * (self.storeys(y, side)[0] - plastic)
+        return (shear - self.modulus * plastic) / self.strength
+
+    def _drift_events(self, side: int) -> list[Event]:
+        def of(i: int) -> Event:
+            return lambda _t, y: self.limit - abs(self.storeys(y, side)[0][i]) / self.heights[i]
+
+        return [of(i) for i in range(self.n)]
+
+    def _branch_events(self, side: int, modes: Array) -> list[Event]:
+        def of(i: int) -> Event:
+            if modes[i]:
+                return lambda _t, y: modes[i] * self.storeys(y, side)[1][i]
+            return lambda _t, y: 1 - abs(self.over(y, side)[i])
+
+        return [of(i) for i in range(self.n)] if self.u_y is not None else []
+
+    def _wall_events(
+        self, side: int, ground: Callable[[float], float], *, rests: bool
+    ) -> list[Event]:
+        if not self.wall:
+            return []
+        if rests:
+            return [lambda t, y, s=s: -s * self.moment(y, s, ground(t)) for s in (1, -1)]
+        return [lambda _t, y: side * y[0]]
+
+    def run(self, t_end: float, pulse: Pulse | None, x: float = 0.0) -> Found:
+        """Follow the motion from rest, or from a position x, to its end or to the collapse."""
+        found, n = Found(), self.n
+        y = np.zeros(2 + 2 * self.free + n)
+        y[0] = x
+        side, rests = (1 if x >= 0 else -1), bool(self.wall) and x == 0
+        modes = np.zeros(n, dtype=int)
+        while found.t < t_end and not found.collapsed:
+            # it follows every impact: no chatter
+            assert len(found.impacts) < 60
+            is_over = pulse is None or found.t >= pulse.end
+            stop = t_end if is_over else min(t_end, pulse.end)
+
+            def ground(t: float, over: bool = is_over) -> float:
+                return 0.0 if pulse is None else pulse(t, is_over=over)
+
+            kinds = [
+                ("drift", self._drift_events(side)),
+                ("branch", self._branch_events(side, modes.copy())),
+                ("wall", self._wall_events(side, ground, rests=rests)),
+                ("peak", [lambda _t, y: y[1]]),
+            ]
+            events = [(kind, i, event) for kind, list_ in kinds for i, event in enumerate(list_)]
+            for kind, _, event in events:
+                event.terminal = kind != "peak"  # type: ignore[attr-defined]
+                event.direction = 0.0 if kind == "peak" else -1.0  # type: ignore[attr-defined]
+            now = modes.copy()
+            flow = solve_ivp(
+                lambda t, y, s=side, m=now, r=rests: self.rates(y, s, m, ground(t), rests=r),
+                (found.t, stop), y, events=[event for _, _, event in events],
+                max_step=self.step, **TIGHT,
+            )  # fmt: skip
+            assert flow.status >= 0, flow.message
+            peaks = [*flow.y_events[-1], flow.y[:, -1]]
+            found.largest = max([found.largest, *(abs(self.floors(p, side)[0][-1]) for p in peaks)])
+            found.t, y = float(flow.t[-1]), flow.y[:, -1].copy()
+            for (kind, i, _), times in zip(events, flow.t_events, strict=True):
+                if not times.size:
+                    continue
+                if kind == "drift":
+                    found.collapsed = True
+                elif kind == "branch":
+                    if not modes[i]:
+                        found.yields.append(found.t)
+                    modes[i] = 0 if modes[i] else int(math.copysign(1, self.over(y, side)[i]))
+                    found.branches.append(found.t)
+                elif kind == "wall" and rests:
+                    side, rests = (1, -1)[i], False
+                    found.lift_offs.append(found.t)
+                elif kind == "wall":
+                    assert self.wall is not None
+                    found.impacts.append(found.t)
+                    y[0], y[1], side = 0.0, self.wall.e * y[1], -side
+            # an impact turns storeys as well, and on a straight line all turn at once
+            modes[modes * self.storeys(y, side)[1] < 1e-11] = 0
+        found.state = y
+        return found
+
+
+def single(T_s: float, height: float, mu: float, gamma: float = 1.0, **more: object) -> Frame:
+    """One degree of freedom."""
+    return Frame([gamma], [gamma * (2 * math.pi / T_s) ** 2], [height], mu, **more)
+
+
+def case_of(frame: Frame, motion: dict[str, object], t_end: float, **more: object) -> rwmf.Case:
+    """Make the case of a frame: storeys, or one degree of freedom where it has one floor."""
+    coupling = more.pop("coupling", None)
+    wall = frame.wall
+    column: dict[str, object] = {"m_g_over_m_s": frame.mu, "drift_limit": frame.limit}
+    groups: dict[str, Any] = {"motion": motion, "solver": SOLVER | {"t_end": t_end}}
+    if coupling:
+        groups["frame"] = {"T_s": None, "gamma": None, "xi_s": frame.xi}
+        groups["storeys"] = {
+            "m_over_m_w": list(frame.m),
+            "k_over_m_w": list(frame.k),
+            "height": list(frame.heights),
+            "coupling": coupling,
+        }
+    else:
+        T_s = 2 * math.pi / math.sqrt(frame.k[0] / frame.m[0])
+        column["h_f"] = frame.heights[0]
+        groups["frame"] = {"T_s": T_s, "xi_s": frame.xi}
+        if wall:
+            groups["frame"]["gamma"] = frame.m[0]
+    if frame.u_y is not None:
+        key = "storey_u_y" if coupling else "u_y"
+        groups["yielding"] = {key: list(frame.u_y) if coupling else frame.u_y[0]}
+        groups["yielding"]["hardening"] = frame.hardening
+    groups["p_delta"] = column
+    groups["output"] = {"dt": t_end / 50, "energy": True}
+    if not wall:
+        return bare_frame(**groups, **more)
+    groups["wall"] = {"h": wall.h, "b": wall.b}
+    groups["cable"] = {"eta_0": wall.eta, "eta_alpha": wall.eta} if wall.eta else None
+    groups["impact"] = {"rule": "constant", "e": wall.e}
+    groups["model"] = {"formulation": wall.formulation}
+    return coupled(**groups, **more)
+
+
+def events_of(run: xr.Dataset, kind: str) -> Array:
+    """Return the times of the events of a kind [s]."""
+    return run["event_time"].to_numpy()[run["event"].to_numpy() == kind]
+
+
+def compare(run: xr.Dataset, found: Found, frame: Frame, tolerance: float = SAME) -> None:
+    """Hold a run against the program: its end, what happened before, and the ledger."""
+    assert bool(run["collapsed"]) == found.collapsed
+    if found.collapsed:
+        assert float(run["t_collapse"]) == pytest.approx(found.t, rel=tolerance)
+        assert events_of(run, "collapsed") == pytest.approx([float(run["t_collapse"])], abs=0)
+        assert str(run["event"].to_numpy()[-1]) == "collapsed"
+    else:
+        assert "t_collapse" not in run
+        x = run["theta"] if frame.wall else run["u_s"]
+        assert float(x[-1]) == pytest.approx(found.state[0], abs=tolerance * float(abs(x).max()))
+    assert float(run["u_s_max"]) == pytest.approx(found.largest, rel=tolerance)
+    assert events_of(run, "impact") == pytest.approx(found.impacts, rel=tolerance)
+    assert events_of(run, "lift_off") == pytest.approx(found.lift_offs, rel=tolerance)
+    reported, branches = events_of(run, "branch"), np.array(found.branches)
+    if not frame.free:
+        # of springs that follow one coordinate, ends of yielding are peaks, and what yields at an
+        # impact is let go there and yields on at once
+        branches = np.array(found.yields)
+        reported = reported[[t not in events_of(run, "impact") for t in reported]]
+    assert reported == pytest.approx(branches, rel=100 * tolerance)
+    if not frame.wall or frame.wall.formulation != "published":
+        assert float(run["energy_balance_relative"]) < 1e-9
+
+
+# (a) one degree of freedom, elastic: closed forms
+
+
+@pytest.mark.parametrize("xi", [0.0, 0.05])
+@pytest.mark.parametrize("Q", [0.01, 0.3, 0.9])
+def test_period(Q: float, xi: float) -> None:
+    """T_s/sqrt(1 - Q); damped: omega_d^2 = omega_s^2 (1 - Q - xi_s^2), its xi_s without gravity."""
+    T_s, h_f, pulse = 0.8, 3.0, Pulse(0.02, 9.0)
+    mu = Q * 4 * math.pi**2 * h_f / (G * T_s**2)
+    frame = single(T_s, h_f, mu, xi=xi, limit=1.0)
+    period = T_s / math.sqrt(1 - Q - xi**2)
+    case = case_of(frame, pulse.group(), pulse.end + 12 * period)
+    peaks = events_of(rwmf.simulate(case), "peak")
+    peaks = peaks[peaks > pulse.end]
+    assert peaks.size >= 20
+    assert np.diff(peaks) == pytest.approx(period / 2, rel=SAME)
+    assert not bool(rwmf.simulate(case)["collapsed"])
+
+
+@pytest.mark.parametrize("xi", [0.0, 0.05])
+@pytest.mark.parametrize("Q", [1.02, 1.5, 4.0])
+@pytest.mark.parametrize("method", METHODS)
+def test_growth(Q: float, xi: float, method: str) -> None:
+    """Q > 1: exponential growth up to the limit, by the exponential of a matrix."""
+    T_s, h_f, pulse = 0.8, 3.0, Pulse(0.05, 9.0)
+    mu = Q * 4 * math.pi**2 * h_f / (G * T_s**2)
+    omega = 2 * math.pi / T_s
+    # u, u', sin(omega_p t), cos(omega_p t)
+    matrix = np.zeros((4, 4))
+    matrix[0, 1] = 1
+    matrix[1, :3] = -(omega**2) * (1 - Q), -2 * xi * omega, -pulse.a_max_g * G
+    matrix[2, 3], matrix[3, 2] = pulse.omega, -pulse.omega
+    after = matrix.copy()
+    after[1, 2] = 0
+
+    def u(t: float) -> float:
+        state = expm(matrix * min(t, pulse.end)) @ [0, 0, 0, 1]
+        return (expm(after * max(0.0, t - pulse.end)) @ state)[0]
+
+    high = next(t for t in np.arange(0.05, 60, 0.05) if abs(u(t)) > 0.1 * h_f)
+    t_collapse = brentq(lambda t: abs(u(t)) - 0.1 * h_f, high - 0.05, high, xtol=1e-14)
+    case = case_of(single(T_s, h_f, mu, xi=xi), pulse.group(), 60.0)
+    rtol = {"rtol": 1e-11 if method in ("adams", "bdf", "erk54") else 1e-12, "method": method}
+    run = rwmf.simulate(case.replace(solver=rtol))
+    assert float(run["t_collapse"]) == pytest.approx(t_collapse, rel=SAME)
+    assert float(run["u_s_max"]) == pytest.approx(0.1 * h_f, rel=1e-10)
+    # a row every 60/50 s
+    assert t_collapse - 1.2 <= float(run["time"][-1]) <= t_collapse
+    assert np.isfinite(run["u_s"].to_numpy()).all()
+
+
+@pytest.mark.parametrize("formulation", [None, *FORMULATIONS])
+def test_equals_a_softer_frame(formulation: str | None) -> None:
+    """Q < 1, elastic: the frame of period T_s/sqrt(1 - Q) and the same damper."""
+    Q, T_s, h_f = 0.25, 1.1, 4.0
+    mu = Q * 4 * math.pi**2 * h_f / (G * T_s**2)
+    factor = 1 / math.sqrt(1 - Q)
+    make = bare_frame if formulation is None else coupled
+    common: dict[str, Any] = {"solver": SOLVER | {"rtol": 1e-11}}
+    if formulation:
+        common["model"] = {"formulation": formulation}
+    column = {"m_g_over_m_s": mu, "h_f": h_f, "drift_limit": 9.0}
+    leaning = rwmf.simulate(make(frame={"T_s": T_s, "xi_s": 0.04}, p_delta=column, **common))
+    softer = {"T_s": T_s * factor, "xi_s": 0.04 * factor}
+    other = rwmf.simulate(make(frame=softer, **common))
+    for key in ("u_s_max", "t_u_s_max"):
+        assert float(leaning[key]) == pytest.approx(float(other[key]), rel=SAME)
+    if formulation:
+        assert int(leaning["impacts"]) == int(other["impacts"])
+        assert int(leaning["lift_offs"]) == int(other["lift_offs"])
+
+
+@pytest.mark.parametrize("base", ["rocking", "pinned"])
+@pytest.mark.parametrize("formulation", ["symmetric", "exact"])
+def test_reactions(formulation: str, base: str) -> None:
+    """The link carries what it does beside the softer frame: so does the pivot."""
+    T_s, Q, h_f = 1.1, 0.25, 4.0
+    mu, factor = Q * 4 * math.pi**2 * h_f / (G * T_s**2), 1 / math.sqrt(1 - Q)
+    common: dict[str, Any] = {
+        "solver": SOLVER | {"rtol": 1e-11, "t_end": 4.0},
+        "model": {"formulation": formulation},
+        "output": {"reactions": True},
+    }
+    if base == "pinned":
+        common |= {"wall": {"base": base}, "cable": None, "impact": None}
+    column = {"m_g_over_m_s": mu, "h_f": h_f, "drift_limit": 9.0}
+    leaning = rwmf.simulate(coupled(frame={"T_s": T_s, "xi_s": 0.04}, p_delta=column, **common))
+    softer = {"T_s": T_s * factor, "xi_s": 0.04 * factor}
+    other = rwmf.simulate(coupled(frame=softer, **common))
+    for key in ("base_shear_max_over_weight", "pivot_normal_min_over_m_w_g", "friction_demand_max"):
+        assert float(leaning[key]) == pytest.approx(float(other[key]), rel=1e-7), key
+
+
+@pytest.mark.parametrize("coupling", [None, "full", "reduced", "every_floor"])
+def test_forces(coupling: str | None) -> None:
+    """Links and foundation give wall and floors the momentum that they have after the pulse."""
+    t, make = 2.9, {"wall": Wall(), "limit": 0.2, "xi": 0.0}
+    frame = frame_of(coupling, 5.0, **make) if coupling else single(1.2, 8.0, 4.0, 4.0, **make)
+    case = case_of(frame, Pulse(0.35, 4.0).group(), t, coupling=coupling)
+    case = case.replace(output={"reactions": True})
+    run = rwmf.simulate(case)
+    last = {str(name): float(run[name][-1]) for name in run if run[name].dims == ("time",)}
+    with c_host.stepping(case.to_namelist()) as host:
+        host.advance(t)
+        state, link = host.state(), host.forces().link
+    below = [last[f"floor_{i + 1}"] for i in range(frame.free)]
+    u = np.array([*below, last["u_s"]]) if coupling == "full" else frame.s * last["u_s"]
+    shear = (frame.stiffness - frame.push) * np.diff(u, prepend=0.0)
+    f = shear - np.append(shear[1:], 0.0)
+    momentum = frame.mass * frame.s * state.u_s_ddot
+    pulled = {"full": momentum[-1] + f[-1], "every_floor": momentum.sum() + shear[0]}
+    expected = pulled.get(str(coupling), frame.M * state.u_s_ddot + frame.s @ f)
+    assert link == pytest.approx(expected, rel=1e-6)
+    x, side, wall = last["theta"], math.copysign(1, last["theta"]), Wall()
+    lift = wall.alpha - side * x
+    a = math.cos(lift) * state.theta_ddot + side * math.sin(lift) * state.theta_dot**2
+    horizontal = last["pivot_horizontal_over_m_w_g"] * G
+    assert horizontal == pytest.approx(wall.R * a + expected, rel=1e-6)
+    if coupling == "full":
+        momentum[:-1] = -f[:-1]
+    weight = (1 + frame.mass.sum()) * G
+    base_shear = last["base_shear_over_weight"] * weight
+    assert base_shear == pytest.approx(wall.R * a + momentum.sum(), rel=1e-6)
+
+
+def test_defaults_and_no_weight() -> None:
+    """h_f is 2h with a wall, m_g_over_m_s is 1, drift_limit 0.1; without weight nothing changes."""
+    given = {"m_g_over_m_s": 1.0, "h_f": 4.0, "drift_limit": 0.1}
+    motion = {"a_max_g": 0.2}
+    short = rwmf.simulate(coupled(p_delta={}, motion=motion))
+    long = rwmf.simulate(coupled(p_delta=given, motion=motion))
+    assert float(short["u_s_max"]) == float(long["u_s_max"])
+    light = rwmf.simulate(coupled(p_delta={"m_g_over_m_s": 0.0, "drift_limit": 9.0}))
+    assert float(light["u_s_max"]) == pytest.approx(
+        float(rwmf.simulate(coupled())["u_s_max"]), rel=1e-9
+    )
+
+
+# (b) one degree of freedom that yields
+
+
+@pytest.mark.parametrize(("hardening", "mu", "a_max_g"), [(0.0, 2.0, 0.2), (0.03, 2.0, 0.3)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_yielding_frame(sign: int, hardening: float, mu: float, a_max_g: float) -> None:
+    """Bilinear: beyond yield the stiffness is negative, and what passes the limit collapses."""
+    pulse = Pulse(sign * a_max_g, 8.0, 4)
+    frame = single(0.9, 3.0, mu, u_y=[0.03], hardening=hardening)
+    found = frame.run(6.0, pulse)
+    assert found.collapsed
+    assert len(found.branches) >= 7
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 6.0)), found, frame)
+
+
+def test_yielding_frame_that_stands() -> None:
+    """The same frame under a weaker pulse leans, and stays."""
+    pulse = Pulse(0.15, 8.0, 4)
+    frame = single(0.9, 3.0, 2.0, u_y=[0.03])
+    found = frame.run(6.0, pulse)
+    assert not found.collapsed
+    assert len(found.branches) >= 10
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 6.0)), found, frame)
+
+
+def test_smooth_hysteresis() -> None:
+    """Bouc and Wen, n = 2: u'' = -2 xi w u' - w^2 (a u + (1 - a) u_y z) + kappa u - u_g''.
+
+    Each piece between two changes of the signs of u' and z is integrated by itself.
+    """
+    T_s, h_f, u_y, a, pulse = 0.9, 3.0, 0.03, 0.02, Pulse(0.3, 8.0, 4)
+    w, kappa = 2 * math.pi / T_s, 2 * G / h_f
+    t, y = 0.0, np.array([0.0, -1e-300, 0.0])
+    collapsed = False
+    while not collapsed:
+        over = t >= pulse.end
+
+        def rates(t: float, y: Array, sign: float, over: bool = over) -> list[float]:
+            kept = 1 - y[2] ** 2 * (1 + sign) / 2
+            force = w**2 * (a * y[0] + (1 - a) * u_y * y[2]) - kappa * y[0]
+            damper = 2 * 0.05 * w * y[1]
+            return [y[1], -damper - force - pulse(t, is_over=over), y[1] / u_y * kept]
+
+        slow: Event = lambda _t, y: y[1]  # noqa: E731
+        zero: Event = lambda _t, y: y[2]  # noqa: E731
+        limit: Event = lambda _t, y: 0.1 - abs(y[0]) / h_f  # noqa: E731
+        for event in (slow, zero, limit):
+            event.terminal = True  # type: ignore[attr-defined]
+        # leave an event before it is looked for again: a Taylor step of 1e-9 s is exact
+        first = rates(t, y, 1.0)
+        goes = y[1] if abs(y[1]) > 1e-14 else first[1]
+        leans = y[2] if abs(y[2]) > 1e-14 else goes
+        sign = math.copysign(1, goes * leans)
+        y, t = y + 1e-9 * np.array(rates(t, y, sign)), t + 1e-9
+        piece = solve_ivp(
+            lambda t, y, s=sign: rates(t, y, s), (t, 20.0 if over else pulse.end), y,
+            events=[slow, zero, limit], max_step=0.02, **TIGHT,
+        )  # fmt: skip
+        t, y = float(piece.t[-1]), piece.y[:, -1].copy()
+        collapsed = piece.t_events[2].size > 0
+        assert t < 20
+    column = {"m_g_over_m_s": 2.0, "h_f": h_f}
+    law = {"u_y": u_y, "hardening": a, "law": "bouc_wen", "exponent": 2.0, "beta": 0.5}
+    run = rwmf.simulate(
+        bare_frame(
+            frame={"T_s": T_s}, p_delta=column, yielding=law, motion=pulse.group(),
+            solver=SOLVER | {"t_end": 20.0},
+        )
+    )  # fmt: skip
+    assert float(run["t_collapse"]) == pytest.approx(t, rel=1e-7)
+
+
+# (c) beside a wall
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("eta", [0.0, 0.5])
+def test_beside_a_wall(eta: float, formulation: str) -> None:
+    """Lift-off, impacts and the state in the end, elastic."""
+    pulse = Pulse(0.35, 4.0)
+    wall = Wall(formulation=formulation, eta=eta)
+    frame = single(1.2, 2 * H, 4.0, gamma=4.0, wall=wall)
+    found = frame.run(3.0, pulse)
+    assert found.impacts
+    assert not found.collapsed
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 3.0)), found, frame)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("x", [0.2, -0.2])
+def test_collapse_beside_a_wall(x: float, formulation: str) -> None:
+    """Let go at a rotation, with a weight that frame and wall cannot bear (Q = 1.3)."""
+    wall = Wall(formulation=formulation)
+    mu = 1.3 * 4 * math.pi**2 * 8.0 / (G * 2.0**2)
+    frame = single(2.0, 8.0, mu, gamma=4.0, wall=wall, limit=0.2)
+    found = frame.run(20.0, None, x * wall.alpha)
+    assert found.collapsed
+    assert not found.impacts
+    case = case_of(
+        frame, {"kind": "none", "a_max_g": None, "omega_p": None}, 20.0,
+        initial={"theta_over_alpha": x},
+    )  # fmt: skip
+    run = rwmf.simulate(case)
+    compare(run, found, frame)
+    assert not bool(run["overturned"])
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_yielding_beside_a_wall(formulation: str) -> None:
+    """The frame yields, and the wall is too light to hold it."""
+    pulse = Pulse(0.4, 6.0, 4)
+    wall = Wall(formulation=formulation)
+    frame = single(1.2, 8.0, 2.0, gamma=10.0, wall=wall, u_y=[0.05], hardening=0.02, limit=0.08)
+    found = frame.run(6.0, pulse)
+    assert found.collapsed
+    assert len(found.branches) >= 5
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 6.0)), found, frame)
+
+
+def test_uplift_does_not_change() -> None:
+    """At theta = 0 the column of a single degree of freedom stands upright."""
+    for factor, lifts in ((1 - 1e-9, 0), (1 + 1e-6, 1)):
+        threshold = 0.25 * 2 / (1 + 2 * 5) * factor
+        motion = {"kind": "one_sine", "a_max_g": threshold, "omega_p": 6.0}
+        heavy = {"m_g_over_m_s": 5.0}
+        run = rwmf.simulate(coupled(motion=motion, p_delta=heavy, solver={"t_end": 0.5}))
+        assert int(run["lift_offs"]) == lifts
+
+
+def test_vertical_motion_does_not_act_on_it() -> None:
+    """The wall feels it; the leaning column of a bare frame, that of a resting wall do not."""
+    column = {"m_g_over_m_s": 2.0, "h_f": 4.0}
+    still = rwmf.simulate(bare_frame(p_delta=column))
+    assert float(still["u_s_max"]) > 0
+    common = {"wall": {"base": "pinned"}, "cable": None, "impact": None}
+    # a hinged wall of no height to speak of: v_g'' has nothing to act on but the column
+    light = common | {"frame": {"gamma": 1e6}, "motion": {"a_max_g": 0.05}}
+    moved = rwmf.simulate(coupled(**light, p_delta=column, vertical={"ratio": 1.0}))
+    same = rwmf.simulate(coupled(**light, p_delta=column))
+    assert float(moved["u_s_max"]) == pytest.approx(float(same["u_s_max"]), rel=1e-5)
+
+
+# (d) storeys
+
+
+STOREYS = ([2.0, 2.0, 1.5], [700.0, 600.0, 400.0])
+
+
+def shape_of(coupling: str, m: Sequence[float], k: Sequence[float]) -> list[float] | None:
+    """Displacement that a coupling leaves to floors of equal heights."""
+    n = len(m)
+    if coupling == "full":
+        return None
+    if coupling == "every_floor":
+        return [(i + 1) / n for i in range(n)]
+    stiffness = np.diag(np.array(k) + np.append(k[1:], 0.0))
+    stiffness -= np.diag(k[1:], 1) + np.diag(k[1:], -1)
+    first = eigh(stiffness, np.diag(m))[1][:, 0]
+    return list(first / first[-1])
+
+
+def frame_of(
+    coupling: str,
+    mu: float,
+    m: Sequence[float] = STOREYS[0],
+    k: Sequence[float] = STOREYS[1],
+    **more: object,
+) -> Frame:
+    """Storeys of equal heights that make up a wall of 2 H."""
+    heights = [2 * H / len(m)] * len(m)
+    return Frame(m, k, heights, mu, shape=shape_of(coupling, m, k), **more)
+
+
+@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor"])
+def test_storeys_beside_a_wall(coupling: str) -> None:
+    """Lift-off, impacts and the end, elastic."""
+    pulse = Pulse(0.35, 4.0)
+    frame = frame_of(coupling, 5.0, wall=Wall(), limit=0.2)
+    found = frame.run(3.0, pulse)
+    assert found.impacts
+    assert not found.collapsed
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 3.0, coupling=coupling)), found, frame)
+
+
+@pytest.mark.parametrize("coupling", ["full", "reduced"])
+def test_storeys_without_wall(coupling: str) -> None:
+    pulse = Pulse(0.1, 4.0)
+    frame = frame_of(coupling, 3.0, limit=0.2)
+    found = frame.run(4.0, pulse)
+    assert not found.collapsed
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 4.0, coupling=coupling)), found, frame)
+
+
+@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor"])
+@pytest.mark.parametrize("has_wall", [True, False])
+def test_storeys_collapse(coupling: str, *, has_wall: bool) -> None:
+    """Drifts that pass a low limit while they swing, and the storey that is first."""
+    if coupling == "every_floor" and not has_wall:
+        return
+    pulse = Pulse(0.15, 7.0, 3)
+    wall = Wall() if has_wall else None
+    # a little below the largest drift of the first two seconds
+    limit = {"full": 0.0085, "reduced": 0.0075, "every_floor": 0.0075}[coupling]
+    frame = frame_of(coupling, 5.0, wall=wall, limit=limit)
+    found = frame.run(4.0, pulse)
+    assert found.collapsed
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 4.0, coupling=coupling)), found, frame)
+
+
+@pytest.mark.parametrize("has_wall", [True, False])
+def test_soft_storey(*, has_wall: bool) -> None:
+    """The lowest storey is weak and yields until it comes down."""
+    pulse = Pulse(0.3, 6.0, 4)
+    u_y = [0.015, 0.05, 0.05]
+    wall = Wall() if has_wall else None
+    frame = frame_of("full", 4.0, wall=wall, u_y=u_y, hardening=0.02, limit=0.06)
+    found = frame.run(6.0, pulse)
+    assert found.collapsed
+    assert len(found.branches) >= 5
+    assert bool(found.impacts) == has_wall
+    drifts = abs(frame.storeys(found.state, 1)[0])
+    assert not has_wall or drifts.argmax() == 0
+    compare(rwmf.simulate(case_of(frame, pulse.group(), 6.0, coupling="full")), found, frame)
+
+
+def test_storeys_that_yield_on_a_line() -> None:
+    """A straight line leaves one drift to all storeys, which yield at their own."""
+    pulse = Pulse(0.3, 6.0, 3)
+    frame = frame_of("every_floor", 20.0, wall=Wall(), u_y=[0.02, 0.03, 0.05], limit=0.06)
+    found = frame.run(6.0, pulse)
+    assert found.collapsed
+    assert len(found.branches) >= 10
+    case = case_of(frame, pulse.group(), 6.0, coupling="every_floor")
+    compare(rwmf.simulate(case), found, frame)
+
+
+def test_collapse_beside_a_resting_wall() -> None:
+    """The roof is held, and the floors below it come down."""
+    pulse = Pulse(0.3, 6.0)
+    wall = Wall(eta=60.0)
+    frame = frame_of("full", 25.0, [2.0, 2.0, 1.5], [90.0, 90.0, 90.0], wall=wall, limit=0.05)
+    found = frame.run(20.0, pulse)
+    assert found.collapsed
+    assert not found.lift_offs
+    run = rwmf.simulate(case_of(frame, pulse.group(), 20.0, coupling="full"))
+    compare(run, found, frame)
+    assert float(run["u_s_max"]) == 0
+
+
+def test_one_number_for_one_coordinate() -> None:
+    """The table of theory.md: weights over heights times squared bends of the shape, over its mass.
+
+    On a straight line this is m_g_over_m_s g/2h times the roof factor.
+    """
+    mu, (m, k) = 3.0, STOREYS
+    for coupling in ("reduced", "every_floor"):
+        frame = frame_of(coupling, mu)
+        bend = np.diff(frame.s, prepend=0.0)
+        kappa = frame.push @ bend**2 / frame.M
+        rest = np.zeros(2 + frame.n)
+        rest[0] = 1.0
+        without = frame_of(coupling, 0.0)
+        force = frame.s @ (without.forces(rest, 1) - frame.forces(rest, 1)) / frame.M
+        assert force == pytest.approx(kappa, rel=1e-13)
+        if coupling == "every_floor":
+            assert kappa == pytest.approx(mu * G / (2 * H) * frame.N / frame.M, rel=1e-13)
+    assert len(m) == len(k)
+
+
+# drifts that pass their limit inside a step
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+@pytest.mark.parametrize("coupling", [None, "full"])
+def test_peaks_inside_a_step(coupling: str | None, rtol: float, method: str) -> None:
+    """A limit just below a peak is passed there, one just above is not, whatever the steps."""
+    pulse = Pulse(0.1, 4.0)
+    frame = frame_of("full", 3.0, limit=9.0) if coupling else single(0.7, 3.0, 1.0, limit=9.0)
+    solver = {"rtol": rtol, "method": method}
+    case = case_of(frame, pulse.group(), 4.0, coupling=coupling).replace(solver=solver)
+    run = rwmf.simulate(case.replace(output={"dt": 1e-4}))
+    names = [f"storey_{i + 1}_drift" for i in range(frame.n)] if coupling else ["u_s"]
+    drifts = np.max([abs(run[name].to_numpy()) for name in names], axis=0)
+    if not coupling:
+        drifts = drifts / 3.0
+    largest, first = drifts.max(), float(run["time"][int(drifts.argmax())])
+    # the size of the response sets the tolerance, in a run that ends early too
+    for factor, falls in ((1 - 1e-5, True), (1 + 1e-5, False)):
+        limited = rwmf.simulate(case.replace(p_delta={"drift_limit": largest * factor}))
+        assert bool(limited["collapsed"]) == falls
+        if falls:
+            assert float(limited["t_collapse"]) <= first
+            assert float(limited["t_collapse"]) == pytest.approx(first, abs=5e-3)
+
+
+# what is reported
+
+
+def collapsing() -> rwmf.Case:
+    """Return the case of a yielding frame that collapses."""
+    frame = single(0.9, 3.0, 2.0, u_y=[0.03])
+    return case_of(frame, Pulse(0.2, 8.0, 4).group(), 6.0)
+
+
+def test_shipped_case(elcentro: Path) -> None:
+    """It collapses by its weight, and a wall keeps it up: what its first comment says."""
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "p_delta_collapse.nml")
+    case = case.replace(motion={"file": str(elcentro)})
+    alone = rwmf.simulate(case)
+    assert float(alone["t_collapse"]) == pytest.approx(11.277, abs=2e-3)
+    assert float(alone["u_s_max"]) == pytest.approx(0.8, rel=1e-9)
+    assert float(rwmf.simulate(case.replace(p_delta=None))["u_s_max"]) < 0.145
+    beside = rwmf.simulate(
+        case.replace(
+            frame={"gamma": 5.0}, p_delta={"h_f": None}, wall={"h": 4.0, "b": 1.0},
+            cable={"eta_0": 2.0, "eta_alpha": 5.0}, impact={"rule": "coupled"},
+        )
+    )  # fmt: skip
+    assert not bool(beside["collapsed"])
+    assert float(beside["u_s_max"]) < 0.1
+
+
+def test_keys_apply_only_with_the_effect() -> None:
+    plain = rwmf.simulate(bare_frame())
+    assert "collapsed" not in plain
+    assert "t_collapse" not in plain
+    stands = rwmf.simulate(bare_frame(p_delta={"h_f": 30.0}))
+    assert not bool(stands["collapsed"])
+    assert "t_collapse" not in stands
+
+
+def test_command_line(tmp_path: Path) -> None:
+    """A result, not an error: exit status 0; the summary says when."""
+    file = tmp_path / "case.nml"
+    file.write_text(collapsing().to_namelist(), encoding="utf-8")
+    command = [sys.executable, "-m", "rwmf", "run", str(file), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=True)
+    found = json.loads(done.stdout)
+    assert found["collapsed"] is True
+    assert found["t_collapse_s"] == float(rwmf.simulate(collapsing())["t_collapse"])
+    assert "p_delta" in found["effects"]
+
+
+def test_spectrum_and_sweep() -> None:
+    """The status of each ordinate, and its peak up to the collapse."""
+    T_s = [0.4, 0.9, 1.5]
+    case = collapsing()
+    spectrum = rwmf.spectrum(case.replace(output=None, spectrum={"T_s": T_s}))
+    for i, period in enumerate(T_s):
+        run = rwmf.simulate(case.replace(frame={"T_s": period}))
+        status = "collapsed" if bool(run["collapsed"]) else "ok"
+        assert str(spectrum["status"].values.ravel()[i]) == status
+        assert float(spectrum["u_s_max"].values.ravel()[i]) == pytest.approx(
+            float(run["u_s_max"]), rel=1e-9
+        )
+    assert "collapsed" in spectrum["status"].values
+    for quantities in (("u_s_max",), ("u_s_max", "ductility")):
+        swept = rwmf.sweep(case.replace(output=None), {"T_s": T_s}, quantities=quantities)
+        names = swept["status"].attrs["flag_meanings"].split()
+        assert [names[i] for i in swept["status"].values] == list(spectrum["status"].values.ravel())
+
+
+def test_step_back_from_a_collapse() -> None:
+    """A host that takes back the step in which the frame collapses can take it again."""
+    case = collapsing().replace(output=None)
+    t = float(rwmf.simulate(case)["t_collapse"])
+    ends = []
+    with c_host.stepping(case.to_namelist()) as host:
+        host.advance(t - 0.1)
+        host.save()
+        for _ in range(2):
+            host.restore()
+            assert host.state().t == t - 0.1
+            host.advance(t + 0.1)
+            ends.append((host.state().t, host.state().u_s))
+            host.advance(t + 0.2)
+            assert (host.state().t, host.state().u_s) == ends[-1]
+    assert ends[0] == ends[1]
+    assert ends[0] == pytest.approx((t, math.copysign(0.3, ends[0][1])), rel=1e-9)
+
+
+def test_studies_count_a_collapse_as_failure() -> None:
+    from rwmf.studies.statistics import with_overturning
+
+    case = collapsing().replace(output=None)
+    swept = rwmf.sweep(case, {"T_s": [0.2, 0.9]}, quantities=("u_s_max",))
+    values = with_overturning(swept).values.ravel()
+    assert np.isfinite(values[0])
+    assert np.isinf(values[1])
+
+
+@pytest.mark.parametrize(
+    ("groups", "words"),
+    [
+        ({"p_delta": {}}, "h_f"),
+        ({"p_delta": {"h_f": 3.0, "drift_limit": 0.0}}, "drift_limit"),
+        ({"p_delta": {"h_f": 3.0, "m_g_over_m_s": -1.0}}, "m_g_over_m_s"),
+        ({"p_delta": {"h_f": -3.0}}, "h_f"),
+    ],
+)
+def test_refusals(groups: dict[str, dict[str, object]], words: str) -> None:
+    with pytest.raises(rwmf.InputError, match=words):
+        rwmf.simulate(bare_frame(**groups))
+
+
+def test_storeys_have_their_heights() -> None:
+    frame = frame_of("full", 1.0)
+    case = case_of(frame, Pulse(0.1, 4.0).group(), 1.0, coupling="full")
+    with pytest.raises(rwmf.InputError, match="h_f"):
+        rwmf.simulate(case.replace(p_delta={"h_f": 3.0}))

@@ -1,0 +1,89 @@
+"""The version stands once, and what is said of the package elsewhere agrees."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tomllib
+
+import pytest
+import rwmf
+from checkout import ROOT
+
+
+def _text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def _found(pattern: str, name: str) -> str:
+    match = re.search(pattern, _text(name), re.MULTILINE)
+    assert match, f"{name}: nothing like {pattern}"
+    return match[1]
+
+
+VERSION = _found(r"^ +version: '([\d.]+)',$", "meson.build")
+PYPROJECT = tomllib.loads(_text("pyproject.toml"))
+
+
+def test_the_kernel_has_the_version_of_the_build() -> None:
+    assert rwmf.__version__ == VERSION
+
+
+def test_pages_have_the_version_and_its_day() -> None:
+    """The newest entry of the changelog is that of the version, and so is what is cited."""
+    day = _found(rf"^## {re.escape(VERSION)} \((\d{{4}}-\d\d-\d\d)\)$", "CHANGELOG.md")
+    assert _found(r"^## (\S+)", "CHANGELOG.md") == VERSION
+    assert _found(r"^version: (\S+)$", "CITATION.cff") == VERSION
+    assert _found(r"^date-released: (\S+)$", "CITATION.cff") == day
+
+
+@pytest.mark.parametrize("folder", ["src", "include", "driver", "tools", "tests/export"])
+def test_no_source_has_a_version_of_its_own(folder: str) -> None:
+    """Neither the present version nor an assignment of another one."""
+    own = re.compile(rf"(?<![\d.]){re.escape(VERSION)}(?![\d.])|__version__ = [\"']")
+    for path in sorted((ROOT / folder).rglob("*")):
+        if (
+            path.suffix in {".f90", ".F90", ".c", ".h", ".py", ".build", ".sh", ""}
+            and path.is_file()
+        ):
+            found = own.search(path.read_text(encoding="utf-8"))
+            assert not found, f"{path.relative_to(ROOT)}: {found}"
+
+
+def test_metadata() -> None:
+    project = PYPROJECT["project"]
+    assert project["dynamic"] == ["version"]
+    for pattern in project["license-files"]:
+        assert list(ROOT.glob(pattern)), pattern
+    assert project["license"] == _found(r"^ +license: '(.*)',$", "meson.build")
+    assert project["license"] == _found(r"^license: (.*)$", "CITATION.cff")
+    assert project["scripts"] == {"rwmf": "rwmf.__main__:main"}
+    assert (ROOT / project["readme"]).is_file()
+
+
+def test_the_pythons_of_the_wheels_are_those_of_the_metadata() -> None:
+    versions = _found(r"for version in (3\.\d+(?: 3\.\d+)*); do", "tools/wheel").split()
+    prefix = "Programming Language :: Python :: 3."
+    said = [line for line in PYPROJECT["project"]["classifiers"] if line.startswith(prefix)]
+    assert [f"{prefix[:-2]}{version}" for version in versions] == said
+    assert PYPROJECT["project"]["requires-python"] == f">={versions[0]}"
+
+
+def test_every_bundled_part_has_its_licence() -> None:
+    table = _text("licenses/README.md")
+    for name in re.findall(r"`([\w.-]+\.txt)`", table):
+        assert (ROOT / "licenses" / name).stat().st_size > 500
+    for part in ("SUNDIALS", "LAPACK", "libgfortran", "libgomp", "libquadmath"):
+        assert part in table
+
+
+def test_the_install_section_gives_two_lines() -> None:
+    """tools/wheel runs these on the source archive."""
+    section = _found(r"^## Install\n((?:.*\n)*?)## ", "README.md")
+    lines = re.findall(r"^ {4}(.*)$", section, re.MULTILINE)
+    assert lines == ["tools/bootstrap kernel", "pip install ."]
+
+
+@pytest.mark.parametrize("tool", ["wheel", "lint", "bootstrap"])
+def test_tools_are_valid_shell(tool: str) -> None:
+    subprocess.run(["bash", "-n", ROOT / "tools" / tool], check=True)

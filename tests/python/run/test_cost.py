@@ -1,0 +1,173 @@
+"""What accuracy costs: reference, rows, procedures of today, recommendation, command."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from checkout import ROOT
+from rwmf import cli
+from rwmf._cost import METHODS, PRACTICES, TOLERANCES, Cost, Row, cheapest
+from rwmf._library import measure as _measure
+from rwmf.quantities import QUANTITIES
+
+PULSE = """&wall h = 2.0, b = 0.5 /
+&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
+&cable eta_0 = 1.0, eta_alpha = 5.0 /
+&impact e = 0.9 /
+&motion kind = 'one_cosine', a_max_g = 0.4, omega_p = 6.283185307179586 /
+&model formulation = 'exact' /
+&solver t_end = 3.0 /
+"""
+# tests/reference/peaks_taylor.csv: the same scene by an independent program, 12 digits
+PEAK = 0.21821276994
+INPUTS = sorted((ROOT / "inputs").glob("accuracy_*.nml"))
+FRAME = """&frame T_s = 0.7, xi_s = 0.05 /
+&motion kind = 'sine', a_max_g = 0.3, T_p = 0.9, cycles = 2 /
+&solver t_end = 3.0 /
+"""
+
+
+@pytest.fixture(scope="module")
+def found() -> Cost:
+    return rwmf.cost(rwmf.Case.from_text(PULSE))
+
+
+def test_the_reference_is_that_of_an_independent_program(found: Cost) -> None:
+    assert found.reference["u_s_max_m"] == pytest.approx(PEAK, rel=1e-10)
+
+
+def test_the_reference_knows_its_own_error(found: Cost) -> None:
+    # rtol 1e-18 amplified by some impacts, far below double precision
+    assert found.reference["relative_error"] < 1e-18
+    assert found.reference["good_enough"]
+
+
+def test_the_table_of_quantities_names_what_is_reported(found: Cost) -> None:
+    keys = found.rows[0].to_dict().keys() | found.reference.keys()
+    assert keys == {key for key, row in QUANTITIES.items() if "cost" in row.outputs.split()}
+
+
+def test_every_method_and_tolerance_has_a_row(found: Cost) -> None:
+    assert [(row.method, row.rtol) for row in found.rows] == [
+        (method, rtol) for method in METHODS for rtol in TOLERANCES
+    ]
+    assert [row.method for row in found.practices] == [label for label, _, _ in PRACTICES]
+    assert all(row.status == "ok" and row.seconds > 0 for row in [*found.rows, *found.practices])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_errors_follow_the_tolerance_without_a_floor(found: Cost, method: str) -> None:
+    rows = {round(-math.log10(row.rtol)): row for row in found.rows if row.method == method}
+    # no floor above 1e-11 in a well-conditioned case: events, knots and peaks are located well
+    assert rows[13].relative_error < 1e-11
+    assert rows[13].impact_time_error_s < 1e-8
+    assert rows[9].relative_error < 1e-7
+    assert rows[3].relative_error < 1e-1
+
+
+def test_the_procedures_of_today_give_few_digits(found: Cost) -> None:
+    for row in found.practices:
+        assert 1e-6 < row.relative_error < 0.05, row.method
+
+
+def test_the_recommendation_is_within_the_target_and_cheap(found: Cost) -> None:
+    assert found.recommended is not None
+    assert found.recommended.relative_error <= found.target
+    within = [row.seconds for row in found.rows if row.relative_error <= found.target]
+    # cheaper rows exist only where a tighter one of the method misses the target, or within noise
+    assert found.recommended.seconds <= 3 * min(within)
+
+
+def test_luck_is_not_recommended() -> None:
+    def row(rtol: float, error: float, seconds: float) -> Row:
+        return Row("adams", rtol, error, seconds, 1, 1, 0, error, math.nan, error, False, "ok")
+
+    rows = [row(1e-3, 1e-9, 1.0), row(1e-4, 1e-5, 2.0), row(1e-5, 1e-7, 3.0), row(1e-6, 1e-8, 4.0)]
+    best = cheapest(rows, 1e-6)
+    assert best is not None
+    assert best.rtol == 1e-5
+    assert cheapest(rows, 1e-12) is None
+
+
+def test_a_frame_alone_has_no_impacts() -> None:
+    found = rwmf.cost(rwmf.Case.from_text(FRAME), target=1e-4)
+    assert found.target == 1e-4
+    assert found.reference["peak"] == "u_s_max_m"
+    assert all(math.isnan(row.impact_time_error_s) for row in found.rows)
+    tight = [row for row in found.rows if row.method == "dop853" and row.rtol < 1e-12]
+    assert tight[0].relative_error < 1e-13
+
+
+def test_twice_the_intervals_are_the_same_motion() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "accuracy_elcentro_2s.nml")
+    reference = _measure.solve_reference(case, 1e-15, 1e-16)
+    ours = _measure.measure_method(case, "dop853", 1e-12, 0.0)
+    assert ours.values["u_s_max_m"] == pytest.approx(reference.values["u_s_max_m"], rel=1e-12)
+    assert 0 < reference.differences["u_s_max_m"] < 1e-15
+    assert np.all(reference.impact_differences[:5] < 1e-14)
+
+
+@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
+def test_the_shipped_cases_ask_a_question_and_run(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert "?" in text.split("!\n")[0]
+    case = rwmf.Case.from_namelist(path)
+    assert "formulation" in case.model.given
+    result = rwmf.simulate(case)
+    assert not bool(result["overturned"])
+    assert 0 < float(result["theta_max_over_alpha"]) < 1
+
+
+def test_the_block_stands_just_below_overturning() -> None:
+    text = (ROOT / "inputs" / "accuracy_block_near_overturning.nml").read_text(encoding="utf-8")
+    stronger = rwmf.Case.from_text(text.replace("a_max_g = 0.742 ", "a_max_g = 0.743 "))
+    assert bool(rwmf.simulate(stronger)["overturned"])
+
+
+@pytest.mark.parametrize("target", [0.0, 1.0, -1e-3, math.nan])
+def test_a_target_is_between_0_and_1(target: float) -> None:
+    with pytest.raises(rwmf.InputError, match="target"):
+        rwmf.cost(rwmf.Case.from_text(FRAME), target=target)
+
+
+def test_a_run_of_no_duration_has_no_cost(tmp_path: Path) -> None:
+    path = tmp_path / "frame.nml"
+    path.write_text(re.sub("t_end = [0-9.]+", "t_end = 0", FRAME), encoding="utf-8")
+    with pytest.raises(
+        rwmf.InputError, match=r"&solver: t_end = 0 \(line \d+\): must be > 0"
+    ) as error:
+        rwmf.cost(rwmf.Case.from_namelist(path))
+    assert str(error.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("rtol", [math.nan, math.inf, 0.0, -1e-6, 1.0])
+def test_a_tolerance_is_between_0_and_1(rtol: float) -> None:
+    with pytest.raises(rwmf.InputError, match="rtol"):
+        _measure.measure_method(rwmf.Case.from_text(FRAME), "adams", rtol, 0.0)
+
+
+@pytest.mark.parametrize("divisor", [math.nan, math.inf, 0.0, -1.0])
+def test_a_step_has_a_length(divisor: float) -> None:
+    with pytest.raises(rwmf.InputError, match="dt = "):
+        _measure.measure_baseline(rwmf.Case.from_text(FRAME), "rk4", divisor, 0.0)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "frame.nml"
+    path.write_text(FRAME, encoding="utf-8")
+    plot = tmp_path / "cost.png"
+    assert cli.main(["cost", str(path), "--json", "--plot", str(plot)]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert {"reference", "rows", "recommended"} <= set(printed)
+    keys = {"method", "rtol", "relative_error", "seconds", "steps", "rhs_evaluations"}
+    assert all(keys <= set(row) for row in printed["rows"])
+    assert printed["rows"][0]["impact_time_error_s"] is None
+    assert plot.stat().st_size > 0
+    assert cli.main(["cost", str(path), "--target", "1e-3"]) == 0
+    assert "cheapest for a relative error of 1e-03" in capsys.readouterr().out

@@ -1,0 +1,158 @@
+"""Ordinates of spectra report what runs report: every quantity, in one pass of the lanes."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from checkout import ROOT
+from rwmf.case.namelist import compose
+from rwmf.cli.main import main
+from rwmf.errors import InputError
+from rwmf.quantities import QUANTITIES, find
+
+sys.path.append(str(ROOT / "bench"))
+
+import pairs
+
+_RTOL = 1e-9
+_PERIODS = (0.3, 0.9)
+# of the first of these scenes; the counts of a chatter depend on the tolerance
+_EFFECTS = ("`exact`", "cable breaks", "`&yielding`", "`&p_delta`", "vertical, record", "`&fuse`")
+_LOOSE = {"energy_balance_relative": 1e-3, "t_friction_demand_max_s": 1e-4, "impacts": 1.0}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the pairs of effects have their record."""
+    place = tmp_path_factory.mktemp("ordinates")
+    pairs.prepare(place)
+    return place
+
+
+def _case(name: str, folder: Path) -> rwmf.Case:
+    effect = next(effect for effect in pairs.EFFECTS if effect.name == name)
+    case = rwmf.Case.from_text(compose(pairs.joined(effect)), folder / "pair.nml")
+    return case.replace(solver={"rtol": _RTOL}, output=None, spectrum={"T_s": list(_PERIODS)})
+
+
+@pytest.mark.parametrize("effect", _EFFECTS)
+def test_ordinates_are_runs(effect: str, folder: Path) -> None:
+    """All quantities at once, and those that follow events alone, against runs at a tight rtol."""
+    case = _case(effect, folder)
+    keys = case.kernel.applicable()
+    smooth = [key for key in keys if not QUANTITIES[key].asked_by]
+    everything = rwmf.spectrum(case, quantities=keys).squeeze(drop=True)
+    events = rwmf.spectrum(case, quantities=smooth).squeeze(drop=True)
+    tight = case.replace(solver={"method": "dop853", "rtol": 1e-12}, spectrum=None)
+    for T_s in _PERIODS:
+        output = {"energy": True, "reactions": True}
+        with rwmf._simulation.start(tight.replace(frame={"T_s": T_s}, output=output)) as run:
+            expected = run.summary()
+        for found, names in ((everything, keys), (events, smooth)):
+            for key in names:
+                value = float(found[find(key).called(key)].sel(T_s=T_s))
+                wanted = float(expected.get(key, np.nan))
+                loose = _LOOSE.get(key, 1e-6)
+                assert value == pytest.approx(wanted, rel=loose, abs=loose, nan_ok=True), key
+
+
+def test_what_follows_from_the_displacement(folder: Path) -> None:
+    """The exponential lanes have displacements only; sides that are alike give the rest."""
+    case = _case("cable, linear", folder).replace(solver={"method": "auto"})
+    names = ["u_s_max", "theta_max_over_alpha", "cable_force_increment_max_over_m_w_g", "e_max"]
+    found = rwmf.spectrum(case, quantities=names)
+    assert list(found.data_vars) == [*names, "status"]
+    assert found.attrs["rhs_evaluations"] == 0
+    more = rwmf.spectrum(case, quantities=[*names, "impacts"])
+    assert more.attrs["rhs_evaluations"] > 0
+    for name in names:
+        np.testing.assert_allclose(found[name], more[name], rtol=100 * _RTOL)
+
+
+def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = _case("`&yielding`", folder)
+    found = rwmf.spectrum(case, quantities=["ductility", "theta_dot_max_rad_s"])
+    assert list(found.data_vars) == ["ductility", "theta_dot_max", "status"]
+    assert found.theta_dot_max.attrs["units"] == "rad/s"
+    path = folder / "asked.nml"
+    groups = pairs.joined(next(item for item in pairs.EFFECTS if item.name == "`&yielding`"))
+    groups |= {"output": None, "spectrum": {"T_s": list(_PERIODS), "quantities": ("ductility",)}}
+    path.write_text(compose({name: keys for name, keys in groups.items() if keys is not None}))
+    words = ["spectrum", str(path), "--quantity", "ductility", "impacts"]
+    files = ["--csv", str(tmp_path / "a.csv"), "--plot", str(tmp_path / "a.svg")]
+    assert main([*words, "--json", *files]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert {"ductility", "impacts", "status"} <= set(shown)
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    assert "b_m,gamma,T_s_s,ductility,impacts,status" in lines
+    assert (tmp_path / "a.svg").stat().st_size > 0
+    assert main(words) == 0
+    assert "impacts:" in capsys.readouterr().out
+    assert main(["check", str(path)]) == 0
+    assert "quantities = 'ductility'" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("u_max", "unknown; allowed, where they apply: u_s_max_m"),
+        ("theta_rad", "unknown"),
+        ("steps", "unknown"),
+        ("storey_1_ductility", "does not apply to this scene; allowed: u_s_max_m"),
+        ("ductility", "does not apply"),
+        ("friction_exceeded", "does not apply"),
+        ("collapsed", "does not apply"),
+    ],
+)
+def test_refusals(key: str, words: str, folder: Path) -> None:
+    case = _case("`exact`", folder)
+    with pytest.raises(InputError, match=words) as caught:
+        rwmf.spectrum(case, quantities=["u_s_max", key])
+    assert f"&spectrum: quantities = 'u_s_max_m', '{key}' (line" in str(caught.value)
+    with pytest.raises(InputError, match="given twice"):
+        rwmf.spectrum(case, quantities=["u_s_max", "u_s_max_m"])
+
+
+def test_other_methods(folder: Path) -> None:
+    """Methods without lanes report the same quantities, run by run."""
+    case = _case("`exact`", folder)
+    names = ["theta_max_over_alpha", "theta_dot_max", "base_shear_max_over_weight"]
+    lanes = rwmf.spectrum(case, quantities=names)
+    runs = rwmf.spectrum(case.replace(solver={"method": "erk54"}), quantities=names)
+    for name in names:
+        np.testing.assert_allclose(lanes[name], runs[name], rtol=1e-5)
+
+
+def test_sweeps_take_them_from_one_call(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No run of its own for a point of T_s, gamma and b; what does not apply has no value."""
+    monkeypatch.delattr("rwmf._library.start_simulation")
+    case = _case("`exact`", folder)
+    grid = {"T_s": list(_PERIODS), "gamma": [5.0, 10.0], "e": [0.8, 0.9]}
+    names = ("theta_max_over_alpha", "friction_demand_max", "ductility")
+    found = rwmf.sweep(case.replace(spectrum=None), grid, quantities=names)
+    assert found["ductility"].isnull().all()
+    assert found["friction_demand_max"].notnull().all()
+
+
+def test_estimates_of_ordinates_are_those_of_runs(folder: Path) -> None:
+    """`accuracy` and `verify` in lanes: the bound is kept, the sensitivity is that of the run."""
+    case = _case("`exact`", folder)
+    names = ["u_s_max", "estimated_relative_error", "sensitivity"]
+    asked = case.replace(solver={"rtol": None, "accuracy": 1e-6, "verify": True})
+    found = rwmf.spectrum(asked, quantities=names).squeeze(drop=True)
+    tight = case.replace(solver={"method": "dop853", "rtol": 1e-12}, spectrum=None)
+    for T_s in _PERIODS:
+        one = found.sel(T_s=T_s)
+        assert str(one.status.values) == "ok"
+        expected = float(rwmf.simulate(tight.replace(frame={"T_s": T_s})).u_s_max)
+        assert float(one.u_s_max) == pytest.approx(expected, rel=1e-6)
+        assert float(one.estimated_relative_error) <= 1e-6
+        run = rwmf.simulate(asked.replace(frame={"T_s": T_s}, spectrum=None))
+        assert float(one.sensitivity) == pytest.approx(run.attrs["sensitivity"], rel=1e-4)
+    with pytest.raises(InputError, match="does not apply"):
+        rwmf.spectrum(case, quantities=["sensitivity"])

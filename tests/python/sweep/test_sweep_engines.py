@@ -1,0 +1,117 @@
+"""Sweeps on other engines: processes, Dask with a worker that dies, MPI; parts of the batch."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from checkout import Runner
+from rwmf import cli
+from rwmf._sweep.executors import open_executor
+from rwmf.errors import InputError
+from scenes import coupled
+
+CASE_SOLVER = {"method": "dop853", "rtol": 1e-6, "t_end": 4.0}
+GRID = {"e": np.linspace(0.7, 0.95, 12), "T_s": [0.5, 1.0], "gamma": [5.0, 50.0]}
+
+
+def _sweep(**how: object) -> xr.Dataset:
+    return rwmf.sweep(coupled(solver=CASE_SOLVER), GRID, **how)
+
+
+def test_processes() -> None:
+    with open_executor("processes", 2) as executor:
+        xr.testing.assert_identical(_sweep(executor=executor), _sweep())
+
+
+def test_unknown_engines() -> None:
+    with pytest.raises(InputError, match="allowed are threads"), open_executor("steam"):
+        pass
+
+
+def test_dask_with_a_worker_that_is_killed(tmp_path: Path) -> None:
+    """Two workers; one is killed in the middle: nothing is lost, the result has the same bits."""
+    distributed = pytest.importorskip("distributed")
+    case = coupled(motion={"kind": "sine", "cycles": 40.0}, solver={"t_end": 60.0})
+    grid = {"e": np.linspace(0.7, 0.95, 60), "T_s": [0.2, 0.5]}
+    reports: list[int] = []
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(**options, silence_logs=50) as client:
+        pids = list(client.run(os.getpid).values())
+
+        def kill() -> None:
+            while len(reports) < 5:
+                time.sleep(0.01)
+            os.kill(pids[0], signal.SIGKILL)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        found = rwmf.sweep(
+            case,
+            grid,
+            executor=client.get_executor(),
+            progress=lambda done, _: reports.append(done),
+        )
+        killer.join()
+        assert reports[-1] == 120
+        assert pids[0] not in client.run(os.getpid).values()
+    xr.testing.assert_identical(found, rwmf.sweep(case, grid))
+
+
+def test_mpi_with_two_ranks(tmp_path: Path) -> None:
+    pytest.importorskip("mpi4py")
+    pytest.importorskip("h5py")
+    if shutil.which("mpiexec") is None:
+        pytest.skip("no MPI on this machine")
+    coupled(solver=CASE_SOLVER).to_namelist(tmp_path / "case.nml")
+    text = "&sweep case = 'case.nml' / &grid e = 0.8, 0.9 T_s = 0.5, 1.0, 1.5 /\n"
+    (tmp_path / "sweep.nml").write_text(text, encoding="ascii")
+    ranks = ["mpiexec", "--allow-run-as-root", "--oversubscribe", "-n", "2"]
+    command = [sys.executable, "-m", "mpi4py.futures", "-m", "rwmf", "sweep", "sweep.nml"]
+    subprocess.run(
+        [*ranks, *command, "--engine", "mpi", "--file", "mpi.nc"],
+        cwd=tmp_path,
+        check=True,
+        timeout=120,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    subprocess.run([*command[:2], *command[4:]], cwd=tmp_path, check=True, timeout=120)
+    assert (tmp_path / "mpi.nc").read_bytes() == (tmp_path / "sweep.nc").read_bytes()
+
+
+@pytest.mark.parametrize("parts", [1, 2, 5])
+def test_parts_of_the_batch_program(batch: Runner, tmp_path: Path, parts: int) -> None:
+    case = coupled(
+        solver=CASE_SOLVER,
+        spectrum={"T_s_min": 0.5, "T_s_max": 1.5, "n": 5, "gamma": [5.0, 50.0], "b": [0.5, 1.0]},
+    )
+    case.to_namelist(tmp_path / "case.nml")
+    assert batch("case.nml").returncode == 0
+    names = []
+    for k in range(parts, 0, -1):
+        assert batch("case.nml", "--part", f"{k}/{parts}").returncode == 0
+        names.append(str(tmp_path / f"case.part-{k}-of-{parts}.spectrum.csv"))
+    whole = tmp_path / "case.spectrum.csv"
+    if parts > 1:
+        assert cli.main(["merge", str(tmp_path / "merged.csv"), *names]) == 0
+        assert (tmp_path / "merged.csv").read_bytes() == whole.read_bytes()
+        assert cli.main(["merge", str(tmp_path / "again.csv"), *names[1:]]) == 2
+
+
+@pytest.mark.parametrize("word", ["0/2", "3/2", "1", "a/b", "1/2/3", ""])
+def test_parts_that_are_refused(batch: Runner, tmp_path: Path, word: str) -> None:
+    coupled(spectrum={"T_s": [1.0]}).to_namelist(tmp_path / "case.nml")
+    found = batch("case.nml", "--part", word)
+    assert found.returncode == 2
+    assert "must be K/N" in found.stderr
+    assert len(list(tmp_path.iterdir())) == 1

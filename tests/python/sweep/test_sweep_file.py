@@ -1,0 +1,68 @@
+"""Files of sweeps and the command that reads them: what they may say, and what is answered."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+import rwmf
+import scenes
+import xarray as xr
+from checkout import Runner
+from rwmf import cli
+from scenes import coupled
+
+QUICK = {"method": "dop853", "rtol": 1e-6, "t_end": 2.0}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Give a folder with a case, in which the command runs."""
+    pytest.importorskip("h5py")
+    coupled(solver=QUICK).to_namelist(tmp_path / "case.nml")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def _write(folder: Path, sweep: str, grid: str) -> None:
+    (folder / "s.nml").write_text(f"&sweep {sweep} /\n&grid {grid} /\n", encoding="utf-8")
+
+
+def test_letters_of_keys_do_not_matter(folder: Path) -> None:
+    _write(folder, "case='case.nml', quantities='u_s_max','impacts'", "eta=1,5,0,0  T_s=0.5,1.0")
+    assert cli.main(["sweep", "s.nml", "--file", "small.nc"]) == 0
+    _write(folder, "CASE='case.nml', Quantities='U_S_MAX','Impacts'", "ETA=1,5,0,0  frame.T_S=.5,1")
+    assert cli.main(["sweep", "s.nml", "--file", "large.nc"]) == 0
+    with xr.open_dataset("small.nc") as small, xr.open_dataset("large.nc") as large:
+        assert small.sizes["T_s"] == small.sizes["eta"] == 2
+        xr.testing.assert_identical(small, large)
+
+
+def test_a_key_in_two_spellings_stands_twice(folder: Path, command: Runner) -> None:
+    _write(folder, "case='case.nml', CASE='other.nml'", "e=0.9")
+    found = command("sweep", "s.nml")
+    assert (found.returncode, found.stdout) == (2, "")
+    assert found.stderr == "rwmf: s.nml, line 1: CASE: outside of a group, or it stands twice\n"
+
+
+def test_names_that_are_no_utf8(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A NetCDF file holds UTF-8: it shows the bytes of other names by their numbers."""
+    place = folder / os.fsdecode(b"caf\xe9")
+    place.mkdir()
+    monkeypatch.chdir(place)
+    record = os.fsdecode(b"r\xe9.txt")
+    Path(record).write_text("0 0\n.1 .2\n.2 -.1\n", encoding="ascii")
+    motion = scenes.record(Path(record))
+    case = coupled(motion=motion, solver=QUICK)
+    case.to_namelist("case.nml")
+    text = "&sweep case='case.nml' records='" + record + "' unit='g' /\n&grid T_s=1 /\n"
+    Path("s.nml").write_text(text, encoding="utf-8", errors="surrogateescape")
+    assert cli.main(["sweep", "s.nml", "--file", record + ".nc"]) == 0
+    with xr.open_dataset(record + ".nc", engine="h5netcdf") as found:
+        assert found["record"].values.tolist() == ["r\\udce9"]
+    words = ["study", "wall", "case.nml", "--T_s", "1", "--file", "w.nc", "--plot", record + ".png"]
+    assert cli.main(words) == 0
+    xr.testing.assert_identical(
+        rwmf.sweep(case, {"T_s": [1.0]}), rwmf.sweep(case, {"T_s": [1.0]}, file="x.nc").load()
+    )

@@ -1,0 +1,160 @@
+"""A host in C, spoken to from Python: `include/rwmf.h` through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from ctypes import byref, c_char_p, c_double, c_int32, c_int64, c_size_t, c_void_p
+from functools import cache
+from pathlib import Path
+
+import rwmf
+from checkout import ROOT
+
+_MESSAGE_BYTES = 4096
+_ERRORS = {1: rwmf.NumericalError, 2: rwmf.InputError}
+_GROUND = ctypes.CFUNCTYPE(c_double, c_double, c_void_p)
+
+
+def _doubles(names: str) -> list[tuple[str, type]]:
+    return [(name, c_double) for name in names.split()]
+
+
+def _counts(names: str) -> list[tuple[str, type]]:
+    return [(name, c_int64) for name in names.split()]
+
+
+class Result(ctypes.Structure):
+    """`rwmf_result`."""
+
+    _fields_ = (
+        *_doubles("u_s_max theta_max theta_dot_max cable_increment_max t_end"),
+        *_counts("impacts lift_offs steps"),
+        ("overturned", c_int32),
+    )
+
+
+class State(ctypes.Structure):
+    """`rwmf_state`."""
+
+    _fields_ = (
+        *_doubles("t theta theta_dot theta_ddot u_s u_s_dot u_s_ddot u_s_max theta_max"),
+        *_counts("impacts lift_offs steps"),
+        ("at_rest", c_int32),
+        ("overturned", c_int32),
+    )
+
+
+class Forces(ctypes.Structure):
+    """`rwmf_forces`."""
+
+    _fields_ = tuple(_doubles("link frame_shear cable"))
+
+
+class Response(ctypes.Structure):
+    """`rwmf_response`."""
+
+    _fields_ = tuple(
+        _doubles("force stiffness damping mass theta theta_dot theta_ddot cable"),
+    )
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """Load the shared library of the build; RWMF_LIBRARY names another one."""
+    built = ROOT / "build" / "src" / "package" / "librwmf.so"
+    path = Path(os.environ.get("RWMF_LIBRARY", built))
+    assert path.is_file(), f"{path} is missing: run tools/test, or set RWMF_LIBRARY"
+    library = ctypes.CDLL(str(path))
+    library.rwmf_destroy.restype = library.rwmf_destroy_element.restype = None
+    return library
+
+
+def _call(name: str, *arguments: object) -> None:
+    """Call a function of the interface; what it refuses is raised as Python's own error."""
+    message = ctypes.create_string_buffer(_MESSAGE_BYTES)
+    function = getattr(_library(), name)
+    status = function(*arguments, message, c_size_t(_MESSAGE_BYTES))
+    if status != 0:
+        raise _ERRORS[status](message.value.decode())
+
+
+def run(text: str) -> Result:
+    """Run a case in namelist text."""
+    result = Result()
+    _call("rwmf_run", c_char_p(text.encode()), byref(result))
+    return result
+
+
+class Wall:
+    """A wall that steps; give it back with `stepping`."""
+
+    def __init__(self, text: str, peak: float) -> None:
+        self.handle = c_void_p()
+        self._snapshot = c_void_p()
+        _call(
+            "rwmf_create", c_char_p(text.encode()), c_double(0), c_double(peak), byref(self.handle)
+        )
+
+    def advance(self, t: float) -> None:
+        """Advance under the motion of the case."""
+        _call("rwmf_advance", self.handle, c_double(t))
+
+    def advance_samples(self, t: Sequence[float], a: Sequence[float]) -> None:
+        """Advance under straight lines through samples."""
+        numbers = c_double * len(t)
+        _call("rwmf_advance_samples", self.handle, c_size_t(len(t)), numbers(*t), numbers(*a))
+
+    def advance_ground(self, t: float, ground: Callable[[float], float]) -> None:
+        """Advance under an acceleration that the host computes."""
+        function = _GROUND(lambda t, _: ground(t))
+        _call("rwmf_advance_ground", self.handle, c_double(t), function, None)
+
+    def save(self) -> None:
+        """Remember the present state."""
+        _call("rwmf_save", self.handle, byref(self._snapshot))
+
+    def restore(self) -> None:
+        """Return to it."""
+        _call("rwmf_restore", self.handle, self._snapshot)
+
+    def state(self) -> State:
+        """Present state."""
+        state = State()
+        _call("rwmf_query_state", self.handle, byref(state))
+        return state
+
+    def forces(self) -> Forces:
+        """Present forces."""
+        forces = Forces()
+        _call("rwmf_query_forces", self.handle, byref(forces))
+        return forces
+
+    def destroy(self) -> None:
+        """Give everything back."""
+        _library().rwmf_destroy_snapshot(byref(self._snapshot))
+        _library().rwmf_destroy(byref(self.handle))
+
+
+@contextmanager
+def stepping(text: str, peak: float = 0.0) -> Iterator[Wall]:
+    """Make a wall of a case; `peak` [m/s2] as in rwmf.h."""
+    wall = Wall(text, peak)
+    try:
+        yield wall
+    finally:
+        wall.destroy()
+
+
+def respond(text: str, side: int, motion: Sequence[float]) -> Response:
+    """Make an element and ask for its force at u, u', u'' of the link and u_g''."""
+    element, response = c_void_p(), Response()
+    _call("rwmf_create_element", c_char_p(text.encode()), byref(element))
+    try:
+        numbers = [c_double(value) for value in motion]
+        _call("rwmf_respond", element, side, *numbers, byref(response))
+    finally:
+        _library().rwmf_destroy_element(byref(element))
+    return response

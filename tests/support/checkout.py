@@ -1,0 +1,68 @@
+"""Places of the checkout that tests name, and programs that they run."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SUPPORT = ROOT / "tests" / "support"
+REFERENCE = ROOT / "tests" / "reference"
+# the batch program of the build, or another one
+BATCH = Path(os.environ.get("RWMF_BATCH", ROOT / ".venv" / "bin" / "rwmf-batch"))
+
+Runner = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def run_python(code: str, folder: Path, *path: Path) -> subprocess.CompletedProcess[str]:
+    """Run lines of Python in a process of their own, which may import what the tests share.
+
+    Parameters
+    ----------
+    code : str
+        The lines.
+    folder : Path
+        Where they run.
+    *path : Path
+        Folders of further modules.
+
+    Returns
+    -------
+    subprocess.CompletedProcess
+        Status and streams.
+    """
+    places = os.pathsep.join(map(str, (SUPPORT, *path)))
+    return run_words([sys.executable, "-c", code], folder, PYTHONPATH=places)
+
+
+def run_words(
+    words: list[str | Path], folder: Path, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Run a command in a folder; its exit status is the caller's to judge.
+
+    Parameters
+    ----------
+    words : list
+        Program and arguments.
+    folder : Path
+        Where it runs.
+    **environment : str
+        Variables that it sees besides those of the tests.
+
+    Returns
+    -------
+    subprocess.CompletedProcess
+        Status and streams.
+    """
+    return subprocess.run(
+        [str(word) for word in words],
+        cwd=folder,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )

@@ -1,0 +1,602 @@
+"""What works where: every effect on every way to use the program.
+
+    .venv/bin/python tests/support/matrix.py > docs/matrix.md
+
+A row is a scene: each entry of ``EFFECTS`` in ``bench/pairs.py`` with a wall and, where there is
+such a case, without one. A column is a path: one function that uses the program in one way and
+compares what comes out with the plain run. ``REFUSALS`` says what is refused and why;
+``test_matrix.py`` goes through all cells, and asks for a row of every effect of the kernel.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import math
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import c_host
+import numpy as np
+import rwmf
+import xarray as xr
+from checkout import BATCH, ROOT
+from rwmf import _simulation as simulation
+from rwmf import cli, studies
+from rwmf._sweep import RecordFile, find_records
+from rwmf.case.namelist import compose
+from rwmf.quantities import find
+from rwmf.studies.overturning import SURVIVES
+from scenes import read_table
+
+sys.path.append(str(ROOT / "bench"))
+
+import pairs
+
+RTOL = 1e-8
+# two methods, or one that starts anew at other instants, agree to the tolerance; errors add up
+# over impacts
+AGREEMENT = 100 * RTOL
+# the same force from the same state, by two formulas
+ROUND_OFF = 1e-9
+_SOLVER = {"method": "dop853", "rtol": RTOL}
+_G = 9.81
+_ALONE = "frame alone"
+
+
+_INTRODUCTION = """\
+# What works where
+
+Made by `python tests/support/matrix.py`; `tests/python/effects/test_matrix.py` goes through every
+cell. Each effect stands in one small case with a wall and, where there is such a case, in one
+without. Which effects go together: [effects.md](effects.md).
+
+A cell with + computes what the plain run does: the same bits where the method is the same
+(`dop853`, rtol = 1e-8), else to 100 rtol; the force of the element to 1e-9 of the weight. A
+letter: refused, with the reason below. A number: neither, and to be put right.
+"""
+
+
+class Scene:
+    """One row: a case and its plain run.
+
+    Parameters
+    ----------
+    groups : mapping
+        Groups of the case, from `ROWS`.
+    folder : Path
+        Where its record stands (`pairs.prepare`).
+    """
+
+    def __init__(self, groups: Mapping[str, Any], folder: Path) -> None:
+        self.groups = {group: dict(keys) for group, keys in groups.items()}
+        self.groups["solver"] |= _SOLVER
+        self.groups["output"] |= {"dt": 0.05}
+        self.folder = folder
+
+    @cached_property
+    def case(self) -> rwmf.Case:
+        """The case; the kernel reads it from the text of a file."""
+        return rwmf.Case.from_text(compose(self.groups), self.folder / "scene.nml")
+
+    @cached_property
+    def recorded(self) -> rwmf.Case:
+        """The case under the record of the suite, to its last sample."""
+        gone = dict.fromkeys(self.groups.get("motion", {}))
+        motion = gone | self.suite[0].motion()
+        return self.case.replace(motion=motion, solver={"t_end": None})
+
+    @cached_property
+    def suite(self) -> tuple[RecordFile, ...]:
+        """A suite of one record."""
+        return find_records([self.folder / "record.csv"], unit="g")
+
+    @cached_property
+    def plain(self) -> dict[str, Any]:
+        """Scalars of the plain run."""
+        return scalars(self.case)
+
+    @cached_property
+    def plain_recorded(self) -> dict[str, Any]:
+        """Scalars of the plain run under the record."""
+        return scalars(self.recorded)
+
+    @property
+    def has_frame(self) -> bool:
+        """Say whether there is a frame, whose displacement is reported."""
+        return "frame" in self.groups
+
+    @property
+    def peak(self) -> tuple[str, str]:
+        """Key and name of what a study of the scene is about."""
+        if self.has_frame:
+            return "u_s_max_m", "u_s_max"
+        return "theta_max_over_alpha", "theta_max_over_alpha"
+
+    @property
+    def grid(self) -> dict[str, list[float]]:
+        """Grid of a sweep whose only point is the case."""
+        if not self.has_frame:
+            return {}
+        # storeys have a period of their own
+        return {"T_s": [self.plain.get("T_s_s") or self.case.frame.T_s]}
+
+    def write(self, folder: Path) -> Path:
+        """Write the namelist into another folder."""
+        path = folder / "scene.nml"
+        self.case.to_namelist(path)
+        return path
+
+    def ground(self) -> tuple[list[float], Callable[[float], float]]:
+        """Knots [s] and acceleration [m/s2] of the motion, as a host would compute it."""
+        motion = self.case.motion
+        if motion is None:
+            return [0.0], lambda _: 0.0
+        if motion.kind == "record":
+            t, a = samples()
+            return t, lambda at: float(np.interp(at, t, a))
+        end = 2 * math.pi / motion.omega_p
+        a_max = motion.a_max_g * _G
+
+        def pulse(at: float) -> float:
+            return a_max * math.sin(motion.omega_p * at) if at <= end else 0.0
+
+        return [0.0, end], pulse
+
+
+def samples() -> tuple[list[float], list[float]]:
+    """Return times [s] and accelerations [m/s2] of the record."""
+    rows = [line.split(",") for line in pairs.SAMPLES.splitlines()]
+    return [float(t) for t, _ in rows], [_G * float(a) for _, a in rows]
+
+
+def scalars(case: rwmf.Case) -> dict[str, Any]:
+    """Run a case; return its scalars by key."""
+    with simulation.start(case) as run:
+        return run.summary()
+
+
+def _rows() -> dict[str, dict[str, Any]]:
+    """Make the groups of every row: effects with a wall, then those that go without one.
+
+    Whether two effects go together at all is the table of docs/effects.md.
+    """
+    effects = {effect.name: effect for effect in pairs.EFFECTS}
+    no_wall = effects.pop("no wall")
+    found = {"wall and frame": pairs.joined()}
+    found |= {name: pairs.joined(effect) for name, effect in effects.items()}
+    found[_ALONE] = pairs.joined(no_wall)
+    with tempfile.TemporaryDirectory() as place:
+        pairs.prepare(Path(place))
+        for name, effect in effects.items():
+            groups = pairs.joined(no_wall, effect)
+            with contextlib.suppress(rwmf.InputError):
+                if groups is not None and Scene(groups, Path(place)).case:
+                    found[f"{_ALONE}, {name}"] = groups
+    return {name: groups or {} for name, groups in found.items()}
+
+
+ROWS = _rows()
+
+
+def _same(found: object, expected: object) -> None:
+    """Compare bits; what has no value has none on both sides."""
+    assert np.array_equal(np.ravel(found), np.ravel(expected), equal_nan=True), (found, expected)
+
+
+def _close(found: object, expected: object) -> None:
+    np.testing.assert_allclose(np.ravel(found), np.ravel(expected), rtol=AGREEMENT)
+
+
+# --- the paths: each raises InputError where the program refuses, AssertionError where it is wrong
+
+
+def run_simulate(scene: Scene, _: Path) -> None:
+    """`rwmf.simulate`, with history, reactions and energy."""
+    found = rwmf.simulate(scene.case)
+    for key, value in scene.plain.items():
+        for name in find(key).names("run") or (None,):
+            _same_scalar(key, found[name].item() if name else found.attrs[key], value)
+    assert all(np.isfinite(column).all() for column in found.values() if column.dims == ("time",))
+    if scene.case.model.formulation != "published" or "wall" not in scene.groups:
+        assert abs(scene.plain["energy_balance_relative"]) < pairs.BALANCE
+
+
+def _same_scalar(key: str, found: object, expected: object) -> None:
+    if key != "seconds":
+        assert found == expected, key
+
+
+def run_json(scene: Scene, folder: Path) -> None:
+    """`rwmf run --json`."""
+    shown = json.loads(_command("run", scene.write(folder), "--json"))
+    assert list(shown) == list(scene.plain)
+    for key, value in scene.plain.items():
+        _same_scalar(key, shown[key], value)
+
+
+def _command(*words: str | Path) -> str:
+    """Run the command rwmf in this process; what it complains of becomes an error again."""
+    output, errors = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+        status = cli.main([str(word) for word in words])
+    if status != 0:
+        raise rwmf.InputError(errors.getvalue().removeprefix("rwmf: "))
+    return output.getvalue()
+
+
+def run_check(scene: Scene, folder: Path) -> None:
+    """`rwmf check`: names the effects and the outputs of the run."""
+    lines = _command("check", scene.write(folder)).splitlines()
+    shown = dict(line.split(": ", 1) for line in lines[:7])
+    assert shown["effects"].split(", ") == scene.plain["effects"]
+    assert set(scene.plain) <= set(shown["outputs"].split(", "))
+
+
+def run_batch(scene: Scene, folder: Path) -> None:
+    """`rwmf-batch`: CSV of summary and history."""
+    path = scene.write(folder)
+    done = subprocess.run([BATCH, path], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise rwmf.InputError(done.stderr)
+    _, (row,) = read_table(path.with_suffix(".summary.csv"))
+    for key, text in row.items():
+        value = scene.plain[key]
+        if isinstance(value, float) and key != "seconds":
+            _same(float(text), value)
+    _, history = read_table(path.with_suffix(".history.csv"))
+    names, values = _history(path)
+    assert list(history[0]) == names
+    _same([[float(line[name]) for line in history] for name in names], values)
+
+
+def _history(path: Path) -> tuple[list[str], Any]:
+    with simulation.start(rwmf.Case.from_namelist(path)) as run:
+        names, values = run.history()
+        return names, values.copy()
+
+
+def run_spectrum(scene: Scene, _: Path) -> None:
+    """`rwmf.spectrum` by the method of the run."""
+    found = rwmf.spectrum(scene.case, scene.grid.get("T_s", [1.0]))
+    _same(found["u_s_max"], scene.plain["u_s_max_m"])
+
+
+def run_auto_spectrum(scene: Scene, _: Path) -> None:
+    """`rwmf.spectrum` by its default, method `auto`."""
+    case = scene.case.replace(solver={"method": None})
+    found = rwmf.spectrum(case, scene.grid.get("T_s", [1.0]))
+    _close(found["u_s_max"], scene.plain["u_s_max_m"])
+
+
+def run_sweep(scene: Scene, _: Path) -> None:
+    """`rwmf.sweep`: displacements alone, then every scalar that has a name."""
+    names = [find(key).name for key in scene.plain if find(key).name]
+    for wanted in ([scene.peak[1]], names):
+        _check_sweep(scene, rwmf.sweep(scene.case, scene.grid, quantities=wanted), wanted)
+
+
+def run_netcdf(scene: Scene, folder: Path) -> None:
+    """`rwmf.sweep` into a NetCDF file, read back."""
+    wanted = [scene.peak[1], "base_shear_max_over_weight"]
+    path = folder / "sweep.nc"
+    with rwmf.sweep(scene.case, scene.grid, file=path, quantities=wanted) as found:
+        _check_sweep(scene, found, wanted)
+
+
+def _check_sweep(scene: Scene, found: xr.Dataset, wanted: list[str]) -> None:
+    states = found["status"].attrs["flag_meanings"].split()
+    assert states[int(found["status"].squeeze())] == "ok"
+    plain = {find(key).name: value for key, value in scene.plain.items()}
+    for name in wanted:
+        _same(found[name], float(plain[name]))
+
+
+def study_overturning(scene: Scene, _: Path) -> None:
+    """`studies.overturning_map`."""
+    # one pulse that it stands and one that throws it; no bisection
+    levels, omega = [1.5, 6.0], 4.0
+    quiet = scene.case.replace(output=None)
+    found = studies.overturning_map(quiet, [omega], levels, tolerance=10.0)
+    p = float(found["p"])
+    T_p = 2 * math.pi / (omega * p)
+    for level, outcome in zip(levels, found["outcome"].values[0], strict=True):
+        motion = {"a_max_g": level * float(found["alpha"]), "omega_p": None, "T_p": T_p}
+        run = scalars(quiet.replace(motion=motion, solver={"t_end": T_p + 25 / p}))
+        assert outcome == (run["impacts"] if run["overturned"] else SURVIVES)
+
+
+def study_suite(scene: Scene, _: Path) -> None:
+    """`studies.suite_spectra`."""
+    key, name = scene.peak
+    found = studies.suite_spectra(scene.case, scene.grid, scene.suite, name)
+    _same(found[name], scene.plain_recorded[key])
+
+
+def study_ida(scene: Scene, _: Path) -> None:
+    """`studies.incremental_dynamic_analysis`."""
+    key, name = scene.peak
+    found = studies.incremental_dynamic_analysis(scene.case, [0.5], scene.suite, name)
+    T_s = scene.case.frame.T_s
+    alone = scalars(studies.without_wall(scene.recorded))["u_s_max_m"]
+    factor = 1.0 / ((2 * math.pi / T_s) ** 2 * alone / _G)
+    case = scene.recorded.replace(motion={"scale": factor * 0.5})
+    _same(found[name], scalars(case)[key])
+
+
+def study_wall_effect(scene: Scene, _: Path) -> None:
+    """`studies.wall_effect`."""
+    found = studies.wall_effect(scene.case, scene.grid, scene.suite)
+    alone = scalars(studies.without_wall(scene.recorded))["u_s_max_m"]
+    _same(found["u_s_max_alone"], alone)
+    _same(found["ratio"], scene.plain_recorded["u_s_max_m"] / alone)
+
+
+def study_friction(scene: Scene, _: Path) -> None:
+    """`studies.friction_spectra`."""
+    found = studies.friction_spectra(scene.case, scene.grid)
+    for name in ("friction_demand_max", "base_shear_max_over_weight"):
+        _same(found[name], scene.plain[name])
+
+
+def study_bands(scene: Scene, _: Path) -> None:
+    """`studies.sensitivity_bands`."""
+    group, key = ("frame", "xi_s") if scene.has_frame else ("model", "g")
+    values = [0.02, 0.08] if scene.has_frame else [9.7, 9.9]
+    found = studies.sensitivity_bands(scene.case, scene.grid, {key: values})
+    runs = [scalars(scene.case.replace(**{group: {key: value}})) for value in values]
+    peaks = [run.get("u_s_max_m", math.inf) for run in runs]
+    _same(found["lowest"], min(peaks))
+    _same(found["highest"], max(peaks))
+
+
+def study_equal_response(scene: Scene, _: Path) -> None:
+    """`studies.equal_response`."""
+    # a tolerance that the climb meets: no bisection
+    T_p, target = 0.8, 0.01
+    quiet = scene.case.replace(output=None)
+    found = studies.equal_response(quiet, [T_p], target, tolerance=0.5)
+    amplitude = float(found["a_max_g"].squeeze())
+
+    def response(a_max_g: float) -> float:
+        motion = {"a_max_g": a_max_g, "omega_p": None, "T_p": T_p}
+        t_end = T_p + 10 * scene.case.frame.T_s
+        return scalars(quiet.replace(motion=motion, solver={"t_end": t_end}))["u_s_max_m"]
+
+    assert target <= response(amplitude)
+    assert amplitude <= 1e-4 or response(amplitude / 1.25) < target
+
+
+def step_own(scene: Scene, _: Path) -> None:
+    """Step a wall under the motion of its case, and take a step back."""
+    knots, _ = scene.ground()
+    with c_host.stepping(scene.case.to_namelist()) as wall:
+        wall.advance(knots[-1])
+        wall.save()
+        wall.advance(knots[-1] + 0.3)
+        wall.restore()
+        wall.advance(scene.case.solver.t_end)
+        _same_end(wall.state(), scene.case)
+
+
+def _same_end(state: c_host.State, case: rwmf.Case) -> None:
+    """Compare with the maxima, the counts and the last row of a run."""
+    with simulation.start(case) as run:
+        names, values = run.history()
+        plain = run.summary() | dict(zip(names, values[:, -1].tolist(), strict=True))
+    for key, value in {
+        "u_s_max_m": state.u_s_max,
+        "impacts": state.impacts,
+        "lift_offs": state.lift_offs,
+        "theta_rad": state.theta,
+        "theta_dot_rad_s": state.theta_dot,
+        "u_s_m": state.u_s,
+        "u_s_dot_m_s": state.u_s_dot,
+    }.items():
+        if key in plain:
+            _same(value, plain[key])
+
+
+def step_samples(scene: Scene, _: Path) -> None:
+    """Step a wall under samples of its host."""
+    t, a = samples()
+    peak = max(map(abs, a))
+    with c_host.stepping(scene.case.to_namelist(), peak) as wall:
+        for i in range(len(t) - 1):
+            wall.advance_samples(t[i : i + 2], a[i : i + 2])
+        _same_end(wall.state(), scene.recorded)
+
+
+def step_ground(scene: Scene, _: Path) -> None:
+    """Step a wall under a function of its host."""
+    knots, ground = scene.ground()
+    t_end = scene.case.solver.t_end
+    with c_host.stepping(scene.case.to_namelist()) as wall:
+        for t in [*(knot for knot in knots if 0 < knot < t_end), t_end]:
+            wall.advance_ground(t, ground)
+        state = wall.state()
+    if scene.has_frame:
+        _close(state.u_s_max, scene.plain["u_s_max_m"])
+    if (size := scene.case.wall) is not None:
+        alpha = math.atan2(size.b, size.h)
+        _close(state.theta_max, scene.plain["theta_max_over_alpha"] * alpha)
+
+
+def run_element(scene: Scene, _: Path) -> None:
+    """Ask an element for the force that the link of the stepping wall has."""
+    text = scene.case.to_namelist()
+    knots, ground = scene.ground()
+    changes: dict[str, Any] = {}
+    if not scene.has_frame:
+        # without mass: it only says how the top of the wall moves
+        changes["frame"] = {"gamma": 0.0, "T_s": 0.5, "xi_s": 0.0}
+    if len(knots) == 1:
+        changes["initial"] = {"theta_over_alpha": 0.2}
+    c_host.respond(text, 1, [0.1, 0.0, 0.0, 0.0])
+    with c_host.stepping(scene.case.replace(**changes).to_namelist()) as wall:
+        for t in (0.3, 0.45, 0.9):
+            wall.advance(t)
+            state = wall.state()
+            assert not state.at_rest
+            side = -1 if state.theta < 0 and scene.case.wall.base == "rocking" else 1
+            motion = [state.u_s, state.u_s_dot, state.u_s_ddot, ground(t)]
+            found = c_host.respond(text, side, motion)
+            assert abs(found.force + wall.forces().link) <= ROUND_OFF * _G
+
+
+def run_c(scene: Scene, _: Path) -> None:
+    """`rwmf_run` of the C interface."""
+    found, plain = c_host.run(scene.case.to_namelist()), scene.plain
+    for key, value in {
+        "u_s_max_m": found.u_s_max,
+        "theta_dot_max_rad_s": found.theta_dot_max,
+        "cable_force_increment_max_over_m_w_g": found.cable_increment_max,
+        "impacts": found.impacts,
+        "lift_offs": found.lift_offs,
+        "overturned": bool(found.overturned),
+        "steps": found.steps,
+    }.items():
+        if key in plain:
+            _same(value, plain[key])
+
+
+PATHS: dict[str, Callable[[Scene, Path], None]] = {
+    "run": run_simulate,
+    "run, JSON": run_json,
+    "batch, CSV": run_batch,
+    "check": run_check,
+    "run, C": run_c,
+    "spectrum": run_spectrum,
+    "spectrum, auto": run_auto_spectrum,
+    "sweep": run_sweep,
+    "sweep, NetCDF": run_netcdf,
+    "overturning": study_overturning,
+    "suite": study_suite,
+    "fragility": study_ida,
+    "wall effect": study_wall_effect,
+    "friction": study_friction,
+    "bands": study_bands,
+    "equal response": study_equal_response,
+    "stepping": step_own,
+    "stepping, samples": step_samples,
+    "stepping, function": step_ground,
+    "element": run_element,
+}
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """What is refused: paths, a pattern of the names of rows, how the message begins."""
+
+    paths: tuple[str, ...]
+    rows: str
+    message: str
+
+
+_HOSTS_MOTION = ("stepping, samples", "stepping, function")
+_STATELESS = "what yields has to be remembered, and an element holds no state"
+_NO_STOREYS = "&storeys: not taken by sweeps and studies yet"
+# the first that names a cell holds
+REFUSALS = (
+    Refusal(("spectrum", "spectrum, auto"), "no frame", "&spectrum: must not be given without "
+            "&frame (its periods are those of the frame)"),
+    Refusal(("overturning",), _ALONE, "overturning: the case has no &wall"),
+    Refusal(("overturning",), "no motion|horizontal record",
+            "overturning: the case needs a pulse in &motion"),
+    Refusal(("overturning",), "pinned base", "overturning: a hinged wall does not rock"),
+    Refusal(("sweep", "sweep, NetCDF", "fragility", "equal response"), f"{_ALONE}, `&storeys`",
+            _NO_STOREYS),
+    Refusal(("sweep", "sweep, NetCDF", "suite", "fragility", "wall effect", "friction", "bands",
+             "equal response"), "^`&storeys`", _NO_STOREYS),
+    Refusal(("bands",), "no frame", "bands: the case has no &frame"),
+    Refusal(("fragility",), "no frame",
+            "incremental dynamic analysis: the case needs &frame T_s"),
+    Refusal(("wall effect",), "no frame",
+            "the case has no &frame: nothing is left without the wall"),
+    Refusal(("friction",), _ALONE, "friction: the case has no &wall whose base could slide"),
+    Refusal(("equal response",), "no frame", "equal response: the case needs &frame T_s"),
+    Refusal(("equal response",), "no motion|horizontal record",
+            "equal response: the case needs a pulse in &motion"),
+    Refusal(_HOSTS_MOTION, "vertical, record", "a host hands over the horizontal motion: a case "
+            "with &vertical takes a ratio to it, or advances under its own motion"),
+    Refusal(("element",), _ALONE, "an element needs the group &wall"),
+    Refusal(("element",), "`&storeys`", "an element has no &storeys: the frame is the host's"),
+    Refusal(("element",), "`&yielding`", "an element has no &yielding: the frame is the host's"),
+    Refusal(("element",), "`&fuse`", f"an element has no &fuse: {_STATELESS}"),
+    Refusal(("element",), "cable yields|cable breaks",
+            f"an element has no &cable eta_y or rupture_strain: {_STATELESS}"),
+    Refusal(("element",), "vertical, record", "an element has no &vertical file: the host hands "
+            "over the motion, and &vertical ratio follows it"),
+    Refusal(("element",), "impact, table", "an element has no &impact rule = 'table': the host "
+            "applies the velocity factor, and can look it up"),
+    *(Refusal(("element",), f"`&{effect.group}", f"an element has no &{effect.group}: "
+              f"{effect.no_element}") for effect in pairs.EFFECTS if effect.no_element),
+)  # fmt: skip
+
+
+def entry_of(table: Iterable[Refusal], row: str, path: str) -> Refusal | None:
+    """Find what a table says of a cell.
+
+    Parameters
+    ----------
+    table : iterable of Refusal
+        `REFUSALS`.
+    row, path : str
+        The cell.
+
+    Returns
+    -------
+    Refusal or None
+        The first entry that names it.
+    """
+    for entry in table:
+        if path in entry.paths and re.search(entry.rows, row):
+            return entry
+    return None
+
+
+def reason(error: Exception) -> str:
+    """Strip a message of the file and the line that it names."""
+    text = re.sub(r" \(line \d+\)", "", str(error).strip())
+    return re.sub(r"^(sweep, [^:]+: )?(\S*\.nml( \(edited\))?: )?", "", text)
+
+
+def make() -> str:
+    """Make the page in Markdown.
+
+    Returns
+    -------
+    str
+        The matrix, its columns, the and the reasons.
+    """
+    names = list(PATHS)
+    parts = [_INTRODUCTION, "| | way | what is compared |\n|---|---|---|"]
+    for i, (name, path) in enumerate(PATHS.items()):
+        parts.append(f"| {i + 1} | {name} | {(path.__doc__ or '').strip()} |")
+    parts.append("\n| effect | " + " | ".join(str(i + 1) for i in range(len(names))) + " |")
+    parts.append("|---|" + "---|" * len(names))
+    parts += [f"| {row} | " + " | ".join(_mark(row, name) for name in names) + " |" for row in ROWS]
+    parts.append("\nRefused:\n")
+    parts += [f"* {_letter(i)}: {entry.message}" for i, entry in enumerate(REFUSALS)]
+    return "\n".join(parts) + "\n"
+
+
+def _mark(row: str, path: str) -> str:
+    refusal = entry_of(REFUSALS, row, path)
+    return "+" if refusal is None else _letter(REFUSALS.index(refusal))
+
+
+def _letter(i: int) -> str:
+    return chr(ord("a") + i)
+
+
+if __name__ == "__main__":
+    print(make(), end="")

@@ -1,0 +1,51 @@
+"""What may be skipped where everything is to be tested.
+
+With RWMF_MUST_RUN=1, as `.ci/run` sets it, every other skip is a failure: a package that went
+missing would take its tests along unseen.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Generator
+from typing import TypeVar
+
+import pytest
+
+# file, a part of the reason, why that is no loss
+MAY_SKIP = (
+    ("test_instruction_counts.py", "counts are of", "they hold for one processor and interpreter"),
+    ("test_sweep_engines.py", "'mpi4py'", "not in the lock: it needs the MPI of the machine"),
+    ("test_sweep_engines.py", "no MPI on this machine", "the same"),
+    ("test_validation.py", "'mujoco'", "its stored histories are compared in any case"),
+    ("test_validation.py", "ccx is not installed", "its stored histories are compared in any case"),
+    ("test_hard_faults.py", "this user may read everything", "nothing is forbidden to root"),
+    ("test_hard_faults.py", "to mount a small disk", "containers may not; /dev/full is tried too"),
+    ("test_files.py", "only root can", "giving files away is tested where it can be done"),
+    ("test_files.py", "devices cannot be made here", "containers may not; pipes are tried too"),
+    ("test_files.py", "strace may not trace here", "containers may not"),
+)
+_Report = TypeVar("_Report", pytest.TestReport, pytest.CollectReport)
+_WHERE = "tests/support/may_skip.py lists what may be"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Turn the skip of a test into a failure where it must run."""
+    return _judge((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Turn the skip of a whole file into a failure where it must run."""
+    return _judge((yield))
+
+
+def _judge(report: _Report) -> _Report:
+    if not (report.skipped and os.environ.get("RWMF_MUST_RUN") == "1"):
+        return report
+    reason = str(report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr)
+    if not any(file in report.nodeid and part in reason for file, part, _ in MAY_SKIP):
+        report.outcome = "failed"
+        report.longrepr = f"{report.nodeid} must not be skipped ({_WHERE}): {reason}"
+    return report

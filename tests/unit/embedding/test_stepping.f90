@@ -1,0 +1,524 @@
+!> A ground motion of the host's own making.
+module host_sine
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf, only: ground_t, wp
+   implicit none
+   private
+
+   public :: gap_t, sine_t
+
+   !> A sine of the host's own making.
+   type, extends(ground_t) :: sine_t
+      real(wp) :: amplitude
+      !! [m/s2]
+      real(wp) :: omega
+      !! [rad/s]
+   contains
+      procedure :: acceleration_at => sine_at
+   end type sine_t
+
+   !> The same with a time in which it is no number.
+   type, extends(sine_t) :: gap_t
+      real(wp) :: begin
+      !! [s]
+      real(wp) :: end
+      !! [s]
+   contains
+      procedure :: acceleration_at => gap_at
+   end type gap_t
+
+contains
+
+   pure real(wp) function gap_at(self, t) result(acceleration)
+      class(gap_t), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      acceleration = self%sine_t%acceleration_at(t)
+      if (self%begin < t .and. t < self%end) acceleration = ieee_value(t, ieee_quiet_nan)
+   end function gap_at
+
+   pure real(wp) function sine_at(self, t) result(acceleration)
+      class(sine_t), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      acceleration = self%amplitude*sin(self%omega*t)
+   end function sine_at
+
+end module host_sine
+
+!> A wall inside the time loop of a host: pieces, rejected steps, bad calls, threads.
+program test_stepping
+   use check, only: checks_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use host_sine, only: gap_t, sine_t
+   use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
+      element_response_t, err_input, err_numerical, error_t, event_impact, event_t, i8, &
+      query_events, query_forces, query_state, respond, restore_stepping, result_t, save_stepping, &
+      simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, wall_state_t, wp
+   use rwmf_core_kinds, only: pi
+   use rwmf_problem_case, only: damper_t, inerter_t
+   use scenes, only: frame_scene, rwmf_scene
+   implicit none
+
+   integer, parameter :: n = 601
+   !! samples of the record
+   real(wp), parameter :: dt = 0.02_wp
+   !! [s]
+   character(13), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', 'dop853', &
+      'extrapolation']
+   type(checks_t) :: checks
+   integer :: i
+
+   do i = 1, size(methods)
+      if (checks%wants('pieces')) call test_pieces(trim(methods(i)), i > 3, 0.0_wp)
+      if (checks%wants('pieces')) call test_pieces(trim(methods(i)), i > 3, 0.65_wp)
+      if (checks%wants('rejected_step')) call test_rejected_step(trim(methods(i)))
+      if (checks%wants('motion_with_gap')) call test_motion_with_gap(trim(methods(i)), 5.0_wp)
+      if (checks%wants('motion_with_gap')) call test_motion_with_gap(trim(methods(i)), 0.1_wp)
+   end do
+   if (checks%wants('own_motion')) call test_own_motion()
+   if (checks%wants('ground_function')) call test_ground_function()
+   if (checks%wants('bare_frame')) call test_bare_frame()
+   if (checks%wants('forces')) call test_forces(has_corners=.false.)
+   if (checks%wants('forces')) call test_forces(has_corners=.true.)
+   if (checks%wants('bad_calls')) call test_bad_calls()
+   if (checks%wants('failure_takes_back')) call test_failure_takes_back()
+   if (checks%wants('interleaved')) call test_interleaved()
+   if (checks%wants('threads')) call test_threads()
+   if (checks%wants('many')) call test_many()
+   call checks%finish()
+
+contains
+
+   !> A record that lifts the wall, lets it rest and lifts it again.
+   pure subroutine make_record(t, a)
+      real(wp), intent(out) :: t(n)
+      real(wp), intent(out) :: a(n)
+      integer :: k
+
+      t = [((k - 1)*dt, k=1, n)]
+      a = 5*sin(7*t)*sin(0.8_wp*t) + 1.5_wp*sin(23*t)*sin(0.5_wp*t)
+      a(n) = 0
+      where (t > 5 .and. t < 7) a = 0
+   end subroutine make_record
+
+   !> The same as a case, with the tolerance fixed: without it `simulate` may run twice.
+   function record_scene(method) result(case)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+
+      case = rwmf_scene('exact', 5.0_wp, 0.8_wp, method)
+      case%motion%kind = 'record'
+      allocate (case%record)
+      allocate (case%record%t(n), case%record%a(n))
+      call make_record(case%record%t, case%record%a)
+      case%solver%t_end = (n - 1)*dt
+      case%solver%atol = 1.0e-11_wp
+   end function record_scene
+
+   !> One run, and the record handed over in pieces of one to six intervals.
+   subroutine test_pieces(method, is_exact, ratio)
+      character(*), intent(in) :: method
+      logical, intent(in) :: is_exact
+      !! to the bit
+      real(wp), intent(in) :: ratio
+      !! of a vertical motion that follows the horizontal one
+      type(case_t) :: case
+      type(result_t) :: whole
+      type(wall_state_t) :: state
+      type(error_t), allocatable :: error
+      integer(i8) :: impacts
+
+      case = record_scene(method)
+      if (ratio > 0) then
+         allocate (case%vertical)
+         case%vertical%ratio = ratio
+      end if
+      call simulate(case, whole, error)
+      call checks%no_error(error, method//': one run')
+      if (allocated(error)) return
+      call run_in_pieces(case, state, impacts)
+      call checks%close_to(state%u_s_max, whole%u_s_max, method//': largest displacement', &
+         1.0e-7_wp)
+      call checks%that(impacts == state%impacts, method//': the events of the calls add up')
+      if (.not. is_exact) return
+      call checks%that(same_bits([state%theta, state%theta_dot], whole%final_state), &
+         method//': pieces have the bits of one run')
+      call checks%that(state%impacts == whole%impacts .and. state%lift_offs == whole%lift_offs &
+         .and. state%steps == whole%steps, method//': counts of one run')
+   end subroutine test_pieces
+
+   subroutine run_in_pieces(case, state, impacts)
+      type(case_t), intent(in) :: case
+      type(wall_state_t), intent(out) :: state
+      integer(i8), intent(out) :: impacts
+      !! sum over the events of the calls
+      type(stepping_t) :: wall
+      type(event_t), allocatable :: events(:)
+      type(error_t), allocatable :: error
+      integer :: first
+      integer :: last
+
+      impacts = 0_i8
+      call create_stepping(wall, case, error)
+      first = 1
+      do while (first < n .and. .not. allocated(error))
+         last = min(n, first + 1 + mod(first, 6))
+         call advance_stepping(wall, case%record%t(first:last), case%record%a(first:last), error)
+         if (.not. allocated(error)) call query_events(wall, events, error)
+         if (.not. allocated(error)) impacts = impacts + count(events%kind == event_impact)
+         first = last
+      end do
+      if (.not. allocated(error)) call query_state(wall, state, error)
+      call checks%no_error(error, 'pieces')
+      call destroy_stepping(wall)
+   end subroutine run_in_pieces
+
+   !> Save, advance, restore, advance: the same bits.
+   subroutine test_rejected_step(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(snapshot_t) :: snapshot
+      type(wall_state_t) :: first
+      type(wall_state_t) :: second
+      type(error_t), allocatable :: error
+      logical :: equal
+      integer :: k
+
+      case = record_scene(method)
+      call create_stepping(wall, case, error)
+      equal = .true.
+      associate (t => case%record%t, a => case%record%a)
+         do k = 1, n - 5, 5
+            if (allocated(error)) exit
+            call save_stepping(wall, snapshot, error)
+            call advance_stepping(wall, t(k:k + 5), -a(k:k + 5), error)
+            if (.not. allocated(error)) call restore_stepping(wall, snapshot, error)
+            if (.not. allocated(error)) call advance_stepping(wall, t(k:k + 5), a(k:k + 5), error)
+            if (.not. allocated(error)) call query_state(wall, first, error)
+            if (.not. allocated(error)) call restore_stepping(wall, snapshot, error)
+            if (.not. allocated(error)) call advance_stepping(wall, t(k:k + 5), a(k:k + 5), error)
+            if (.not. allocated(error)) call query_state(wall, second, error)
+            equal = equal .and. same_bits([first%theta, first%theta_dot, first%u_s_max], &
+               [second%theta, second%theta_dot, second%u_s_max]) &
+               .and. first%impacts == second%impacts .and. first%steps == second%steps
+         end do
+      end associate
+      call checks%no_error(error, method//': rejected steps')
+      call checks%that(equal, method//': a repeated step has the same bits')
+      call destroy_stepping(wall)
+   end subroutine test_rejected_step
+
+   !> The case's own pulse, cut at its knots, has the bits of one run; cut elsewhere, its digits.
+   subroutine test_own_motion()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(result_t) :: whole
+      type(error_t), allocatable :: error
+      integer :: k
+
+      case = rwmf_scene('symmetric', 10.0_wp, 1.0_wp, 'dop853')
+      case%solver%atol = 1.0e-11_wp
+      call simulate(case, whole, error)
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, case%motion%t_0 + 2*pi/case%motion%omega_p, error)
+      call advance_stepping(wall, case%solver%t_end, error)
+      call query_state(wall, state, error)
+      call checks%no_error(error, 'own motion')
+      call checks%that(same_bits([state%theta, state%theta_dot], whole%final_state), &
+         'own motion in pieces has the bits of one run')
+      call destroy_stepping(wall)
+      call create_stepping(wall, case, error)
+      do k = 1, 1000
+         call advance_stepping(wall, k*case%solver%t_end/1000, error)
+      end do
+      call query_state(wall, state, error)
+      call checks%close_to(state%u_s_max, whole%u_s_max, 'cut anywhere', 1.0e-7_wp)
+      call destroy_stepping(wall)
+   end subroutine test_own_motion
+
+   !> An acceleration that the host computes against the same pulse of a case.
+   subroutine test_ground_function()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(sine_t) :: sine
+      type(wall_state_t) :: state
+      type(result_t) :: whole
+      type(error_t), allocatable :: error
+      real(wp) :: end
+      integer :: k
+
+      case = rwmf_scene('exact', 10.0_wp, 1.0_wp, 'dop853')
+      case%solver%atol = 1.0e-11_wp
+      call simulate(case, whole, error)
+      sine%amplitude = case%motion%a_max_g*case%model%g
+      sine%omega = case%motion%omega_p
+      deallocate (case%motion)
+      call create_stepping(wall, case, error, peak=sine%amplitude)
+      end = 2*pi/sine%omega
+      do k = 1, 20
+         call advance_stepping(wall, k*end/20, sine, error)
+      end do
+      call advance_stepping(wall, [end, case%solver%t_end], [0.0_wp, 0.0_wp], error)
+      call query_state(wall, state, error)
+      call checks%no_error(error, 'ground function')
+      call checks%close_to(state%u_s_max, whole%u_s_max, 'ground function', 1.0e-7_wp)
+      call destroy_stepping(wall)
+   end subroutine test_ground_function
+
+   !> A motion that is no number for a while ends the advance there, whether the wall rocks or
+   !> rests, long before the steps have come to their bound.
+   subroutine test_motion_with_gap(method, amplitude)
+      character(*), intent(in) :: method
+      real(wp), intent(in) :: amplitude
+      !! [m/s2]
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(error_t), allocatable :: error
+      integer :: k
+
+      do k = 1, 2
+         case = record_scene(method)
+         if (k == 2) deallocate (case%wall, case%cable, case%impact)
+         call create_stepping(wall, case, error)
+         call advance_stepping(wall, 2.0_wp, gap_t(amplitude, 2*pi, 0.7_wp, 1.3_wp), error)
+         call checks%has_error(error, err_numerical, 'not finite', method//', motion with a gap')
+         call query_state(wall, state, error)
+         call checks%that(abs(state%t) <= 0 .and. state%steps == 0, 'a failure takes back')
+         call advance_stepping(wall, 2.0_wp, sine_t(amplitude, 2*pi), error)
+         call checks%no_error(error, method//', after a motion with a gap')
+         call destroy_stepping(wall)
+      end do
+   end subroutine test_motion_with_gap
+
+   !> The frame alone under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
+   subroutine test_bare_frame()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(error_t), allocatable :: error
+
+      case = frame_scene(1.0_wp, 'adams')
+      case%frame%xi_s = 0
+      call create_stepping(wall, case, error, t_begin=2.0_wp)
+      call advance_stepping(wall, [2.0_wp, 2.3_wp], [1.0_wp, 1.0_wp], error)
+      call query_state(wall, state, error)
+      call checks%no_error(error, 'bare frame')
+      call checks%close_to(state%u_s, -(1 - cos(0.6_wp*pi))/(2*pi)**2, 'bare frame', 1.0e-7_wp)
+      call destroy_stepping(wall)
+   end subroutine test_bare_frame
+
+   !> The link's force is what the wall as an element answers to the same motion.
+   subroutine test_forces(has_corners)
+      logical, intent(in) :: has_corners
+      !! dampers and inerters there, and vertical motion
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_element_t) :: element
+      type(element_response_t) :: response
+      type(wall_state_t) :: state
+      type(wall_forces_t) :: forces
+      type(error_t), allocatable :: error
+      integer :: side
+
+      case = record_scene('dop853')
+      case%wall%m_w = 2.0e4_wp
+      if (has_corners) then
+         case%damper = damper_t(3.0_wp)
+         case%inerter = inerter_t(1.5_wp)
+         allocate (case%vertical)
+         case%vertical%ratio = 0.65_wp
+      end if
+      call create_element(element, case, error)
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, case%record%t(:100), case%record%a(:100), error)
+      call query_state(wall, state, error)
+      call query_forces(wall, forces, error)
+      side = merge(1, -1, state%theta > 0)
+      call respond(element, side, state%u_s, state%u_s_dot, state%u_s_ddot, case%record%a(100), &
+         response, error)
+      call checks%no_error(error, 'forces')
+      call checks%that(abs(state%theta) > 1.0e-4_wp, 'the wall rocks')
+      call checks%close_to(forces%link, -response%force, 'link force', 1.0e-10_wp)
+      call checks%close_to(forces%cable, response%cable, 'cable force', 1.0e-12_wp)
+      call checks%close_to(response%theta, state%theta, 'rotation', 1.0e-12_wp)
+      call destroy_stepping(wall)
+   end subroutine test_forces
+
+   !> A bad call says so and changes nothing.
+   subroutine test_bad_calls()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(stepping_t) :: other
+      type(snapshot_t) :: snapshot
+      type(wall_state_t) :: before
+      type(wall_state_t) :: after
+      type(error_t), allocatable :: error
+      real(wp) :: nan
+
+      nan = ieee_value(1.0_wp, ieee_quiet_nan)
+      case = record_scene('dop853')
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, case%record%t(:80), case%record%a(:80), error)
+      call query_state(wall, before, error)
+      call create_stepping(wall, case, error)
+      call checks%has_error(error, err_input, 'destroy it first', 'create twice')
+      call restore_stepping(wall, snapshot, error)
+      call checks%has_error(error, err_input, 'nothing was saved', 'empty snapshot')
+      call advance_stepping(wall, 0.5_wp, error)
+      call checks%has_error(error, err_input, 'cannot advance to t = 0.5', 'backwards')
+      call advance_stepping(wall, nan, error)
+      call checks%has_error(error, err_input, 'not a finite', 'time that is no number')
+      call advance_stepping(wall, 1.0e11_wp, error)
+      call checks%has_error(error, err_input, 'allowed are times', 'time that never comes')
+      call advance_stepping(wall, [before%t, 1.0e11_wp], [0.0_wp, 0.0_wp], error)
+      call checks%has_error(error, err_input, 'too large', 'the same in samples')
+      call advance_stepping(wall, [before%t, 2.0_wp], [0.0_wp, nan], error)
+      call checks%has_error(error, err_input, 'not a finite', 'motion that is no number')
+      call advance_stepping(wall, [before%t, 2.0_wp], [0.0_wp], error)
+      call checks%has_error(error, err_input, 'as many', 'lengths that differ')
+      call advance_stepping(wall, [before%t], [0.0_wp], error)
+      call checks%has_error(error, err_input, 'two or more', 'one sample')
+      call advance_stepping(wall, [before%t, before%t], [0.0_wp, 0.0_wp], error)
+      call checks%has_error(error, err_input, 'increase strictly', 'times that stand')
+      call advance_stepping(wall, [1.0_wp, 2.0_wp], [0.0_wp, 0.0_wp], error)
+      call checks%has_error(error, err_input, 'the present time', 'another time')
+      case%frame%gamma = 6
+      call create_stepping(other, case, error)
+      call save_stepping(other, snapshot, error)
+      call restore_stepping(wall, snapshot, error)
+      call checks%has_error(error, err_input, 'another wall', 'snapshot of another wall')
+      call destroy_stepping(other)
+      call query_state(wall, after, error)
+      call checks%that(same_bits([before%t, before%theta, before%theta_dot, before%theta_ddot], &
+         [after%t, after%theta, after%theta_dot, after%theta_ddot]), 'bad calls change nothing')
+      call destroy_stepping(wall)
+      call destroy_stepping(wall)
+      call advance_stepping(wall, 9.0_wp, error)
+      call checks%has_error(error, err_input, 'destroyed', 'use after destroy')
+      deallocate (case%frame%T_s)
+      call create_stepping(wall, case, error)
+      call checks%has_error(error, err_input, 'T_s is missing', 'no period')
+   end subroutine test_bad_calls
+
+   !> A failure of the integration takes everything back; the host may go on another way.
+   subroutine test_failure_takes_back()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: before
+      type(wall_state_t) :: after
+      type(error_t), allocatable :: error
+
+      case = record_scene('adams')
+      case%solver%max_steps = 400
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, case%record%t(:2), case%record%a(:2), error)
+      call query_state(wall, before, error)
+      call advance_stepping(wall, case%record%t(2:n), case%record%a(2:n), error)
+      call checks%has_error(error, err_numerical, 'max_steps', 'too many steps')
+      call query_state(wall, after, error)
+      call checks%that(same_bits([before%t, before%theta, before%theta_dot, before%u_s_max], &
+         [after%t, after%theta, after%theta_dot, after%u_s_max]), 'a failure takes back')
+      call advance_stepping(wall, case%record%t(2:10), case%record%a(2:10), error)
+      call checks%no_error(error, 'after a failure')
+      call destroy_stepping(wall)
+   end subroutine test_failure_takes_back
+
+   !> Two walls in turns do not see each other.
+   subroutine test_interleaved()
+      type(case_t) :: case(2)
+      type(stepping_t) :: wall(2)
+      type(wall_state_t) :: alone(2)
+      type(wall_state_t) :: together(2)
+      type(error_t), allocatable :: error
+      integer(i8) :: impacts
+      integer :: first
+      integer :: last
+      integer :: k
+
+      case(1) = record_scene('adams')
+      case(2) = record_scene('dop853')
+      case(2)%frame%gamma = 50
+      do k = 1, 2
+         call run_in_pieces(case(k), alone(k), impacts)
+         call create_stepping(wall(k), case(k), error)
+      end do
+      first = 1
+      do while (first < n)
+         last = min(n, first + 1 + mod(first, 6))
+         do k = 1, 2
+            call advance_stepping(wall(k), case(k)%record%t(first:last), &
+               case(k)%record%a(first:last), error)
+         end do
+         first = last
+      end do
+      do k = 1, 2
+         call query_state(wall(k), together(k), error)
+         call destroy_stepping(wall(k))
+         call checks%that(same_bits([alone(k)%theta, alone(k)%theta_dot], &
+            [together(k)%theta, together(k)%theta_dot]), 'two walls in turns')
+      end do
+   end subroutine test_interleaved
+
+   !> The same bits in every thread.
+   subroutine test_threads()
+      integer, parameter :: runs = 64
+      type(case_t) :: case
+      real(wp) :: theta(runs)
+      integer :: k
+
+      case = record_scene('adams')
+      !$omp parallel do num_threads(8) schedule(dynamic)
+      do k = 1, runs
+         theta(k) = final_rotation(case)
+      end do
+      !$omp end parallel do
+      call checks%that(same_bits(theta, spread(theta(1), 1, runs)), 'eight threads')
+   end subroutine test_threads
+
+   real(wp) function final_rotation(case) result(theta)
+      type(case_t), intent(in) :: case
+      type(stepping_t) :: wall
+      type(wall_state_t) :: state
+      type(error_t), allocatable :: error
+
+      call create_stepping(wall, case, error)
+      call advance_stepping(wall, case%record%t(:150), case%record%a(:150), error)
+      call query_state(wall, state, error)
+      theta = state%theta
+      call destroy_stepping(wall)
+   end function final_rotation
+
+   !> Many walls come and go (a leak would show in the test with valgrind).
+   subroutine test_many()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(error_t), allocatable :: error
+      integer :: k
+
+      do k = 1, 500
+         case = record_scene(trim(methods(1 + mod(k, 5))))
+         call create_stepping(wall, case, error)
+         call advance_stepping(wall, case%record%t(:3), case%record%a(:3), error)
+         call destroy_stepping(wall)
+      end do
+      call checks%no_error(error, 'many walls')
+   end subroutine test_many
+
+   !> Are the reals the same to the last bit?
+   logical function same_bits(a, b)
+      real(wp), intent(in) :: a(:)
+      real(wp), intent(in) :: b(:)
+      integer(i8), allocatable :: x(:)
+      integer(i8), allocatable :: y(:)
+
+      x = transfer(a, x)
+      y = transfer(b, y)
+      same_bits = size(x) == size(y)
+      if (same_bits) same_bits = all(x == y)
+   end function same_bits
+
+end program test_stepping

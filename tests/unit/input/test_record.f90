@@ -1,0 +1,172 @@
+!> Record files: formats, header dialects, units, and what a damaged file is told.
+program test_record
+   use check, only: checks_t
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_input_record_reader, only: parse_record, read_record
+   use rwmf_problem_record, only: record_t
+   implicit none
+
+   character(*), parameter :: nl = new_line('a')
+   character(*), parameter :: title = 'PEER STRONG MOTION RECORD'//nl//'a place, a day'//nl &
+      //'ACCELERATION TIME SERIES IN UNITS OF G'//nl
+   character(*), parameter :: numbers = '  .10E-01 -.30E-01'//nl//'0.02,-.005'//nl
+   real(wp), parameter :: g = 9.81_wp
+   real(wp), parameter :: round_off = 4*epsilon(1.0_wp)
+   !! two products in working precision
+   type(checks_t) :: checks
+
+   if (checks%wants('one_column')) call test_one_column()
+   if (checks%wants('two_columns')) call test_two_columns()
+   if (checks%wants('uneven_times')) call test_uneven_times()
+   if (checks%wants('units')) call test_units()
+   if (checks%wants('at2_dialects')) call test_at2_dialects()
+   if (checks%wants('keys')) call test_keys()
+   if (checks%wants('bad_columns')) call test_bad_columns()
+   if (checks%wants('bad_at2')) call test_bad_at2()
+   if (checks%wants('files')) call test_files()
+   call checks%finish()
+
+contains
+
+   subroutine test_one_column()
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+
+      call parse_record('# comment'//nl//'acceleration'//nl//nl//' .5'//achar(13)//nl//'-1d0'//nl &
+         //'# another'//nl//'0', 0.5_wp, 'm/s2', 2.0_wp, g, record, error)
+      call checks%no_error(error, 'one column')
+      if (allocated(error)) return
+      call checks%that(record%format == 'one column' .and. record%n == 3, 'one column, 3 samples')
+      call checks%close_to(record%a(1), 1.0_wp, 'scaled sample')
+      call checks%close_to(record%t(3), 1.0_wp, 'sample 1 is at t = 0')
+      call checks%close_to(record%peak, 2.0_wp, 'peak')
+      call checks%close_to(record%t_peak, 0.5_wp, 'time of the peak')
+      call checks%close_to(record%dt, 0.5_wp, 'interval')
+   end subroutine test_one_column
+
+   subroutine test_two_columns()
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+
+      call parse_record('time,acc (g)'//nl//'0,0'//nl//'0.02,0.0063'//nl//'0.04, -0.5,'//nl, &
+         unit='g', scale=1.0_wp, g=g, record=record, error=error)
+      call checks%no_error(error, 'two columns')
+      if (allocated(error)) return
+      call checks%that(record%format == 'two columns' .and. record%n == 3, 'two columns')
+      call checks%close_to(record%a(2), g*real(0.0063_dp, wp), 'unit g', rtol=round_off)
+      call checks%that(allocated(record%dt), 'uniform times have an interval')
+      call checks%that(record%crc32 == '463e2d82', 'checksum of the bytes', record%crc32)
+   end subroutine test_two_columns
+
+   subroutine test_uneven_times()
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+
+      call parse_record('-1 0'//nl//'0 1'//nl//'5 0', unit='m/s2', scale=1.0_wp, g=g, &
+         record=record, error=error)
+      call checks%no_error(error, 'uneven times')
+      if (allocated(error)) return
+      call checks%that(.not. allocated(record%dt), 'uneven times have no interval')
+      call checks%close_to(record%t(1), -1.0_wp, 'times are kept')
+   end subroutine test_uneven_times
+
+   subroutine test_units()
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+
+      call parse_record('0'//nl//'100', 1.0_wp, 'cm/s2', -3.0_wp, g, record, error)
+      call checks%no_error(error, 'cm/s2')
+      if (.not. allocated(error)) then
+         call checks%close_to(record%a(2), -3.0_wp, 'cm/s2 and a negative scale', rtol=round_off)
+      end if
+      call parse_record('0'//nl//'1e307', 1.0_wp, 'g', 1000.0_wp, g, record, error)
+      call checks%has_error(error, err_input, 'overflow', 'accelerations that overflow')
+   end subroutine test_units
+
+   !> The four ways in which the line of NPTS and DT is written.
+   subroutine test_at2_dialects()
+      character(60), parameter :: headers(4) = [character(60) :: &
+         'NPTS=      4, DT=   .0100 SEC,', &
+         'NPTS=  4, DT= .01000 SEC, FILTER: 0.2 HZ, 0 POLE @ 3', &
+         '   4    0.0100    NPTS, DT', &
+         'NPTS =      4 , DT =   .010 SEC ,']
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+      integer :: i
+
+      do i = 1, size(headers)
+         call parse_record(title//trim(headers(i))//nl//numbers//'*** End Data ***'//nl//'1 2 3', &
+            scale=1.0_wp, g=g, record=record, error=error)
+         call checks%no_error(error, trim(headers(i)))
+         if (allocated(error)) cycle
+         call checks%that(record%format == 'AT2' .and. record%n == 4, 'AT2 has 4 samples')
+         call checks%close_to(record%peak, g*real(0.03_dp, wp), 'AT2 is in g', rtol=round_off)
+         call checks%close_to(record%dt, real(0.01_dp, wp), 'interval of AT2')
+      end do
+   end subroutine test_at2_dialects
+
+   !> `dt` and `unit` are needed or refused, as the format says.
+   subroutine test_keys()
+      character(*), parameter :: at2 = title//'4 0.01 NPTS, DT'//nl//numbers
+
+      call refuse('1'//nl//'2', 'needs the key dt', unit='g')
+      call refuse('1'//nl//'2', 'needs the key unit', dt=0.01_wp)
+      call refuse('1 2'//nl//'2 3', 'dt must not be given', dt=0.01_wp, unit='g')
+      call refuse('1 2'//nl//'2 3', 'needs the key unit')
+      call refuse(at2, 'dt must not be given', dt=0.01_wp)
+      call refuse(at2, 'unit must not be given', unit='g')
+   end subroutine test_keys
+
+   subroutine test_bad_columns()
+      call refuse('1'//nl//'nan'//nl//'2', "line 2: 'nan' is not a finite number")
+      call refuse('NaN'//nl//'1'//nl//'2', "line 1: 'NaN'")
+      call refuse('1'//nl//'****'//nl//'2', "line 2: '****'")
+      call refuse('1'//nl//'1.0abc', "'1.0abc' is not a finite number")
+      call refuse('1'//nl//'1e999', "'1e999' is not a finite number")
+      call refuse('a header'//nl//'and another'//nl//'1'//nl//'2', "line 2: 'and'")
+      call refuse('1 2'//nl//'3', 'line 2: 1 columns where the lines before have 2')
+      call refuse('1 2 3', 'more than two columns')
+      call refuse('0 1'//nl//'0 2', 'times must increase strictly')
+      call refuse('0 1'//nl//'-1 2', 'times must increase strictly')
+      call refuse('header only', 'no numbers')
+      call refuse(' ', 'no numbers')
+      call refuse('1', 'at least 2 samples')
+   end subroutine test_bad_columns
+
+   subroutine test_bad_at2()
+      call refuse(title//'5 0.01 NPTS, DT'//nl//numbers, '4 numbers where its header says NPTS = 5')
+      call refuse(title//'3 0.01 NPTS, DT'//nl//numbers, 'line 6: more numbers than NPTS = 3')
+      call refuse(title//'4 0.01 NPTS, DT'//nl//'1 2'//nl//'x 3 4', "line 6: 'x'")
+      call refuse(title//'4 0.01 NPTS, DT'//nl//'1 2 nan 4', "'nan' is not a finite number")
+      call refuse(title//'NPTS= four, DT= .01'//nl//numbers, 'does not give NPTS > 0 and DT > 0')
+      call refuse(title//'NPTS= 4, DT= 0'//nl//numbers, 'does not give NPTS > 0 and DT > 0')
+      call refuse('VELOCITY IN UNITS OF CM/S'//nl//'4 0.01 NPTS, DT'//nl//numbers, 'units of cm')
+   end subroutine test_bad_at2
+
+   subroutine test_files()
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+
+      call read_record('no such file', scale=1.0_wp, g=g, record=record, error=error)
+      call checks%has_error(error, err_input, 'does not exist', 'a file that does not exist')
+      call read_record('.', scale=1.0_wp, g=g, record=record, error=error)
+      call checks%has_error(error, err_input, 'file', 'a folder')
+      call read_record('/dev/zero', scale=1.0_wp, g=g, record=record, error=error)
+      call checks%has_error(error, err_input, 'file', 'a device')
+   end subroutine test_files
+
+   subroutine refuse(text, message, dt, unit)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: message
+      !! part of what must be said
+      real(wp), intent(in), optional :: dt
+      character(*), intent(in), optional :: unit
+      type(error_t), allocatable :: error
+      type(record_t) :: record
+
+      call parse_record(text, dt, unit, 1.0_wp, g, record, error)
+      call checks%has_error(error, err_input, message, 'refused: '//message)
+   end subroutine refuse
+
+end program test_record

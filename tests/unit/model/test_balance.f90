@@ -1,0 +1,429 @@
+!> Reactions against the balance that they did not come from: moments about the centroid, and forces
+!> of the foundation on every part.
+program test_balance
+   use check, only: checks_t
+   use reaction_scenes, only: damped, fused, hysteretic, linked, linked_pinned, linked_storeys, &
+      pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
+      uneven_storeys, with_inerter, with_tendon, yielding_storeys
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, second_derivative
+   use rwmf_model_energy, only: powers_at
+   use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
+   use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_lanes, only: of_viscous, power_count
+   use rwmf_model_reactions, only: cable_force, friction_demand, link_force, reactions_at, &
+      reactions_t
+   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+      reaction_count, shear_of_base => shear
+   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_shear_frame, only: damping_matrix
+   implicit none
+
+   real(wp), parameter :: t = 0.3_wp
+   real(wp), parameter :: round_off = 1.0e-13_wp
+   type(checks_t) :: checks
+
+   call check_balance(scene('published', 'linear'), 'published')
+   call check_balance(scene('symmetric', 'linear'), 'symmetric')
+   call check_balance(scene('exact', 'linear'), 'exact')
+   call check_balance(scene('exact', 'truss'), 'truss')
+   call check_balance(linked('symmetric'), 'link, symmetric')
+   call check_balance(linked('exact'), 'link, exact')
+   call check_balance(damped(), 'dampers')
+   call check_balance(pinned(), 'pinned')
+   call check_balance(linked_pinned(), 'pinned, link')
+   call check_balance(pinned_with_corners(), 'pinned, dampers, fuses, inerters')
+   call check_balance(fused(), 'fuses')
+   call check_balance(with_inerter(), 'inerters')
+   call check_balance(shaken_vertically(), 'vertical motion')
+   call check_balance(with_tendon('linear'), 'tendon')
+   call check_balance(with_tendon('truss'), 'straight tendon')
+   call check_balance(hysteretic('exact'), 'Bouc and Wen')
+   call check_balance(hysteretic('symmetric'), 'Bouc and Wen, symmetric')
+   call check_balance(storeys('reduced', 'exact'), 'one mode')
+   call check_balance(storeys('reduced', 'symmetric'), 'one mode, symmetric')
+   call check_balance(storeys('full', 'exact'), 'all modes')
+   call check_balance(storeys('full', 'published'), 'all modes, published')
+   call check_balance(storeys('every_floor', 'exact'), 'every floor')
+   call check_balance(storeys('every_floor', 'symmetric'), 'every floor, symmetric')
+   call check_balance(storeys('every_floor', 'published'), 'every floor, published')
+   call check_balance(linked_storeys('every_floor'), 'every floor, link')
+   call check_balance(storeys_of_pinned_wall(), 'every floor, pinned')
+   call check_balance(yielding_storeys('elastic_plastic'), 'every floor, yielding')
+   call check_balance(yielding_storeys('bouc_wen'), 'every floor, Bouc and Wen')
+   call check_balance(uneven_storeys(), 'every floor, storeys that yield one by one')
+   call check_balance(linked_storeys('full'), 'all modes, link')
+   call check_balance(linked_storeys('reduced'), 'one mode, link')
+   if (checks%wants('damper_power')) call check_damper_power()
+   call checks%finish()
+
+contains
+
+   !> Moments of all forces about the centroid give its moment of inertia times theta'', although
+   !> the reactions come from the balance of momentum alone; and the foundation's forces on wall,
+   !> frame, cable and dampers together are the base shear, which comes from the accelerations.
+   subroutine check_balance(case, name)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: name
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(reactions_t) :: reactions
+      real(wp), allocatable :: y(:)
+      real(wp) :: y_ddot
+      real(wp) :: moment
+      real(wp) :: shear
+      real(wp) :: damper(2)
+      integer :: side
+      integer :: i
+      integer :: j
+
+      if (.not. checks%wants(name)) return
+      motion = motion_from_case(case)
+      do side = -1, 1, 2
+         call build_equation(case, motion, equation)
+         call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
+         if (equation%has_impacts) call enter_side(equation%model_t, equation%state, side)
+         ! what yields has done so, and unloads
+         if (equation%has_bilinear_springs) call load_to(equation%model_t, equation%state, &
+            side*0.13_wp)
+         do i = -1, 1, 2
+            y = [side*0.11_wp, i*0.7_wp, (0.1_wp*j*i, j=3, equation%n)]
+            y_ddot = second_derivative(equation, t, y)
+            reactions = reactions_at(equation, t, y, y_ddot)
+            damper = 0
+            if (allocated(equation%effects)) then
+               associate (effect => equation%effects(1))
+                  if (associated(effect%force)) call effect%force(effect, equation, t, y, y_ddot, &
+                     damper)
+               end associate
+            end if
+            moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
+               + turn_of_links(equation, case, y, y_ddot) &
+               + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
+               + turn(lifting_corner(equation, y), damper, equation, y) &
+               + couple(equation, case, y, y_ddot)
+            call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
+               //name, atol=round_off*equation%p%g*equation%p%R*(1 + equation%p%gamma))
+            shear = reactions%horizontal + sum([1.0_wp, 0.0_wp]*(cable_force(equation, y(1)) &
+               + damper)) - frame_shear(equation, case, y)
+            call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
+               atol=round_off*equation%p%g*(1 + equation%p%gamma))
+            if (equation%parts%is_complete) call check_loop(equation, y, reactions, name)
+         end do
+      end do
+   end subroutine check_balance
+
+   !> The loop over lanes finds the same from the moments alone.
+   subroutine check_loop(equation, y, reactions, name)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      type(reactions_t), intent(in) :: reactions
+      character(*), intent(in) :: name
+      real(wp) :: acceleration(1, 2), found(1, reaction_count)
+
+      acceleration(1, :) = [ground(equation, t), 0.0_wp]
+      if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
+      call lane_reactions(equation%parts, equation%state%coef, reshape(y, [1, size(y)]), &
+         acceleration, found)
+      call checks%close_to(found(1, low_normal), -reactions%normal, 'N of the loop, '//name, &
+         rtol=round_off)
+      call checks%close_to(found(1, demand), friction_demand(reactions), 'demand of the loop, ' &
+         //name, rtol=10*round_off)
+      call checks%close_to(found(1, shear_of_base), abs(reactions%base_shear), 'shear of the ' &
+         //'loop, '//name, rtol=10*round_off)
+   end subroutine check_loop
+
+   !> Clockwise moment about the centroid of a force at a point of the space.
+   real(wp) function turn(point, force, equation, y)
+      real(wp), intent(in) :: point(2)
+      !! from the centre of the base of the resting wall [m]
+      real(wp), intent(in) :: force(2)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: arm(2)
+
+      arm = point - place(equation, y(1), [0.0_wp, 0.0_wp])
+      turn = arm(2)*force(1) - arm(1)*force(2)
+   end function turn
+
+   !> Clockwise moment of the devices under both corners of a hinged wall: each is drawn out or
+   !> pressed by s = 2b sin(theta/2). The fuses have yielded up to 0.13 rad and unload.
+   real(wp) function couple(equation, case, y, y_ddot)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force
+      real(wp) :: largest
+      !! stroke of the fuses [m]
+
+      couple = 0
+      if (equation%has_impacts .or. .not. allocated(case%fuse)) return
+      associate (b => case%wall%b, half => y(1)/2, fuse => case%fuse, g => case%model%g)
+         force = case%damper%c_over_m_w*b*cos(half)*y(2) + case%inerter%inertance_over_m_w &
+            *(b*cos(half)*y_ddot - b*sin(half)*y(2)**2/2)
+         largest = 2*b*sin(0.13_wp/2)
+         force = force + sign(fuse%eta_y*g*(1 + fuse%hardening*(largest/fuse%stroke_y - 1)), half) &
+            + fuse%eta_y*g/fuse%stroke_y*(2*b*sin(half) - sign(largest, half))
+         couple = -2*force*b*cos(half)
+      end associate
+   end function couple
+
+   !> Moment of what the links do to the wall: of one at the roof, or of one at every floor, on the
+   !> line from the pivot to the roof's corner.
+   real(wp) function turn_of_links(equation, case, y, y_ddot) result(moment)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      real(wp) :: force(2)
+      real(wp), allocatable :: pulls(:)
+      !! of the floors on their links [m/s2]
+      real(wp), allocatable :: share(:)
+      !! of the floors in the height [-]
+      real(wp), allocatable :: forces(:)
+      !! of the storeys, spring and damper [m/s2]
+      integer :: i
+
+      force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_ddot)
+      moment = turn(link_corner(equation, case, y), force, equation, y)
+      if (.not. has_all_links(case)) return
+      associate (frame => case%storeys%frame)
+         share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
+         forces = resisting_roof(equation, case, y)*frame%k*frame%height/sum(frame%height)
+         pulls = frame%m*(share*roof_ddot_of(equation, y, y_ddot) + ground(equation, t)) + forces
+         pulls(:2) = pulls(:2) - forces(2:)
+      end associate
+      call checks%close_to(-force(1), sum(pulls), 'all links', rtol=1.0e-12_wp)
+      moment = 0
+      do i = 1, size(pulls)
+         moment = moment + turn(pivot(equation) + share(i)*(link_corner(equation, case, y) &
+            - pivot(equation)), force*pulls(i)/sum(pulls), equation, y)
+      end do
+   end function turn_of_links
+
+   !> Displacement of the roof that each storey, elastic, would need for the force of its spring and
+   !> damper [m]: the same line for both, and for what has yielded unless each does so by itself.
+   function resisting_roof(equation, case, y) result(u)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp) :: u(size(case%storeys%frame%m))
+      type(kinematics_t) :: kin
+      real(wp), allocatable :: parts(:)
+
+      kin = kinematics_at(equation, y(1))
+      u = equation%p%R*(equation%state%side*kin%u &
+         + 2*case%frame%xi_s*case%frame%T_s/(2*pi)*kin%j*y(2))
+      if (.not. allocated(case%yielding)) return
+      if (equation%has_loading_direction) then
+         u = u - lagging_displacement(equation, y)
+      else
+         parts = plastic_parts(equation, y(1))
+         if (size(parts) == 1) parts = spread(parts(1), 1, size(u))
+         u = u - parts
+      end if
+   end function resisting_roof
+
+   real(wp) function roof_ddot_of(equation, y, y_ddot) result(u_ddot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      type(kinematics_t) :: kin
+
+      kin = kinematics_at(equation, y(1))
+      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
+   end function roof_ddot_of
+
+   !> Where a point of the wall is, given from its centroid [m].
+   function place(equation, theta, point) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      real(wp), intent(in) :: point(2)
+      real(wp) :: x(2)
+      real(wp) :: arm(2)
+
+      arm = point + [0.0_wp, equation%p%R*equation%p%cos_alpha] - pivot(equation)
+      x = pivot(equation) + [cos(theta)*arm(1) + sin(theta)*arm(2), &
+         -sin(theta)*arm(1) + cos(theta)*arm(2)]
+   end function place
+
+   function pivot(equation) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp) :: x(2)
+
+      x = 0
+      if (equation%has_impacts) x(1) = equation%state%side*equation%p%R*equation%sin_alpha
+   end function pivot
+
+   !> Left top corner; of `symmetric` the one opposite to the pivot; of a hinged wall the middle.
+   function link_corner(equation, case, y) result(x)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x(2)
+
+      x = [-case%wall%b, case%wall%h]
+      if (case%model%formulation == 'symmetric') x(1) = -equation%state%side*case%wall%b
+      if (.not. equation%has_impacts) x(1) = 0
+      x = place(equation, y(1), x)
+   end function link_corner
+
+   !> The cable is fixed in the middle of the wall's top.
+   function cable_point(equation, y) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x(2)
+
+      x = place(equation, y(1), [0.0_wp, equation%p%R*equation%p%cos_alpha])
+   end function cable_point
+
+   function lifting_corner(equation, y) result(x)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp) :: x(2)
+
+      x = place(equation, y(1), -equation%p%R*[equation%state%side*equation%sin_alpha, &
+         equation%p%cos_alpha])
+   end function lifting_corner
+
+   !> Spring and damper of the frame on its mass, against its motion.
+   real(wp) function frame_shear(equation, case, y) result(shear)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), parameter :: step = 1.0e-30_wp
+      real(wp) :: u
+      real(wp) :: slope
+      real(wp) :: phi
+      complex(wp) :: w
+      complex(wp) :: root
+      complex(wp) :: rise
+
+      ! u_s(theta) once more from the geometry, its derivative by a complex step
+      phi = equation%state%side*y(1)
+      w = cmplx(phi, step, wp)
+      associate (s => equation%sin_alpha, c => equation%p%cos_alpha, L => equation%geometry%link)
+         rise = 2*(c*cos(w) + s*sin(w) - c)
+         if (.not. equation%has_impacts) then
+            w = cmplx(y(1), step, wp)
+            rise = 2*c*(cos(w) - 1)
+            root = 2*c*sin(w)
+         else if (is_left(equation)) then
+            rise = 2*c*(cos(w) - 1)
+            root = 2*c*sin(w)
+         else
+            root = 2*(s - s*cos(w) + c*sin(w))
+         end if
+         if (L > 0) root = root + merge(-1, 1, is_left(equation))*(L - sqrt(L**2 - rise**2))
+      end associate
+      u = equation%state%side*equation%p%R*root%re
+      slope = equation%p%R*root%im/step
+      shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
+         + 2*equation%p%xi_s*slope*y(2))
+      if (has_all_links(case)) then
+         shear = case%storeys%frame%k(1)*case%storeys%frame%height(1) &
+            /sum(case%storeys%frame%height)*sum(resisting_roof(equation, case, y), &
+            [.true., .false., .false.])
+      else if (allocated(case%yielding)) then
+         associate (law => case%yielding)
+            shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
+               *(law%u_y*y(3) - u)
+         end associate
+      else if (allocated(case%storeys)) then
+         shear = storey_shear(equation, case, y, u, slope*y(2))
+      end if
+   end function frame_shear
+
+   pure logical function has_all_links(case)
+      type(case_t), intent(in) :: case
+
+      has_all_links = .false.
+      if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
+   end function has_all_links
+
+   !> The columns of the lowest storey and all dampers; one mode: what its floors need less what
+   !> the link brings.
+   real(wp) function storey_shear(equation, case, y, roof, rate) result(shear)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: roof
+      !! its displacement [m]
+      real(wp), intent(in) :: rate
+      !! and velocity [m/s]
+      real(wp) :: link(2)
+      real(wp) :: roof_ddot
+      type(kinematics_t) :: kin
+
+      associate (frame => case%storeys%frame)
+         if (case%storeys%coupling == 'full') then
+            shear = frame%k(1)*y(3) + sum(matmul(damping_matrix(frame, case%frame%xi_s), &
+               [y(5:6), rate]))
+            return
+         end if
+         kin = kinematics_at(equation, y(1))
+         link = link_force(equation, kin, t, y, second_derivative(equation, t, y))
+         roof_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 &
+            + kin%j*second_derivative(equation, t, y))
+         ! the link holds the roof's modal equation, every floor has the acceleration of its share
+         call checks%close_to(-link(1), sum(frame%shape(:, 1)*(frame%m*(frame%shape(:, 1) &
+            *roof_ddot/frame%shape(3, 1) + ground(equation, t)) + (frame%omega(1)**2*roof &
+            + 2*case%frame%xi_s*frame%omega(1)*rate)*frame%m*frame%shape(:, 1) &
+            /frame%shape(3, 1)))/frame%shape(3, 1), 'link of one mode', rtol=1.0e-12_wp)
+         shear = -link(1) - sum(frame%m*(frame%shape(:, 1)/frame%shape(3, 1)*roof_ddot &
+            + ground(equation, t)))
+      end associate
+   end function storey_shear
+
+   !> Does the link's end move as the left top corner while the wall rocks to the left?
+   logical function is_left(equation)
+      type(equation_t), intent(in) :: equation
+      real(wp), parameter :: large = 0.5_wp
+
+      ! 2h sin(phi) of `exact` against 2R (sin(alpha) - sin(alpha - phi))
+      is_left = .false.
+      if (equation%state%side < 0) is_left = abs(kinematic_u(equation, large) &
+         - 2*equation%p%cos_alpha*sin(large)) < 0.05_wp
+   end function is_left
+
+   real(wp) function kinematic_u(equation, phi) result(u)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: phi
+      type(kinematics_t) :: kin
+
+      kin = kinematics_at(equation, -phi, -1)
+      u = kin%u
+   end function kinematic_u
+
+   !> Force times velocity of the lifting corner is the power that the damper takes.
+   subroutine check_damper_power()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp), parameter :: y(2) = [0.2_wp, 0.7_wp]
+      real(wp), parameter :: step = 1.0e-6_wp
+      real(wp) :: force(2)
+      real(wp) :: velocity(2)
+      real(wp) :: power(power_count), others(power_count)
+
+      case = damped()
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      force = 0
+      call equation%effects(1)%force(equation%effects(1), equation, t, y, 0.0_wp, force)
+      velocity = (lifting_corner(equation, y + step) - lifting_corner(equation, y - step)) &
+         /(2*step)*y(2)
+      call powers_at(equation, t, y, power)
+      deallocate (case%damper)
+      call build_equation(case, motion, equation)
+      call powers_at(equation, t, y, others)
+      call checks%close_to(-sum(force*velocity), power(of_viscous) - others(of_viscous), &
+         'power of the damper', rtol=1.0e-9_wp)
+   end subroutine check_damper_power
+
+end program test_balance

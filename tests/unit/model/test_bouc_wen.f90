@@ -1,0 +1,404 @@
+!> Frames with the smooth hysteresis of Bouc and Wen: closed forms, limits, energy.
+program test_bouc_wen
+   use check, only: checks_t
+   use hosts, only: repeats_the_bits
+   use ledgers, only: check_ledger
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
+   use scenes, only: frame_scene, rwmf_scene
+   implicit none
+
+   type(checks_t) :: checks
+
+   if (checks%wants('closed_forms')) call check_closed_forms()
+   if (checks%wants('first_loading')) call check_first_loading(1.0_wp, 'n = 1')
+   if (checks%wants('first_loading')) call check_first_loading(2.0_wp, 'n = 2')
+   if (checks%wants('unloading')) call check_unloading()
+   if (checks%wants('passage')) call check_passage(1.0_wp, 'n = 1')
+   if (checks%wants('passage')) call check_passage(2.0_wp, 'n = 2')
+   if (checks%wants('natural_exponents')) call check_natural_exponents()
+   if (checks%wants('passage_at_impact')) call check_passage_at_impact()
+   if (checks%wants('standstill')) call check_standstill()
+   if (checks%wants('elastic_limit')) call check_elastic_limit()
+   if (checks%wants('sharp_limit')) call check_sharp_limit(.false., 'bare frame')
+   if (checks%wants('sharp_limit')) call check_sharp_limit(.true., 'wall and frame')
+   call check_energy(frame_scene(0.7_wp, 'dop853'), 'bare frame')
+   call check_energy(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 'exact')
+   call check_energy(rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'dop853'), 'symmetric')
+   if (checks%wants('methods')) call check_methods()
+   if (checks%wants('mirror')) call check_mirror()
+   if (checks%wants('stepping')) call check_stepping()
+   if (checks%wants('refusals')) call check_refusals()
+   call checks%finish()
+
+contains
+
+   !> A scene whose frame yields smoothly.
+   function hysteretic(scene, u_y, hardening, exponent, beta) result(case)
+      type(case_t), intent(in) :: scene
+      real(wp), intent(in) :: u_y
+      !! [m]
+      real(wp), intent(in) :: hardening
+      real(wp), intent(in) :: exponent
+      real(wp), intent(in) :: beta
+      type(case_t) :: case
+
+      case = scene
+      allocate (case%yielding)
+      case%yielding%u_y = u_y
+      case%yielding%hardening = hardening
+      case%yielding%exponent = exponent
+      case%yielding%beta = beta
+      case%yielding%law = 'bouc_wen'
+   end function hysteretic
+
+   !> The same in closed form, from displacements far below yielding to far beyond, and symmetric.
+   subroutine check_closed_forms()
+      real(wp), parameter :: x(6) = [1.0e-9_wp, 0.01_wp, 0.5_wp, 2.0_wp, 9.0_wp, 200.0_wp]
+      integer :: i
+
+      do i = 1, size(x)
+         call checks%close_to(virgin_displacement(x(i), 1.0_wp), 1 - exp(-x(i)), 'n = 1', &
+            rtol=1.0e-14_wp, atol=1.0e-16_wp)
+         call checks%close_to(virgin_displacement(-x(i), 2.0_wp), -tanh(x(i)), 'n = 2', &
+            rtol=1.0e-14_wp, atol=1.0e-16_wp)
+         ! no knee left: the elastic-plastic law
+         call checks%close_to(virgin_displacement(x(i), 1000.0_wp), min(x(i), 1.0_wp), 'n = 1000', &
+            rtol=1.0e-6_wp)
+      end do
+      call checks%that(abs(virgin_displacement(0.0_wp, 3.0_wp)) <= 0, 'nothing')
+   end subroutine check_closed_forms
+
+   !> While u grows, z is a function of u/u_y alone, whatever the motion: 1 - exp(-x) for n = 1,
+   !> tanh(x) for n = 2.
+   subroutine check_first_loading(exponent, name)
+      real(wp), intent(in) :: exponent
+      character(*), intent(in) :: name
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: x
+
+      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponent, 0.6_wp)
+      case%motion%a_max_g = -case%motion%a_max_g
+      case%solver%t_end = 0.3_wp
+      case%solver%rtol = 1.0e-11_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'first loading')
+      x = result%final_state(1)/case%yielding%u_y
+      call checks%that(x > 0.5_wp .and. result%final_state(2) > 0, 'still loading, '//name)
+      if (exponent > 1) then
+         call checks%close_to(result%final_state(3), tanh(x), 'first loading, '//name, &
+            rtol=1.0e-9_wp)
+      else
+         call checks%close_to(result%final_state(3), 1 - exp(-x), 'first loading, '//name, &
+            rtol=1.0e-9_wp)
+      end if
+      call check_residual(x, result%residual_displacement/case%yielding%u_y, exponent, name)
+   end subroutine check_first_loading
+
+   !> Unloaded slowly from the first loading, with hardening 0.1 and beta = 0.6, z falls to zero at
+   !> x_0 and follows the first loading from there, to where 0.1 x + 0.9 z = 0.
+   subroutine check_residual(x, rest, exponent, name)
+      real(wp), intent(in) :: x
+      !! displacement over u_y [-]
+      real(wp), intent(in) :: rest
+      !! residual displacement over u_y [-]
+      real(wp), intent(in) :: exponent
+      character(*), intent(in) :: name
+      real(wp), parameter :: c = 2*0.6_wp - 1
+      real(wp) :: x_0, z
+
+      if (exponent > 1) then
+         x_0 = x - atan(sqrt(c)*tanh(x))/sqrt(c)
+         z = -tanh(x_0 - rest)
+      else
+         x_0 = x - log(1 + c*(1 - exp(-x)))/c
+         z = exp(rest - x_0) - 1
+      end if
+      call checks%that(x_0 > rest .and. rest > 0, 'z changes its sign, '//name)
+      call checks%close_to(0.1_wp*rest, -0.9_wp*z, 'residual displacement, '//name, &
+         rtol=1.0e-8_wp)
+   end subroutine check_residual
+
+   !> From the peak on, n = 2: dz/dx = 1 + (2 beta - 1) z**2 until z changes its sign, so that
+   !> arctan(c z)/c differs from that of the peak by x - x_peak, c = sqrt(2 beta - 1).
+   subroutine check_unloading()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp), parameter :: c = 1/sqrt(2.0_wp)
+      !! for beta = 3/4
+      real(wp) :: t_peak
+      real(wp) :: peak(3)
+
+      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, 2.0_wp, 0.75_wp)
+      case%motion%a_max_g = -case%motion%a_max_g
+      case%solver%rtol = 1.0e-11_wp
+      case%solver%t_end = 0.635_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'unloading')
+      t_peak = result%t_u_s_max
+      call checks%that(t_peak < 0.6_wp .and. result%final_state(2) < 0 &
+         .and. result%final_state(3) > 0, 'unloading')
+      case%solver%t_end = t_peak
+      associate (x => result%final_state(1)/case%yielding%u_y, z => result%final_state(3))
+         block
+            type(result_t) :: at_peak
+
+            call simulate(case, at_peak, error)
+            peak = at_peak%final_state
+         end block
+         call checks%close_to(atan(c*z)/c - atan(c*peak(3))/c, x - peak(1)/case%yielding%u_y, &
+            'unloading', rtol=1.0e-8_wp)
+      end associate
+   end subroutine check_unloading
+
+   !> Where z passes zero the law has a corner, at which every method begins a new piece of motion:
+   !> from the first peak beyond the zero z(u) is known, and met within a few tolerances.
+   subroutine check_passage(exponent, name)
+      real(wp), intent(in) :: exponent
+      character(*), intent(in) :: name
+      character(13), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', &
+         'dop853', 'extrapolation']
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: i
+
+      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponent, 0.75_wp)
+      case%motion%a_max_g = -case%motion%a_max_g
+      case%solver%rtol = 1.0e-7_wp
+      case%solver%t_end = 0.8_wp
+      do i = 1, size(methods)
+         case%solver%method = trim(methods(i))
+         call simulate(case, result, error)
+         call checks%no_error(error, 'passage')
+         associate (x => result%final_state(1)/case%yielding%u_y, z => result%final_state(3))
+            call checks%that(result%final_state(2) < 0 .and. z < -0.3_wp, 'beyond the passage')
+            call checks%close_to(z, beyond_zero(exponent, result%u_s_max/case%yielding%u_y, x), &
+               'passage, '//name//', '//trim(methods(i)), atol=4.0e-7_wp)
+         end associate
+      end do
+   end subroutine check_passage
+
+   !> z beyond its first zero after the first peak, for beta = 3/4.
+   pure real(wp) function beyond_zero(exponent, x_peak, x) result(z)
+      real(wp), intent(in) :: exponent
+      real(wp), intent(in) :: x_peak
+      !! u/u_y at the peak [-]
+      real(wp), intent(in) :: x
+      !! u/u_y [-]
+      real(wp) :: c
+      real(wp) :: x_zero
+
+      if (exponent > 1) then
+         c = sqrt(0.5_wp)
+         x_zero = x_peak - atan(c*tanh(x_peak))/c
+         z = tanh(x - x_zero)
+      else
+         c = 0.5_wp
+         x_zero = x_peak - log(1 + c*(1 - exp(-x_peak)))/c
+         z = exp(x - x_zero) - 1
+      end if
+   end function beyond_zero
+
+   !> Small natural exponents have products of their own; their neighbours are powers.
+   subroutine check_natural_exponents()
+      real(wp), parameter :: exponents(5) = [1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 8.0_wp]
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: neighbour
+      type(error_t), allocatable :: error
+      integer :: i
+
+      do i = 1, size(exponents)
+         case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponents(i), 0.75_wp)
+         case%solver%rtol = 1.0e-10_wp
+         call simulate(case, result, error)
+         call checks%no_error(error, 'natural exponent')
+         case%yielding%exponent = exponents(i) + 1.0e-8_wp
+         call simulate(case, neighbour, error)
+         call checks%close_to(neighbour%residual_displacement, result%residual_displacement, &
+            'a natural exponent and its neighbour', atol=1.0e-8_wp*result%u_s_max)
+      end do
+   end subroutine check_natural_exponents
+
+   !> As long as nothing yields z passes zero in the instant of the impact: both are one event, at
+   !> every tolerance.
+   subroutine check_passage_at_impact()
+      character(13), parameter :: methods(4) = [character(13) :: 'adams', 'erk54', 'dop853', &
+         'extrapolation']
+      type(case_t) :: case
+      type(case_t) :: elastic_case
+      type(result_t) :: result
+      type(result_t) :: elastic
+      type(error_t), allocatable :: error
+      integer :: i, k
+
+      elastic_case = rwmf_scene('exact', 5.0_wp, 0.6_wp, 'dop853')
+      case = hysteretic(elastic_case, 1.0e9_wp, 0.1_wp, 2.0_wp, 0.5_wp)
+      do i = 1, size(methods)
+         do k = 15, 26
+            elastic_case%solver%method = trim(methods(i))
+            elastic_case%solver%rtol = 10**(-0.5_wp*k)
+            case%solver = elastic_case%solver
+            call simulate(elastic_case, elastic, error)
+            call simulate(case, result, error)
+            call checks%no_error(error, 'passage at an impact')
+            call checks%close_to(result%u_s_max, elastic%u_s_max, 'passage at an impact, ' &
+               //trim(methods(i)), rtol=300*case%solver%rtol)
+         end do
+      end do
+   end subroutine check_passage_at_impact
+
+   !> A frame that stands still has no peaks: the steps before the ground moves are few.
+   subroutine check_standstill()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = hysteretic(frame_scene(0.7_wp, 'adams'), 0.02_wp, 0.1_wp, 2.0_wp, 0.6_wp)
+      deallocate (case%motion)
+      case%solver%t_end = 10
+      call simulate(case, result, error)
+      call checks%no_error(error, 'standstill')
+      call checks%that(result%steps < 1000, 'a frame that stands still takes few steps')
+   end subroutine check_standstill
+
+   !> u_y -> infinity is the scene without the group.
+   subroutine check_elastic_limit()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: elastic
+      type(error_t), allocatable :: error
+
+      case = hysteretic(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 1.0e9_wp, 0.1_wp, 2.0_wp, &
+         0.5_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'elastic limit')
+      deallocate (case%yielding)
+      call simulate(case, elastic, error)
+      call checks%close_to(result%u_s_max, elastic%u_s_max, 'elastic limit', rtol=1.0e-9_wp)
+   end subroutine check_elastic_limit
+
+   !> n -> infinity is the elastic-plastic law. What the knee lacks is a share 1/n of the force over
+   !> a share 1/n of the way: the difference falls as 1/n**2.
+   subroutine check_sharp_limit(with_wall, name)
+      logical, intent(in) :: with_wall
+      character(*), intent(in) :: name
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: sharp
+      type(error_t), allocatable :: error
+      real(wp) :: difference(2)
+      integer :: i
+
+      case = frame_scene(0.7_wp, 'dop853')
+      if (with_wall) case = rwmf_scene('exact', 5.0_wp, 0.7_wp, 'dop853')
+      case = hysteretic(case, 0.03_wp, 0.05_wp, 1.0_wp, 0.5_wp)
+      case%solver%t_end = 2
+      case%yielding%law = 'elastic_plastic'
+      call simulate(case, sharp, error)
+      call checks%no_error(error, 'elastic-plastic')
+      call checks%that(sharp%ductility > 1.5_wp, 'it yields, '//name)
+      case%yielding%law = 'bouc_wen'
+      do i = 1, 2
+         case%yielding%exponent = 200.0_wp*2**i
+         call simulate(case, result, error)
+         call checks%no_error(error, 'sharp knee')
+         difference(i) = result%u_s_max - sharp%u_s_max
+      end do
+      call checks%close_to(difference(2)/sharp%u_s_max, 0.0_wp, 'sharp knee, '//name, &
+         atol=1.0e-5_wp)
+      call checks%close_to(difference(1)/difference(2), 4.0_wp, 'order of it, '//name, &
+         atol=0.3_wp)
+      call checks%close_to(result%residual_displacement, sharp%residual_displacement, &
+         'residual displacement of it, '//name, rtol=1.0e-3_wp)
+   end subroutine check_sharp_limit
+
+   !> Input = stored + dissipated + impact.
+   subroutine check_energy(scene, name)
+      type(case_t), intent(in) :: scene
+      character(*), intent(in) :: name
+      type(result_t) :: result
+
+      if (.not. checks%wants('energy, '//name)) return
+      call check_ledger(checks, hysteretic(scene, 0.03_wp, 0.05_wp, 3.0_wp, 0.6_wp), 1.0e-8_wp, &
+         'energy, '//name, result)
+      call checks%that(result%ductility > 2, 'it yields, '//name)
+      call checks%that(result%energy%hysteretic > 0, 'and dissipates, '//name)
+   end subroutine check_energy
+
+   !> All methods agree.
+   subroutine check_methods()
+      character(13), parameter :: methods(4) = [character(13) :: 'adams', 'bdf', 'erk54', &
+         'extrapolation']
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: other
+      type(error_t), allocatable :: error
+      integer :: i
+
+      case = hysteretic(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 0.04_wp, 0.1_wp, 2.0_wp, &
+         0.5_wp)
+      call simulate(case, result, error)
+      do i = 1, size(methods)
+         case%solver%method = trim(methods(i))
+         call simulate(case, other, error)
+         call checks%no_error(error, trim(methods(i)))
+         call checks%close_to(other%u_s_max, result%u_s_max, trim(methods(i)), rtol=1.0e-7_wp)
+      end do
+   end subroutine check_methods
+
+   !> The mirrored motion gives the mirrored response.
+   subroutine check_mirror()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: mirrored
+      type(error_t), allocatable :: error
+
+      case = hysteretic(rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'dop853'), 0.04_wp, 0.1_wp, &
+         2.0_wp, 0.5_wp)
+      call simulate(case, result, error)
+      case%motion%a_max_g = -case%motion%a_max_g
+      call simulate(case, mirrored, error)
+      call checks%no_error(error, 'mirror')
+      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0), 'mirror')
+   end subroutine check_mirror
+
+   !> A host that rejects steps gets the same bits.
+   subroutine check_stepping()
+      type(case_t) :: case
+
+      case = hysteretic(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 0.04_wp, 0.1_wp, 2.0_wp, &
+         0.5_wp)
+      call checks%that(repeats_the_bits(case, 0.05_wp, 100), 'a repeated step has the same bits')
+   end subroutine check_stepping
+
+   !> What does not fit together is refused.
+   subroutine check_refusals()
+      character(*), parameter :: scene = '&wall h = 3, b = 1 / &solver t_end = 1 / ' &
+         //'&frame T_s = 1, gamma = 5, xi_s = 0 /'
+
+      call refuse(scene//'&yielding u_y = 0.1, exponent = 3 /', "belongs to law = 'bouc_wen'")
+      call refuse(scene//'&yielding u_y = 0.1, law = ''bouc_wen'', beta = 0.2 /', &
+         'must be a number in [0.5, 1]')
+   end subroutine check_refusals
+
+   subroutine refuse(text, message)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: message
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(text, '', case, error)
+      call checks%has_error(error, err_input, message, message)
+   end subroutine refuse
+
+end program test_bouc_wen

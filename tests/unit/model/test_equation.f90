@@ -1,0 +1,241 @@
+!> The equation of motion against the printed coefficients, its Jacobian and its other forms.
+program test_equation
+   use check, only: checks_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, enter_side, &
+      equation_t, interval_of, kinematics_at, second_derivative
+   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_jacobian, only: jacobian
+   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_published, only: coefficients_a, coefficients_b
+   use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t
+   use scenes, only: block_scene, rwmf_scene
+   implicit none
+
+   real(wp), parameter :: t = 0.3_wp
+   !! inside the pulse [s]
+   type(checks_t) :: checks
+
+   if (checks%wants('printed_coefficients')) call check_printed_coefficients()
+   if (checks%wants('published_form')) call check_published_form()
+   if (checks%wants('displacement_form')) call check_displacement_form()
+   if (checks%wants('reductions')) call check_reductions()
+   if (checks%wants('jacobian')) call check_jacobian('published', 'linear')
+   if (checks%wants('jacobian')) call check_jacobian('symmetric', 'linear')
+   if (checks%wants('jacobian')) call check_jacobian('symmetric', 'truss')
+   if (checks%wants('jacobian')) call check_jacobian('exact', 'linear')
+   if (checks%wants('jacobian')) call check_jacobian('exact', 'truss')
+   if (checks%wants('truss')) call check_truss()
+   call checks%finish()
+
+contains
+
+   !> Eq. (15), A_1 to A_4 and B_1 to B_4 as they are printed.
+   subroutine check_printed_coefficients()
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp) :: y(2)
+      real(wp) :: C(4)
+      integer :: side
+
+      do side = -1, 1, 2
+         call build(rwmf_scene('published', 5.0_wp, 1.0_wp, 'adams'), motion, side, equation)
+         y = [side*0.07_wp, 0.4_wp]
+         if (side < 0) then
+            C = printed_a(equation%p, y(1))
+            call checks%that(all(abs(coefficients_a(equation%p, y(1)) - C) <= 1.0e-12_wp*abs(C)), &
+               'A_1 to A_4')
+         else
+            C = printed_b(equation%p, y(1))
+            call checks%that(all(abs(coefficients_b(equation%p, y(1)) - C) <= 1.0e-12_wp*abs(C)), &
+               'B_1 to B_4')
+         end if
+         call checks%close_to(second_derivative(equation, t, y), C(1)*y(2)**2 + C(2)*y(2) &
+            + C(3)*acceleration(motion, interval_of(equation), t) + C(4), 'Eq. (15)', &
+            rtol=1.0e-12_wp)
+      end do
+   end subroutine check_printed_coefficients
+
+   !> Eq. (15a), theta < 0.
+   function printed_a(p, theta) result(A)
+      type(parameters_t), intent(in) :: p
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: A(4)
+      real(wp) :: a_1, a_2, a_3, a_4, a_5, a_6, a_7
+      real(wp) :: c
+
+      c = cos(-p%alpha - theta)
+      a_1 = 1/(4.0_wp/3 + 4*p%gamma*cos(p%alpha)*cos(theta)*c)
+      a_2 = -4*p%gamma*cos(p%alpha)*cos(theta)
+      a_3 = -(2*p%gamma*cos(p%alpha)*cos(theta) + c)/p%R
+      a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*sin(p%alpha)
+      a_5 = 2*p%omega_s*p%xi_s*c
+      a_6 = sin(-p%alpha - theta)
+      a_7 = -p%omega_s**2*(sin(-p%alpha - theta) + sin(p%alpha))
+      ! The printed a_7 already carries the sign of the spring force's moment on this side.
+      A = [a_1*a_2*a_6, a_1*a_2*a_5, a_1*a_3, a_1*a_2*a_7 - p%g/p%R*a_1*(a_6 - a_4)]
+   end function printed_a
+
+   !> Eq. (15b), theta > 0.
+   function printed_b(p, theta) result(B)
+      type(parameters_t), intent(in) :: p
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: B(4)
+      real(wp) :: a_4, b_1, b_2, b_3, b_4, b_5
+      real(wp) :: c, s
+
+      c = cos(p%alpha - theta)
+      s = sin(p%alpha - theta)
+      a_4 = (p%eta_0 + (p%eta_alpha - p%eta_0)*theta/p%alpha)*sin(p%alpha)
+      b_1 = 1/(4.0_wp/3 + 4*p%gamma*c**2)
+      b_2 = -4*p%gamma*c*s
+      b_3 = -8*p%gamma*p%omega_s*p%xi_s*c**2
+      b_4 = -(2*p%gamma + 1)/p%R*c
+      b_5 = -4*p%gamma*c*p%omega_s**2*(sin(p%alpha) - s) - p%g/p%R*s
+      B = [b_1*b_2, b_1*b_3, b_1*b_4, b_1*b_5 - p%g/p%R*b_1*a_4]
+   end function printed_b
+
+   !> Equation of a scene during the pulse, on one side.
+   subroutine build(case, motion, side, equation)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(inout), target :: motion
+      integer, intent(in) :: side
+      type(equation_t), intent(out) :: equation
+
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      call enter_side(equation%model_t, equation%state, side)
+      call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
+   end subroutine build
+
+   !> A_i and B_i against the general form with its lever arm.
+   subroutine check_published_form()
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(kinematics_t) :: kin
+      type(cable_state_t) :: cable
+      real(wp) :: y(2)
+      real(wp) :: expected
+      integer :: side
+
+      do side = -1, 1, 2
+         call build(rwmf_scene('published', 5.0_wp, 1.0_wp, 'adams'), motion, side, equation)
+         y = side*[0.06_wp, -0.4_wp]
+         kin = kinematics_at(equation, y(1))
+         cable = cable_at(equation, y(1))
+         associate (p => equation%p, f => side*acceleration(motion, interval_of(equation), t))
+            expected = -side*(p%gamma*kin%lever*(kin%k*y(2)**2 + p%omega_s**2*kin%u &
+               + 2*p%xi_s*p%omega_s*kin%j*side*y(2)) + (p%gamma*kin%lever + kin%c)*f/p%R &
+               + p%g/p%R*(kin%s + cable%moment))/(4.0_wp/3 + p%gamma*kin%lever*kin%j)
+         end associate
+         call checks%close_to(second_derivative(equation, t, y), expected, &
+            'Eq. (15) equals the general form', rtol=1.0e-13_wp)
+      end do
+   end subroutine check_published_form
+
+   !> The same equation with v = |u_s|/(2R) as the unknown (docs/theory.md).
+   subroutine check_displacement_form()
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp) :: y(2)
+      real(wp) :: angle, c, s, v, v_dot, v_ddot, f, q
+
+      call build(rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'adams'), motion, -1, equation)
+      y = [-0.06_wp, 0.4_wp]
+      associate (p => equation%p)
+         angle = p%alpha - abs(y(1))
+         c = cos(angle)
+         s = sin(angle)
+         v = sin(p%alpha) - s
+         v_dot = c*(-y(2))
+         f = -acceleration(motion, interval_of(equation), t)
+         q = p%eta_0 + (p%eta_alpha - p%eta_0)*abs(y(1))/p%alpha
+         v_ddot = (4.0_wp/3*s*v_dot**2/c**4 - 8*p%gamma*p%omega_s*p%xi_s*v_dot &
+            - 4*p%gamma*p%omega_s**2*v - (2*p%gamma + 1)/p%R*f &
+            - p%g/p%R*(s + q*sin(p%alpha))/c)/(4*p%gamma + 4/(3*c**2))
+         ! v'' = c phi'' + s phi'**2
+         call checks%close_to(second_derivative(equation, t, y), -(v_ddot - s*y(2)**2)/c, &
+            'theta form equals the u_s form', rtol=1.0e-13_wp)
+      end associate
+   end subroutine check_displacement_form
+
+   !> No frame: Eq. (11); gamma = 0 is the same wall.
+   subroutine check_reductions()
+      type(motion_t), target :: motion
+      type(motion_t), target :: other
+      type(equation_t) :: with_frame
+      type(equation_t) :: without
+      type(case_t) :: case
+      real(wp) :: y(2)
+
+      case = rwmf_scene('symmetric', 0.0_wp, 1.0_wp, 'adams')
+      call build(case, motion, 1, with_frame)
+      deallocate (case%frame)
+      call build(case, other, 1, without)
+      y = [0.05_wp, -0.3_wp]
+      call checks%close_to(second_derivative(without, t, y), &
+         second_derivative(with_frame, t, y), 'no frame equals gamma = 0', rtol=1.0e-13_wp)
+      call build(block_scene('adams'), other, -1, without)
+      y = [-0.05_wp, -0.3_wp]
+      associate (p => without%p, a => acceleration(other, interval_of(without), t))
+         call checks%close_to(second_derivative(without, t, y), &
+            -0.75_wp/p%R*(a*cos(-p%alpha - y(1)) + p%g*sin(-p%alpha - y(1))), 'Eq. (12b)', &
+            rtol=1.0e-13_wp)
+      end associate
+   end subroutine check_reductions
+
+   !> Analytic derivatives against central differences.
+   subroutine check_jacobian(formulation, law)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: law
+      real(wp), parameter :: step = 1.0e-5_wp
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp) :: y(2)
+      real(wp) :: by_theta
+      real(wp) :: by_theta_dot
+      integer :: side
+
+      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'adams')
+      case%cable%law = law
+      do side = -1, 1, 2
+         call build(case, motion, side, equation)
+         y = side*[0.06_wp, -0.4_wp]
+         call jacobian(equation, t, y, by_theta, by_theta_dot)
+         call checks%close_to(by_theta, (second_derivative(equation, t, y + [step, 0.0_wp]) &
+            - second_derivative(equation, t, y - [step, 0.0_wp]))/(2*step), &
+            'd theta_ddot/d theta, '//formulation//' '//law, rtol=1.0e-7_wp)
+         call checks%close_to(by_theta_dot, (second_derivative(equation, t, y + [0.0_wp, step]) &
+            - second_derivative(equation, t, y - [0.0_wp, step]))/(2*step), &
+            'd theta_ddot/d theta_dot, '//formulation//' '//law, rtol=1.0e-7_wp)
+      end do
+   end subroutine check_jacobian
+
+   !> The truss keeps P(0), P(alpha); its moment is the derivative of its energy.
+   subroutine check_truss()
+      real(wp), parameter :: step = 1.0e-5_wp
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(cable_state_t) :: cable, before, after
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'adams')
+      case%cable%law = 'truss'
+      call build(case, motion, 1, equation)
+      cable = cable_at(equation, 0.0_wp)
+      call checks%close_to(cable%force, 1.0_wp, 'truss at rest', rtol=1.0e-14_wp)
+      cable = cable_at(equation, equation%p%alpha)
+      call checks%close_to(cable%force, 5.0_wp, 'truss at alpha', rtol=1.0e-14_wp)
+      cable = cable_at(equation, 0.1_wp)
+      before = cable_at(equation, 0.1_wp - step)
+      after = cable_at(equation, 0.1_wp + step)
+      call checks%close_to(cable%moment, (after%energy - before%energy)/(2*step), &
+         'moment of the truss is the slope of its energy', rtol=1.0e-8_wp)
+   end subroutine check_truss
+
+end program test_equation

@@ -1,0 +1,514 @@
+!> Springs with memory: the law of one spring along random ways, and what it makes of a scene.
+program test_memory
+   use check, only: checks_t
+   use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, query_state, &
+      restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      second_derivative
+   use rwmf_model_hysteresis_bilinear, only: branch_t, is_broken, new_spring, pass_limit, &
+      spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, spring_t, &
+      turn_spring
+   use rwmf_model_jacobian, only: jacobian
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t, fuse_t
+   use rwmf_simulation_hybrid_loop, only: hybrid_t, start_hybrid
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
+   use scenes, only: frame_scene, rwmf_scene
+   implicit none
+
+   real(wp), parameter :: k = 3
+   real(wp), parameter :: yield = 0.6_wp
+   character(13), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', 'dop853', &
+      'extrapolation']
+   type(checks_t) :: checks
+   integer :: i
+
+   if (checks%wants('cycle')) call check_cycle(0.0_wp)
+   if (checks%wants('cycle')) call check_cycle(0.25_wp)
+   call check_way(new_spring(k, yield, 0.0_wp), 0.0_wp, 'elastic, perfectly plastic')
+   call check_way(new_spring(k, yield, 0.1_wp), 0.1_wp, 'hardening')
+   if (checks%wants('tendon')) call check_tendon()
+   if (checks%wants('rupture')) call check_rupture()
+   if (checks%wants('limits')) call check_limits()
+   if (checks%wants('fuse_moment')) call check_fuse_moment()
+   if (checks%wants('frame_force')) call check_frame_force()
+   if (checks%wants('tendon_jacobian')) call check_tendon_jacobian()
+   if (checks%wants('initial_beyond_yield')) call check_initial_beyond_yield()
+   do i = 1, size(methods)
+      if (checks%wants('ledger')) call check_ledger(trim(methods(i)), 'symmetric')
+      if (checks%wants('ledger')) call check_ledger(trim(methods(i)), 'exact')
+      if (checks%wants('rejected_step')) call check_rejected_step(trim(methods(i)))
+   end do
+   if (checks%wants('shear')) call check_shear()
+   if (checks%wants('other_wall')) call check_other_wall()
+   call checks%finish()
+
+contains
+
+   !> Bring a spring from the elongation a to b and add up what it dissipates.
+   subroutine move(spring, branch, a, b, dissipated)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
+      real(wp), intent(in) :: a
+      real(wp), intent(in) :: b
+      real(wp), intent(inout) :: dissipated
+      real(wp) :: x
+      real(wp) :: to
+      real(wp) :: limits(2)
+
+      call turn_spring(spring, branch, a)
+      dissipated = dissipated - spring_loss(spring, branch, a)
+      x = a
+      do
+         call spring_limits(spring, branch, limits(1), limits(2))
+         to = max(limits(1), min(b, limits(2)))
+         if (b > a) to = max(x, to)
+         if (b < a) to = min(x, to)
+         x = to
+         if (b > a .and. b > limits(2)) then
+            call pass_limit(spring, branch, is_rising=.true.)
+         else if (b < a .and. b < limits(1)) then
+            call pass_limit(spring, branch, is_rising=.false.)
+         else
+            exit
+         end if
+      end do
+      dissipated = dissipated + spring_loss(spring, branch, x)
+   end subroutine move
+
+   !> A cycle between -x_max and x_max encloses 4 F_y (x_max - x_y) (1 - hardening).
+   subroutine check_cycle(hardening)
+      real(wp), intent(in) :: hardening
+      real(wp), parameter :: x_max = 0.9_wp
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: dissipated
+
+      spring = new_spring(k, yield, hardening)
+      dissipated = 0
+      call move(spring, branch, 0.0_wp, x_max, dissipated)
+      dissipated = 0
+      call move(spring, branch, x_max, -x_max, dissipated)
+      call move(spring, branch, -x_max, x_max, dissipated)
+      call checks%close_to(dissipated, 4*yield*(x_max - yield/k)*(1 - hardening), &
+         'dissipation of a cycle', rtol=1.0e-14_wp)
+   end subroutine check_cycle
+
+   !> Along a way of random turning points: force by return mapping (an independent update of the
+   !> plastic elongation), and work = stored + dissipated.
+   subroutine check_way(spring, hardening, name)
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: hardening
+      character(*), intent(in) :: name
+      integer, parameter :: turns = 500
+      type(branch_t) :: branch
+      real(wp) :: way(turns)
+      real(wp) :: x, plastic, modulus, excess, dissipated, work, energy, worst, worst_balance
+      integer :: n
+
+      if (.not. checks%wants('way, '//name)) return
+      call random_init(repeatable=.true., image_distinct=.true.)
+      call random_number(way)
+      way = 2*way - 1
+      modulus = hardening*k/(1 - hardening)
+      x = 0
+      plastic = 0
+      dissipated = 0
+      work = 0
+      worst = 0
+      worst_balance = 0
+      do n = 1, turns
+         energy = k*(x - plastic)**2/2 + modulus*plastic**2/2
+         call move(spring, branch, x, way(n), dissipated)
+         x = way(n)
+         ! Return mapping: the elastic trial force, brought back to the yield surface.
+         excess = k*(x - plastic) - modulus*plastic
+         work = work - energy
+         if (abs(excess) > yield) then
+            work = work + yield*(abs(excess) - yield)/(k + modulus)
+            plastic = plastic + sign((abs(excess) - yield)/(k + modulus), excess)
+         end if
+         work = work + k*(x - plastic)**2/2 + modulus*plastic**2/2
+         worst = max(worst, abs(spring_force(spring, branch, x) - k*(x - plastic)), &
+            abs(spring_plastic(spring, branch, x) - plastic))
+         worst_balance = max(worst_balance, abs(work - spring_energy(spring, branch, x) &
+            - dissipated))
+      end do
+      call checks%close_to(worst, 0.0_wp, 'return mapping, '//name, atol=1.0e-13_wp)
+      call checks%close_to(worst_balance, 0.0_wp, 'energy, '//name, atol=1.0e-11_wp)
+   end subroutine check_way
+
+   !> A tendon keeps what it has lost, goes slack and is taut again where it went slack.
+   subroutine check_tendon()
+      type(spring_t) :: tendon
+      type(branch_t) :: branch
+      real(wp), parameter :: force_0 = 0.4_wp
+      real(wp), parameter :: x_max = 0.5_wp
+      real(wp) :: dissipated
+      real(wp) :: plastic
+      real(wp) :: limits(2)
+
+      tendon = new_spring(k, yield, 0.0_wp, force_0, is_tendon=.true.)
+      dissipated = 0
+      call move(tendon, branch, 0.0_wp, x_max, dissipated)
+      plastic = x_max - (yield - force_0)/k
+      call checks%close_to(dissipated, yield*plastic, 'tendon, dissipation', rtol=1.0e-14_wp)
+      call move(tendon, branch, x_max, 0.31_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, 0.31_wp), force_0 + k*(0.31_wp - plastic), &
+         'tendon, unloading', rtol=1.0e-13_wp)
+      call move(tendon, branch, 0.31_wp, 0.0_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, 0.0_wp), 0.0_wp, 'tendon, slack')
+      call checks%close_to(spring_energy(tendon, branch, 0.0_wp), -force_0**2/(2*k), &
+         'tendon, what the prestress had stored', rtol=1.0e-14_wp)
+      call spring_limits(tendon, branch, limits(1), limits(2))
+      call checks%close_to(limits(2), plastic - force_0/k, 'tendon, taut again', rtol=1.0e-13_wp)
+      call move(tendon, branch, 0.0_wp, 0.45_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, 0.45_wp), force_0 + k*(0.45_wp - plastic), &
+         'tendon, loading again', rtol=1.0e-13_wp)
+      call checks%close_to(dissipated, yield*plastic, 'tendon, no more dissipation', &
+         rtol=1.0e-14_wp)
+   end subroutine check_tendon
+
+   !> A broken tendon bears nothing any more, and what it held is gone.
+   subroutine check_rupture()
+      type(spring_t) :: tendon
+      type(branch_t) :: branch
+      real(wp) :: dissipated
+
+      tendon = new_spring(k, yield, 0.0_wp, 0.4_wp, is_tendon=.true., rupture=0.3_wp)
+      dissipated = 0
+      call move(tendon, branch, 0.0_wp, 0.29_wp, dissipated)
+      call checks%that(.not. is_broken(branch), 'below the strain of rupture')
+      call move(tendon, branch, 0.29_wp, 0.31_wp, dissipated)
+      call checks%that(is_broken(branch), 'rupture')
+      call move(tendon, branch, 0.31_wp, -0.5_wp, dissipated)
+      call checks%close_to(spring_force(tendon, branch, -0.5_wp), 0.0_wp, 'broken for good')
+      call checks%close_to(dissipated, yield*(0.3_wp - 0.2_wp/k), 'dissipation up to rupture', &
+         rtol=1.0e-13_wp)
+   end subroutine check_rupture
+
+   !> Wall and frame with a tendon, fuses and a frame that yield.
+   function sprung(formulation, method) result(case)
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: method
+      type(case_t) :: case
+
+      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, method)
+      case%cable%eta_y = 1.4_wp
+      case%cable%hardening = 0.02_wp
+      case%fuse = fuse_t(0.4_wp, 0.004_wp, 0.05_wp)
+      allocate (case%yielding)
+      case%yielding%u_y = 0.05_wp
+      case%yielding%hardening = 0.1_wp
+   end function sprung
+
+   !> Springs that never leave their elastic branch, or bear nothing, are the scene without them.
+   subroutine check_limits()
+      type(case_t) :: case
+      type(result_t) :: limit
+      type(error_t), allocatable :: error
+      character(9), parameter :: formulations(2) = [character(9) :: 'symmetric', 'exact']
+      integer :: f
+
+      do f = 1, 2
+         case = rwmf_scene(trim(formulations(f)), 5.0_wp, 1.0_wp, 'dop853')
+         call simulate(case, limit, error)
+         case%cable%eta_y = 1.0e6_wp
+         call compare(case, limit, 'a tendon too strong to yield')
+         case%cable%eta_y = 1.4_wp
+         case%cable%hardening = 1 - 1.0e-12_wp
+         call compare(case, limit, 'a tendon as stiff after yielding')
+         deallocate (case%cable%eta_y)
+         case%cable%hardening = 0
+         case%cable%rupture_strain = 1.0e3_wp
+         call compare(case, limit, 'a tendon too tough to break')
+         deallocate (case%cable%rupture_strain)
+         case%fuse = fuse_t(1.0e-13_wp, 0.01_wp, 0.0_wp)
+         call compare(case, limit, 'fuses without strength')
+         deallocate (case%fuse)
+         allocate (case%yielding)
+         case%yielding%u_y = 1.0e6_wp
+         call compare(case, limit, 'a frame too strong to yield')
+         case%yielding%u_y = 0.01_wp
+         case%yielding%hardening = 1 - 1.0e-12_wp
+         call compare(case, limit, 'a frame as stiff after yielding')
+      end do
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      deallocate (case%cable)
+      call simulate(case, limit, error)
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      case%cable%eta_0 = 0
+      case%cable%eta_y = 1.0e-300_wp
+      call compare(case, limit, 'a tendon without strength')
+      case = rwmf_scene('published', 5.0_wp, 1.0_wp, 'dop853')
+      call simulate(case, limit, error)
+      allocate (case%yielding)
+      case%yielding%f_y_over_m_s_g = 1.0e6_wp
+      call compare(case, limit, 'published, a frame too strong to yield')
+   end subroutine check_limits
+
+   subroutine compare(case, limit, name)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: limit
+      character(*), intent(in) :: name
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      call simulate(case, result, error)
+      call checks%no_error(error, name)
+      if (allocated(error)) return
+      call checks%close_to(result%u_s_max, limit%u_s_max, name, rtol=1.0e-9_wp)
+      call checks%close_to(result%final_state(1), limit%final_state(1), name//', end', &
+         atol=1.0e-7_wp*limit%theta_max)
+   end subroutine compare
+
+   !> Moment of a fuse from the definition: its force times the derivative of the chord 4b
+   !> sin(phi/2), on the side whose corner lifts.
+   subroutine check_fuse_moment()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: with
+      type(equation_t) :: without
+      real(wp), parameter :: phi = 0.001_wp
+      real(wp) :: force
+      real(wp) :: mass
+      integer :: side
+
+      case = rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'dop853')
+      motion = motion_from_case(case)
+      call build_equation(case, motion, without)
+      case%fuse = fuse_t(0.4_wp, 0.004_wp, 0.0_wp)
+      call build_equation(case, motion, with)
+      force = 0.4_wp*case%model%g*4*case%wall%b*sin(phi/2)/0.004_wp
+      mass = with%p%R**2*(4.0_wp/3 + 4*with%p%gamma*cos(with%p%alpha - phi)**2)
+      do side = -1, 1, 2
+         call enter_side(with%model_t, with%state, side)
+         call enter_side(without%model_t, without%state, side)
+         call enter_interval(with%model_t, with%state, 1)
+         call enter_interval(without%model_t, without%state, 1)
+         call checks%close_to(second_derivative(with, 20.0_wp, [side*phi, 0.1_wp]) &
+            - second_derivative(without, 20.0_wp, [side*phi, 0.1_wp]), &
+            -side*force*2*case%wall%b*cos(phi/2)/mass, 'moment of a fuse', rtol=1.0e-10_wp)
+      end do
+   end subroutine check_fuse_moment
+
+   !> An undamped frame under a sudden constant acceleration: the peak follows from the energy.
+   subroutine check_frame_force()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp), parameter :: u_y = 0.03_wp
+      real(wp) :: omega
+
+      case = frame_scene(1.0_wp, 'dop853')
+      case%frame%xi_s = 0
+      omega = 2*pi
+      ! A jump of the ground's acceleration to a: elastic up to u_y, then at constant force.
+      case%motion%kind = 'record'
+      allocate (case%record)
+      case%record%t = [0.0_wp, 10.0_wp]
+      case%record%a = -[1.0_wp, 1.0_wp]*omega**2*u_y*0.8_wp
+      allocate (case%yielding)
+      case%yielding%u_y = u_y
+      case%solver%t_end = 3
+      call simulate(case, result, error)
+      call checks%no_error(error, 'frame under a constant acceleration')
+      ! Energy: F_y (u - u_y/2) = 0.8 F_y u at the peak, u = 2.5 u_y.
+      call checks%close_to(result%u_s_max, 2.5_wp*u_y, 'peak of the yielding frame', &
+         rtol=1.0e-8_wp)
+      call checks%close_to(result%residual_displacement, 1.5_wp*u_y, 'plastic displacement', &
+         rtol=1.0e-8_wp)
+      call checks%close_to(result%ductility, 2.5_wp, 'ductility', rtol=1.0e-8_wp)
+      deallocate (case%yielding%u_y)
+      case%yielding%f_y_over_m_s_g = omega**2*u_y/case%model%g
+      call simulate(case, result, error)
+      call checks%close_to(result%ductility, 2.5_wp, 'strength as yield acceleration', &
+         rtol=1.0e-8_wp)
+   end subroutine check_frame_force
+
+   !> Analytic derivatives of the scene with a tendon only, on its elastic and yielding branch.
+   subroutine check_tendon_jacobian()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t), target :: equation
+      type(hybrid_t) :: hybrid
+      real(wp), parameter :: step = 1.0e-5_wp
+      real(wp), parameter :: rotations(2) = [0.02_wp, 0.1_wp]
+      real(wp) :: y(2)
+      real(wp) :: by_theta
+      real(wp) :: by_theta_dot
+      integer :: n
+      integer :: side
+
+      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+      case%cable%law = 'truss'
+      case%cable%eta_y = 1.4_wp
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      hybrid%overturning_angle = pi/2
+      do n = 1, size(rotations)
+         do side = -1, 1, 2
+            y = side*[rotations(n), 0.3_wp]
+            call start_hybrid(hybrid, equation, 0.1_wp, y)
+            call jacobian(equation, 0.1_wp, y, by_theta, by_theta_dot)
+            call checks%close_to(by_theta, (second_derivative(equation, 0.1_wp, &
+               y + [step, 0.0_wp]) - second_derivative(equation, 0.1_wp, y - [step, 0.0_wp])) &
+               /(2*step), 'd theta_ddot/d theta, tendon', rtol=1.0e-7_wp)
+         end do
+      end do
+   end subroutine check_tendon_jacobian
+
+   !> Let go beyond yield, the springs unload at once: the ledger closes, and nothing is dissipated
+   !> on the way down to the first opposite yield.
+   subroutine check_initial_beyond_yield()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      integer :: side
+
+      do side = -1, 1, 2
+         case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
+         deallocate (case%motion)
+         case%cable%eta_y = 1.4_wp
+         allocate (case%initial)
+         case%initial%theta_over_alpha = 0.25_wp*side
+         case%initial%theta_dot = 0
+         allocate (case%output)
+         case%output%energy = .true.
+         case%frame%xi_s = 0
+         case%solver%t_end = 0.3_wp
+         call simulate(case, result, error)
+         call checks%no_error(error, 'initial rotation beyond yield')
+         ! eta_alpha = 5: the elastic force at alpha/4 would be 2.
+         call checks%close_to(result%prestress_loss, 2 - 1.4_wp, &
+            'loss at an initial rotation beyond yield', rtol=1.0e-12_wp)
+         call checks%close_to(result%energy%viscous, 0.0_wp, 'unloading is elastic')
+         call close_ledger(result, 'initial rotation beyond yield')
+      end do
+   end subroutine check_initial_beyond_yield
+
+   subroutine check_ledger(method, formulation)
+      character(*), intent(in) :: method
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = sprung(formulation, method)
+      case%cable%rupture_strain = 0.1_wp
+      allocate (case%output)
+      case%output%energy = .true.
+      call simulate(case, result, error)
+      call checks%no_error(error, method//', '//formulation)
+      if (allocated(error)) return
+      call checks%that(result%ductility > 1 .and. result%prestress_loss > 0, &
+         method//', '//formulation//': everything yields')
+      call close_ledger(result, method//', '//formulation)
+   end subroutine check_ledger
+
+   subroutine close_ledger(result, name)
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: name
+
+      associate (ledger => result%energy)
+         call checks%close_to(ledger%final + ledger%viscous + ledger%impact + ledger%hysteretic, &
+            ledger%initial + ledger%input, 'energy, '//name, &
+            atol=2.0e-8_wp*(ledger%input_max + abs(ledger%initial)))
+      end associate
+   end subroutine close_ledger
+
+   !> A rejected step gives the springs their memory back.
+   subroutine check_rejected_step(method)
+      character(*), intent(in) :: method
+      integer, parameter :: steps = 400
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(stepping_t) :: other
+      type(snapshot_t) :: snapshot
+      type(wall_state_t) :: state
+      type(wall_state_t) :: expected
+      type(error_t), allocatable :: error
+      real(wp) :: t(2)
+      integer :: n
+
+      case = sprung('exact', method)
+      case%solver%atol = 1.0e-11_wp
+      deallocate (case%motion)
+      call create_stepping(wall, case, error, peak=5.0_wp)
+      call create_stepping(other, case, error, peak=5.0_wp)
+      do n = 1, steps
+         t = [(n - 1)*0.02_wp, n*0.02_wp]
+         call save_stepping(wall, snapshot, error)
+         call advance_stepping(wall, t, [20.0_wp, -20.0_wp], error)
+         call restore_stepping(wall, snapshot, error)
+         call advance_stepping(wall, t, ground(t), error)
+         call save_stepping(other, snapshot, error)
+         call restore_stepping(other, snapshot, error)
+         call advance_stepping(other, t, ground(t), error)
+         if (allocated(error)) exit
+      end do
+      call checks%no_error(error, method//': rejected steps')
+      call query_state(wall, state, error)
+      call query_state(other, expected, error)
+      call checks%that(state%theta_max > 0.05_wp, method//': the wall rocks')
+      call checks%close_to(state%theta, expected%theta, method//': memory after rejected steps', &
+         atol=1.0e-13_wp)
+      call destroy_stepping(wall)
+      call destroy_stepping(other)
+   end subroutine check_rejected_step
+
+   !> Ground acceleration of a host [m/s2].
+   pure elemental real(wp) function ground(t)
+      real(wp), intent(in) :: t
+
+      ground = 8*sin(5*t)*exp(-(t - 3)**2/4)
+   end function ground
+
+   !> The frame's shear of a host is that of the spring that has yielded.
+   subroutine check_shear()
+      type(case_t) :: case
+      type(stepping_t) :: frame
+      type(wall_forces_t) :: forces
+      type(wall_state_t) :: state
+      type(error_t), allocatable :: error
+
+      case = frame_scene(1.0_wp, 'dop853')
+      case%frame%xi_s = 0
+      deallocate (case%motion)
+      allocate (case%yielding)
+      case%yielding%u_y = 0.03_wp
+      call create_stepping(frame, case, error, peak=5.0_wp)
+      call advance_stepping(frame, [0.0_wp, 0.3_wp], [-5.0_wp, -5.0_wp], error)
+      call query_state(frame, state, error)
+      call query_forces(frame, forces, error)
+      call checks%no_error(error, 'shear')
+      call checks%that(state%u_s > 0.03_wp .and. state%u_s_dot > 0, 'the frame yields')
+      call checks%close_to(forces%frame_shear, (2*pi)**2*0.03_wp, 'shear of a yielding frame', &
+         rtol=1.0e-12_wp)
+      call destroy_stepping(frame)
+   end subroutine check_shear
+
+   !> A snapshot of the elastic wall has no memory to give.
+   subroutine check_other_wall()
+      type(case_t) :: case
+      type(stepping_t) :: wall
+      type(stepping_t) :: elastic
+      type(snapshot_t) :: snapshot
+      type(error_t), allocatable :: error
+
+      case = sprung('exact', 'dop853')
+      call create_stepping(wall, case, error)
+      deallocate (case%fuse, case%yielding, case%cable%eta_y)
+      case%cable%hardening = 0
+      call create_stepping(elastic, case, error)
+      call save_stepping(elastic, snapshot, error)
+      call restore_stepping(wall, snapshot, error)
+      call checks%has_error(error, err_input, 'another wall', 'snapshot of an elastic wall')
+      call destroy_stepping(wall)
+      call destroy_stepping(elastic)
+   end subroutine check_other_wall
+
+end program test_memory

@@ -1,0 +1,629 @@
+!> Frames of several storeys: closed forms of their modes, and both couplings with the wall.
+program test_storeys
+   use check, only: checks_t
+   use hosts, only: repeats_the_bits
+   use ledgers, only: check_ledger
+   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
+      query_forces, query_state, stepping_t, wall_forces_t, wall_state_t
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_model_restitution, only: restitution_momentum
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_equivalent_frame, only: set_equivalent_frame
+   use rwmf_problem_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, &
+      roof_factor, shear_frame_t
+   use rwmf_simulation_result, only: event_branch, event_lift_off, event_rest, result_t
+   use rwmf_simulation_simulate, only: simulate
+   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_text_strings, only: real_to_text
+   use scenes, only: frame_scene, rwmf_scene
+   implicit none
+
+   character(9), parameter :: formulations(3) = [character(9) :: 'published', 'symmetric', 'exact']
+   character(15), parameter :: laws(2) = [character(15) :: 'elastic_plastic', 'bouc_wen']
+   type(checks_t) :: checks
+   integer :: i
+
+   if (checks%wants('uniform_frame')) call check_uniform_frame()
+   if (checks%wants('damping_matrix')) call check_damping_matrix()
+   do i = 1, size(formulations)
+      if (checks%wants('one_storey')) call check_one_storey('reduced', trim(formulations(i)))
+      if (checks%wants('one_storey')) call check_one_storey('full', trim(formulations(i)))
+      if (checks%wants('one_storey')) call check_one_storey('every_floor', trim(formulations(i)))
+   end do
+   if (checks%wants('every_floor')) call check_every_floor()
+   if (checks%wants('links_of_every_floor')) call check_links_of_every_floor()
+   if (checks%wants('modal_superposition')) call check_modal_superposition()
+   if (checks%wants('reduced_bare_frame')) call check_reduced_bare_frame()
+   if (checks%wants('stiff_storeys')) call check_stiff_storeys()
+   if (checks%wants('lift_off_from_moving_rest')) call check_lift_off_from_moving_rest()
+   if (checks%wants('energy')) call check_energy('exact', 0.5_wp)
+   if (checks%wants('energy')) call check_energy('symmetric', 0.0_wp)
+   if (checks%wants('energy')) call check_energy('exact', 0.9_wp)
+   if (checks%wants('mirror')) call check_mirror()
+   if (checks%wants('roof_takes_the_impact')) call check_roof_takes_the_impact()
+   if (checks%wants('stepping')) call check_stepping()
+   if (checks%wants('spectrum')) call check_spectrum()
+   if (checks%wants('strong_storeys')) call check_strong_storeys()
+   do i = 1, size(formulations)
+      call check_one_yielding_storey('full', 'elastic_plastic', trim(formulations(i)))
+      call check_one_yielding_storey('full', 'bouc_wen', trim(formulations(i)))
+      call check_one_yielding_storey('every_floor', 'elastic_plastic', trim(formulations(i)))
+   end do
+   if (checks%wants('storeys_of_a_line')) call check_storeys_of_a_line()
+   if (checks%wants('pushed_storeys')) call check_pushed_storeys()
+   do i = 1, size(laws)
+      call check_yielding_mirror(trim(laws(i)))
+      call check_yielding_energy(trim(laws(i)), 'symmetric', 0.0_wp)
+      call check_yielding_energy(trim(laws(i)), 'exact', 0.9_wp)
+      call check_yielding_stepping(trim(laws(i)))
+   end do
+   if (checks%wants('refusals')) call check_refusals()
+   call checks%finish()
+
+contains
+
+   !> Equal storeys: m over m_w in every floor, and equal heights that make up the wall's.
+   function uniform_case(n, m, T_1, coupling, formulation, method) result(case)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: m
+      !! [-]
+      real(wp), intent(in) :: T_1
+      !! fundamental period [s]
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: formulation
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      case = rwmf_scene(formulation, 0.0_wp, 1.0_wp, method)
+      allocate (case%storeys)
+      case%storeys%coupling = coupling
+      case%storeys%frame%m = spread(m, 1, n)
+      case%storeys%frame%k = spread(m*(pi/T_1/sin(pi/(4*n + 2)))**2, 1, n)
+      case%storeys%frame%height = spread(2*case%wall%h/n, 1, n)
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'equivalent frame')
+   end function uniform_case
+
+   !> omega_j = 2 sqrt(k/m) sin((2j - 1) pi/(4n + 2)); the modal masses add up to the mass and their
+   !> moments to that of the masses; five storeys: Chopra's effective masses and heights.
+   subroutine check_uniform_frame()
+      integer, parameter :: n = 5
+      real(wp), parameter :: chopra_mass(n) = [4.398_wp, 0.436_wp, 0.121_wp, 0.038_wp, 0.008_wp]
+      real(wp), parameter :: chopra_height(n) = [3.51_wp, -1.20_wp, 0.76_wp, -0.59_wp, 0.52_wp]
+      type(shear_frame_t) :: frame
+      type(error_t), allocatable :: error
+      real(wp) :: mass(n)
+      real(wp) :: height(n)
+      integer :: j
+
+      frame%m = spread(2.0_wp, 1, n)
+      frame%k = spread(700.0_wp, 1, n)
+      frame%height = spread(3.0_wp, 1, n)
+      call find_modes(frame, error)
+      call checks%no_error(error, 'modes')
+      do j = 1, n
+         call checks%close_to(frame%omega(j), 2*sqrt(350.0_wp)*sin((2*j - 1)*pi/(4*n + 2)), &
+            'frequency of a uniform frame', rtol=1.0e-13_wp)
+         mass(j) = modal_mass(frame, j)
+         height(j) = modal_height(frame, j)
+         call checks%close_to(mass(j)/2, chopra_mass(j), 'Chopra''s effective modal masses', &
+            atol=6.0e-4_wp)
+         call checks%close_to(height(j)/3, chopra_height(j), 'Chopra''s effective heights', &
+            atol=6.0e-3_wp)
+      end do
+      call checks%close_to(sum(mass), 10.0_wp, 'modal masses add up', rtol=1.0e-13_wp)
+      call checks%close_to(sum(mass*height), 90.0_wp, 'and their moments', rtol=1.0e-13_wp)
+      call checks%close_to(sum([(roof_factor(frame, j), j=1, n)]), 1.0_wp, &
+         'the modes make up the motion of the ground', rtol=1.0e-12_wp)
+   end subroutine check_uniform_frame
+
+   !> phi' C phi is 2 xi omega for one mode and zero between two.
+   subroutine check_damping_matrix()
+      type(shear_frame_t) :: frame
+      type(error_t), allocatable :: error
+      real(wp) :: c(3, 3)
+
+      frame%m = [1.0_wp, 2.0_wp, 0.5_wp]
+      frame%k = [300.0_wp, 200.0_wp, 500.0_wp]
+      call find_modes(frame, error)
+      call checks%no_error(error, 'modes')
+      c = matmul(transpose(frame%shape), matmul(damping_matrix(frame, 0.07_wp), frame%shape))
+      c(1, 1) = c(1, 1) - 0.14_wp*frame%omega(1)
+      c(2, 2) = c(2, 2) - 0.14_wp*frame%omega(2)
+      c(3, 3) = c(3, 3) - 0.14_wp*frame%omega(3)
+      call checks%close_to(maxval(abs(c)), 0.0_wp, 'modal damping', atol=1.0e-12_wp)
+   end subroutine check_damping_matrix
+
+   !> One storey is the ordinary frame.
+   subroutine check_one_storey(coupling, formulation)
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+      type(result_t) :: storey
+      type(result_t) :: ordinary
+      type(error_t), allocatable :: error
+
+      case = uniform_case(1, 5.0_wp, 1.2_wp, coupling, formulation, 'dop853')
+      call checks%close_to(case%frame%gamma, 5.0_wp, 'mass of one storey', rtol=1.0e-14_wp)
+      call simulate(case, storey, error)
+      call checks%no_error(error, 'one storey')
+      deallocate (case%storeys)
+      call simulate(case, ordinary, error)
+      call checks%close_to(storey%u_s_max, ordinary%u_s_max, 'one storey, '//coupling//', ' &
+         //formulation, rtol=1.0e-10_wp)
+      call checks%close_to(storey%final_state(1), ordinary%final_state(1), &
+         'rotation, one storey, '//coupling//', '//formulation, atol=1.0e-9_wp)
+   end subroutine check_one_storey
+
+   !> Every floor linked: the moments about the base of a straight line that turns by a small angle
+   !> say its inertia sum(m z**2), stiffness sum(k h**2) and push sum(m z); the modal mass at the
+   !> modal height has the same.
+   subroutine check_every_floor()
+      type(shear_frame_t) :: frame
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+      real(wp) :: z(3)
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'every floor')
+      frame = case%storeys%frame
+      z = [2.0_wp, 3.5_wp, 4.0_wp]
+      call checks%close_to((2*pi/case%frame%T_s)**2, sum(frame%k*frame%height**2) &
+         /sum(frame%m*z**2), 'period', rtol=1.0e-14_wp)
+      call checks%close_to(case%frame%gamma*16, sum(frame%m*z**2), 'inertia', rtol=1.0e-14_wp)
+      call checks%close_to(case%frame%gamma*roof_factor(frame, 1)*4, sum(frame%m*z), 'push', &
+         rtol=1.0e-14_wp)
+      call checks%close_to(modal_mass(frame, 1)*modal_height(frame, 1)**2, sum(frame%m*z**2), &
+         'inertia of the modal mass', rtol=1.0e-14_wp)
+      call checks%close_to(modal_height(frame, 1)*roof_factor(frame, 1), 4.0_wp, &
+         'the modal height moves as the mode''s oscillator', rtol=1.0e-14_wp)
+   end subroutine check_every_floor
+
+   !> A host is told the sum of all links, and the shear of the lowest storey: with dampers that lie
+   !> in the storeys, both from the displacement of the line alone.
+   subroutine check_links_of_every_floor()
+      type(case_t) :: case
+      type(stepping_t) :: stepping
+      type(wall_state_t) :: state
+      type(wall_forces_t) :: forces
+      type(error_t), allocatable :: error
+      real(wp), parameter :: share(3) = [0.5_wp, 0.875_wp, 1.0_wp]
+      real(wp), parameter :: a = 3.0_wp
+      real(wp) :: shear
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
+      case%wall%m_w = 1000
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'every floor')
+      call create_stepping(stepping, case, error)
+      call advance_stepping(stepping, [0.0_wp, 0.2_wp], [a, a], error)
+      call checks%no_error(error, 'advance')
+      call query_state(stepping, state, error)
+      call query_forces(stepping, forces, error)
+      call checks%that(abs(state%theta) > 0 .and. .not. state%at_rest, 'the wall rocks')
+      shear = 600*share(1)*(state%u_s + case%frame%xi_s*case%frame%T_s/pi*state%u_s_dot)
+      call checks%close_to(forces%frame_shear, 1000*shear, 'shear of the lowest storey', &
+         rtol=1.0e-13_wp)
+      call checks%close_to(forces%link, 1000*(sum(case%storeys%frame%m*(share*state%u_s_ddot &
+         + a)) + shear), 'all links', rtol=1.0e-13_wp)
+      call destroy_stepping(stepping)
+   end subroutine check_links_of_every_floor
+
+   !> Without wall the roof is the sum over the modes of what an oscillator of the mode's period
+   !> does, times the mode's factor.
+   subroutine check_modal_superposition()
+      type(case_t) :: case
+      type(case_t) :: mode
+      type(result_t) :: result
+      type(result_t) :: part
+      type(error_t), allocatable :: error
+      real(wp) :: roof(2)
+      integer :: j
+
+      case = bare_case('full')
+      call simulate(case, result, error)
+      call checks%no_error(error, 'bare frame')
+      roof = 0
+      do j = 1, 3
+         mode = frame_scene(2*pi/case%storeys%frame%omega(j), 'dop853')
+         mode%solver = case%solver
+         call simulate(mode, part, error)
+         roof = roof + roof_factor(case%storeys%frame, j)*part%final_state(:2)
+      end do
+      call checks%close_to(result%final_state(1), roof(1), 'modal superposition', rtol=1.0e-8_wp)
+      call checks%close_to(result%final_state(2), roof(2), 'velocity of it', rtol=1.0e-8_wp)
+   end subroutine check_modal_superposition
+
+   !> Reduced, the roof does what the first mode's oscillator does, times its factor.
+   subroutine check_reduced_bare_frame()
+      type(case_t) :: case
+      type(case_t) :: mode
+      type(result_t) :: result
+      type(result_t) :: part
+      type(error_t), allocatable :: error
+
+      case = bare_case('reduced')
+      call simulate(case, result, error)
+      call checks%no_error(error, 'reduced bare frame')
+      mode = frame_scene(2*pi/case%storeys%frame%omega(1), 'dop853')
+      mode%solver = case%solver
+      call simulate(mode, part, error)
+      call checks%close_to(result%u_s_max, roof_factor(case%storeys%frame, 1)*part%u_s_max, &
+         'reduced bare frame', rtol=1.0e-9_wp)
+   end subroutine check_reduced_bare_frame
+
+   function bare_case(coupling) result(case)
+      character(*), intent(in) :: coupling
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      case = frame_scene(1.0_wp, 'dop853')
+      case%solver%t_end = 1.7_wp
+      case%solver%rtol = 1.0e-11_wp
+      allocate (case%storeys)
+      case%storeys%coupling = coupling
+      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%storeys%frame%height = [3.0_wp, 3.0_wp, 3.0_wp]
+      call set_equivalent_frame(case, error)
+      call checks%no_error(error, 'bare frame')
+   end function bare_case
+
+   !> When the storeys above the first hardly give way, all floors move with the roof: the ordinary
+   !> frame with the whole mass. The difference falls as the flexibility, by four each time.
+   subroutine check_stiff_storeys()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: difference(2)
+      integer :: i
+
+      do i = 1, 2
+         case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
+         case%storeys%frame%k = [240.0_wp, 60000.0_wp*4**i, 60000.0_wp*4**i]
+         call set_equivalent_frame(case, error)
+         case%frame%xi_s = 0
+         case%impact%e = 1
+         case%solver%t_end = 1.5_wp
+         call simulate(case, result, error)
+         call checks%no_error(error, 'stiff storeys')
+         difference(i) = result%u_s_max
+         deallocate (case%storeys)
+         case%frame%gamma = 6
+         case%frame%T_s = 2*pi*sqrt(6/240.0_wp)
+         call simulate(case, result, error)
+         difference(i) = difference(i) - result%u_s_max
+      end do
+      call checks%close_to(difference(2), 0.0_wp, 'stiff storeys', atol=1.0e-3_wp*result%u_s_max)
+      call checks%close_to(difference(1)/difference(2), 4.0_wp, 'order of stiff storeys', &
+         atol=0.4_wp)
+   end subroutine check_stiff_storeys
+
+   !> Two storeys, no damping, a sine that begins gently: while the wall rests the floor is an
+   !> oscillator between two springs, whose response to the sine is known; at the lift-off the
+   !> balance of moments about the corner holds.
+   subroutine check_lift_off_from_moving_rest()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: u, a, omega, rate, t, drive
+      integer :: first
+
+      case = uniform_case(2, 3.0_wp, 0.9_wp, 'full', 'exact', 'dop853')
+      case%frame%xi_s = 0
+      allocate (case%output)
+      case%output%dt = 0.1_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'lift-off')
+      first = findloc(result%events%kind, event_lift_off, 1)
+      call checks%that(first == 1, 'the wall lifts off first')
+      t = result%events(1)%t
+      associate (k => case%storeys%frame%k, m => case%storeys%frame%m, alpha => atan(0.25_wp), &
+         g => case%model%g)
+         omega = sqrt((k(1) + k(2))/m(1))
+         rate = case%motion%omega_p
+         a = case%motion%a_max_g*g
+         u = -a/(omega**2 - rate**2)*(sin(rate*t) - rate/omega*sin(omega*t))
+         ! per unit m_w R: ground motion on wall and roof, the upper storey, weight and cable
+         drive = -((1 + 2*m(2))*a*sin(rate*t) - 2*k(2)*u)*cos(alpha)*sign(1.0_wp, u)
+         drive = drive - 2*g*sin(alpha)
+      end associate
+      call checks%close_to(drive, 0.0_wp, 'balance of moments at lift-off', atol=1.0e-8_wp)
+      call checks%that(t > 0.01_wp, 'after a time of rest')
+   end subroutine check_lift_off_from_moving_rest
+
+   !> Input = stored + viscous + impact, with rests in between.
+   subroutine check_energy(formulation, e)
+      character(*), intent(in) :: formulation
+      real(wp), intent(in) :: e
+      type(case_t) :: case
+      type(result_t) :: result
+
+      case = uniform_case(4, 2.0_wp, 1.0_wp, 'full', formulation, 'dop853')
+      case%impact%e = e
+      allocate (case%output)
+      case%output%dt = 0.1_wp
+      call check_ledger(checks, case, 1.0e-9_wp, 'energy of storeys', result)
+      if (e > 0.6_wp) return
+      call checks%that(any(result%events%kind == event_rest), 'the wall comes to rest')
+      if (e <= 0) call checks%that(result%lift_offs > 1, 'and lifts off again')
+   end subroutine check_energy
+
+   !> The mirrored motion gives the mirrored response.
+   subroutine check_mirror()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: mirrored
+      type(error_t), allocatable :: error
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'symmetric', 'dop853')
+      call simulate(case, result, error)
+      case%motion%a_max_g = -case%motion%a_max_g
+      call simulate(case, mirrored, error)
+      call checks%no_error(error, 'mirror')
+      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0), 'mirror')
+   end subroutine check_mirror
+
+   !> At an impact only the roof belongs to the wall.
+   subroutine check_roof_takes_the_impact()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = uniform_case(4, 2.5_wp, 1.0_wp, 'full', 'exact', 'dop853')
+      case%impact%rule = 'coupled'
+      call simulate(case, result, error)
+      call checks%no_error(error, 'coupled restitution')
+      call checks%close_to(result%e, restitution_momentum(atan(0.25_wp), 2.5_wp, 0.0_wp), &
+         'restitution with the mass of the roof', rtol=1.0e-14_wp)
+   end subroutine check_roof_takes_the_impact
+
+   !> A host that rejects steps gets the same bits.
+   subroutine check_stepping()
+      type(case_t) :: case
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
+      case%impact%e = 0.3_wp
+      call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'a repeated step has the same bits')
+   end subroutine check_stepping
+
+   !> A spectrum scales the stiffnesses, so that the frame has the period of the ordinate.
+   subroutine check_spectrum()
+      type(case_t) :: case
+      type(spectrum_t) :: spectrum
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
+      allocate (case%spectrum)
+      case%spectrum%T_s = [0.7_wp, 1.0_wp]
+      call compute_spectrum(case, 1, spectrum, error)
+      call checks%no_error(error, 'spectrum')
+      case = uniform_case(3, 2.0_wp, 0.7_wp, 'full', 'exact', 'dop853')
+      call simulate(case, result, error)
+      call checks%close_to(spectrum%u_s_max(1, 1, 1), result%u_s_max, &
+         'stiffness follows the period', rtol=1.0e-8_wp)
+   end subroutine check_spectrum
+
+   !> Storeys that yield, of all couplings that have them.
+   function yielding_case(n, coupling, formulation, u_y, hardening) result(case)
+      integer, intent(in) :: n
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: formulation
+      real(wp), intent(in) :: u_y(:)
+      real(wp), intent(in) :: hardening
+      type(case_t) :: case
+
+      case = uniform_case(n, 6.0_wp/n, 1.0_wp, coupling, formulation, 'dop853')
+      allocate (case%yielding)
+      case%yielding%storey_u_y = u_y
+      case%yielding%hardening = hardening
+   end function yielding_case
+
+   !> Storeys that are never asked for their strength are elastic ones, to the last bit.
+   subroutine check_strong_storeys()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: elastic
+      type(error_t), allocatable :: error
+
+      case = yielding_case(3, 'full', 'exact', [1.0e9_wp], 0.1_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'strong storeys')
+      deallocate (case%yielding)
+      call simulate(case, elastic, error)
+      call checks%that(all(abs(result%final_state - elastic%final_state) <= 0), 'strong storeys')
+      call checks%that(maxval(abs(result%storey_residual_drift)) <= 0, 'nothing is left of them')
+      call checks%that(.not. allocated(elastic%storey_ductility), 'elastic ones report nothing')
+   end subroutine check_strong_storeys
+
+   !> One storey is the ordinary frame that yields.
+   subroutine check_one_yielding_storey(coupling, law, formulation)
+      character(*), intent(in) :: coupling
+      character(*), intent(in) :: law
+      character(*), intent(in) :: formulation
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: frame
+      type(error_t), allocatable :: error
+
+      if (.not. checks%wants('one_yielding_storey, '//law)) return
+      case = yielding_case(1, coupling, formulation, [0.03_wp], 0.1_wp)
+      case%yielding%law = law
+      case%solver%rtol = 1.0e-11_wp
+      call simulate(case, result, error)
+      call checks%no_error(error, 'one storey')
+      deallocate (case%storeys, case%yielding%storey_u_y)
+      case%yielding%u_y = 0.03_wp
+      call simulate(case, frame, error)
+      call checks%no_error(error, 'ordinary frame')
+      call checks%that(frame%ductility > 2, 'it yields, '//formulation)
+      call checks%close_to(result%ductility, frame%ductility, 'one storey, '//coupling &
+         //', '//law//', '//formulation, rtol=1.0e-9_wp)
+      call checks%close_to(result%residual_displacement, frame%residual_displacement, &
+         'its residual displacement, '//law//', '//formulation, rtol=1.0e-8_wp)
+      call checks%close_to(result%u_s_max, frame%u_s_max, 'its displacement', rtol=1.0e-9_wp)
+   end subroutine check_one_yielding_storey
+
+   !> On a straight line storeys of one strength over height are the frame with that of all of them.
+   subroutine check_storeys_of_a_line()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: frame
+      type(error_t), allocatable :: error
+
+      case = yielding_case(3, 'every_floor', 'symmetric', [0.01_wp], 0.05_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'storeys of a line')
+      deallocate (case%yielding%storey_u_y)
+      case%yielding%u_y = 0.03_wp
+      call simulate(case, frame, error)
+      call checks%close_to(result%u_s_max, frame%u_s_max, 'storeys of a line', rtol=1.0e-9_wp)
+      call checks%close_to(result%ductility, frame%ductility, 'their ductility', rtol=1.0e-9_wp)
+      call checks%close_to(result%residual_displacement, frame%residual_displacement, &
+         'what is left of them', rtol=1.0e-8_wp)
+   end subroutine check_storeys_of_a_line
+
+   !> A ground acceleration that changes slowly is a pushover: the shear of a storey is the mass
+   !> above times it. Each storey with hardening a follows V = k d up to V_y and V_y + a k (d - u_y)
+   !> after.
+   subroutine check_pushed_storeys()
+      real(wp), parameter :: m(2) = [2.0_wp, 1.0_wp]
+      real(wp), parameter :: k(2) = [3.0e5_wp, 2.0e5_wp]
+      real(wp), parameter :: u_y(2) = [2.0e-5_wp, 1.2e-5_wp]
+      real(wp), parameter :: a = 0.2_wp
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: shear(2), d(2)
+
+      call read_case_text('&frame xi_s = 0.05 / &storeys m_over_m_w = 2 1, k_over_m_w = 3e5 2e5, ' &
+         //'height = 3 3, coupling = ''full'' / &yielding storey_u_y = 2e-5 1.2e-5, hardening = ' &
+         //'0.2 / &motion kind = ''one_sine'', a_max_g = 0.4, omega_p = 0.2 / &solver t_end = 9, ' &
+         //'rtol = 1e-9 /', '', case, error)
+      call checks%no_error(error, 'pushover')
+      call simulate(case, result, error)
+      call checks%no_error(error, 'pushover')
+      shear = 0.4_wp*case%model%g*[m(1) + m(2), m(2)]
+      d = u_y + (shear/k - u_y)/a
+      call checks%that(all(shear/k > 1.2_wp*u_y), 'both storeys yield')
+      call checks%close_to(result%u_s_max, sum(d), 'pushover', rtol=1.0e-4_wp)
+      call checks%close_to(result%storey_ductility(1), d(1)/u_y(1), 'lower storey', rtol=1.0e-4_wp)
+      call checks%close_to(result%storey_ductility(2), d(2)/u_y(2), 'upper storey', rtol=1.0e-4_wp)
+   end subroutine check_pushed_storeys
+
+   !> The mirrored motion gives the mirrored response, yielding included.
+   subroutine check_yielding_mirror(law)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: mirrored
+      type(error_t), allocatable :: error
+
+      if (.not. checks%wants('yielding_mirror, '//law)) return
+      case = yielding_case(3, 'full', 'symmetric', [0.01_wp, 0.02_wp, 0.02_wp], 0.0_wp)
+      case%yielding%law = law
+      call simulate(case, result, error)
+      case%motion%a_max_g = -case%motion%a_max_g
+      call simulate(case, mirrored, error)
+      call checks%no_error(error, 'yielding mirror')
+      call checks%that(result%ductility > 2, 'the storeys yield')
+      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0) &
+         .and. all(abs(result%storey_residual_drift + mirrored%storey_residual_drift) <= 0), &
+         'yielding mirror')
+   end subroutine check_yielding_mirror
+
+   !> Input = stored + viscous + hysteretic + impact, with rests in between.
+   subroutine check_yielding_energy(law, formulation, e)
+      character(*), intent(in) :: law
+      character(*), intent(in) :: formulation
+      real(wp), intent(in) :: e
+      type(case_t) :: case
+      type(result_t) :: result
+
+      if (.not. checks%wants('yielding_energy, '//law)) return
+      case = yielding_case(4, 'full', formulation, [0.01_wp, 0.015_wp, 0.02_wp, 0.01_wp], 0.02_wp)
+      case%yielding%law = law
+      case%impact%e = e
+      allocate (case%output)
+      case%output%dt = 0.1_wp
+      call check_ledger(checks, case, 1.0e-9_wp, 'energy of yielding storeys', result)
+      call checks%that(result%energy%hysteretic > 0.05_wp*result%energy%input_max, &
+         'they dissipate')
+      if (law == 'bouc_wen') return
+      call checks%that(count(result%events%kind == event_branch) > 10, 'branches are events')
+   end subroutine check_yielding_energy
+
+   !> A host that rejects steps gets the storeys back as they were.
+   subroutine check_yielding_stepping(law)
+      character(*), intent(in) :: law
+      type(case_t) :: case
+
+      if (.not. checks%wants('yielding_stepping, '//law)) return
+      case = yielding_case(3, 'full', 'exact', [0.01_wp], 0.05_wp)
+      case%yielding%law = law
+      case%impact%e = 0.3_wp
+      call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'yielding storeys in repeated steps')
+   end subroutine check_yielding_stepping
+
+   !> What does not fit together is refused.
+   subroutine check_refusals()
+      character(*), parameter :: wall = '&wall h = 3, b = 1 / &solver t_end = 1 /'
+      character(*), parameter :: two = '&storeys m_over_m_w = 2 2, k_over_m_w = 300 300'
+
+      call refuse(wall//two//', height = 3 3 /', &
+         '&storeys (line 1): must not be given without &frame')
+      call refuse(wall//'&frame xi_s = 0, T_s = 1 /'//two//', height = 3 3 /', &
+         'T_s = 1 (line 1): must not be given with &storeys')
+      call refuse(wall//'&frame xi_s = 0, gamma = 1 /'//two//', height = 3 3 /', &
+         'gamma = 1 (line 1): must not be given with &storeys')
+      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 /', 'has 1 values')
+      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 2 /', 'their sum is 5')
+      call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 /'//two &
+         //', height = 3 3 /', 'gamma = 2 (line 1): must not be given with &storeys')
+      call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'u_y = 0.01 (line 1): must not be given where')
+      call refuse(wall//'&frame xi_s = 0 / &yielding /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'the key storey_u_y is missing')
+      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 0.02 0.03 /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'storey_u_y = 0.01, 0.02, 0.03 (line 1): has ' &
+         //'3 values, must have one for all storeys or one for each of the 2')
+      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 /'//two &
+         //', height = 3 3 /', 'storey_u_y = 0.01 (line 1): must not be given without &storeys')
+      call refuse(wall//'&frame xi_s = 0, T_s = 1, gamma = 2 / &yielding storey_u_y = 0.01 /', &
+         'storey_u_y = 0.01 (line 1): must not be given without &storeys')
+      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01, u_y = 0.1 /'//two &
+         //', height = 3 3, coupling = ''every_floor'' /', 'u_y = 0.1 (line 1): must not be given')
+      call refuse(wall//'&frame xi_s = 0 / &initial theta_over_alpha = 0.1 / &yielding ' &
+         //'storey_u_y = 0.01, law = ''bouc_wen'' /'//two &
+         //', height = 3 3, coupling = ''full'' /', 'must be 0 with &yielding law = ' &
+         //'''bouc_wen'' and &storeys coupling = ''full''')
+      call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
+         //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
+      call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
+         //'height = 3 3 /', 'a floor is too stiff: the period 2 pi sqrt(mass/stiffness) is ' &
+         //trim(real_to_text(2*pi/sqrt((1.0e13_wp + 300)/2))))
+      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
+   end subroutine check_refusals
+
+   subroutine refuse(text, message)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: message
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(text, '', case, error)
+      call checks%has_error(error, err_input, message, message)
+   end subroutine refuse
+
+end program test_storeys

@@ -1,0 +1,242 @@
+!> The hybrid system: the same answers from every method, and the traps of impact integration.
+program test_hybrid
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use check, only: checks_t
+   use ledgers, only: check_ledger
+   use rwmf_core_error, only: err_numerical, error_t
+   use rwmf_core_kinds, only: i8, pi, wp
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_simulate, only: simulate
+   use scenes, only: block_scene, frame_scene, rwmf_scene
+   implicit none
+
+   character(13), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', 'dop853', &
+      'extrapolation']
+   type(checks_t) :: checks
+   integer :: i
+
+   do i = 1, size(methods)
+      if (checks%wants('published_peak')) call check_published_peak(trim(methods(i)))
+      if (checks%wants('energy')) call check_energy(trim(methods(i)))
+      if (checks%wants('threshold')) call check_threshold(trim(methods(i)))
+      if (checks%wants('chatter_ends')) call check_chatter_ends(trim(methods(i)))
+      if (checks%wants('perfect_restitution')) call check_perfect_restitution(trim(methods(i)))
+      if (checks%wants('small_arch')) call check_small_arch(trim(methods(i)))
+      if (checks%wants('small_response')) call check_small_response(trim(methods(i)))
+      if (checks%wants('history_is_passive')) call check_history_is_passive(trim(methods(i)))
+   end do
+   if (checks%wants('bound_on_work')) call check_bound_on_work()
+   if (checks%wants('bare_frame')) call check_bare_frame()
+   if (checks%wants('ground_at_rest')) call check_ground_at_rest()
+   call checks%finish()
+
+contains
+
+   !> An independent Taylor-series program, 11 digits (provenance: tests/reference).
+   subroutine check_published_peak(method)
+      character(*), intent(in) :: method
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      call simulate(rwmf_scene('published', 5.0_wp, 2.0_wp, method), result, error)
+      call checks%no_error(error, 'published, '//method)
+      call checks%close_to(result%u_s_max, 0.36876400975_wp, 'published peak, '//method, &
+         rtol=1.0e-7_wp)
+   end subroutine check_published_peak
+
+   !> Input = stored + viscous + impact, to the tolerance.
+   subroutine check_energy(method)
+      character(*), intent(in) :: method
+      type(result_t) :: result
+
+      call check_ledger(checks, rwmf_scene('exact', 5.0_wp, 0.4_wp, method), 1.0e-7_wp, &
+         'energy, '//method, result)
+   end subroutine check_energy
+
+   !> Lift-off at g tan(alpha) (1 + eta_0)/(1 + 2 gamma): nothing below, something above.
+   subroutine check_threshold(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = rwmf_scene('symmetric', 5.0_wp, 1.0_wp, method)
+      case%motion%a_max_g = 0.25_wp*2/11*(1 - 1.0e-12_wp)
+      call simulate(case, result, error)
+      call checks%that(result%lift_offs == 0_i8 .and. result%u_s_max <= 0, &
+         'rests below the threshold, '//method)
+      case%motion%a_max_g = 0.25_wp*2/11*(1 + 1.0e-6_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'just above the threshold, '//method)
+      call checks%that(result%lift_offs > 0_i8 .and. result%u_s_max > 0, &
+         'lifts off above the threshold, '//method)
+   end subroutine check_threshold
+
+   !> Free vibration of a block dies in finite time; the wall then rests.
+   subroutine check_chatter_ends(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = block_scene(method)
+      deallocate (case%motion)
+      allocate (case%initial, case%impact)
+      case%initial%theta_over_alpha = 0.5_wp
+      case%initial%theta_dot = 0
+      case%impact%rule = 'constant'
+      case%impact%e = 0.9_wp
+      case%solver%t_end = 100
+      call simulate(case, result, error)
+      call checks%no_error(error, 'chatter, '//method)
+      call checks%that(all(abs(result%final_state) <= 0), 'chatter ends in rest, '//method)
+      call checks%that(result%impacts > 50_i8 .and. result%impacts < 400_i8, &
+         'impacts of the chatter, '//method)
+   end subroutine check_chatter_ends
+
+   !> e = 1 without motion: the block swings for ever with the same amplitude.
+   subroutine check_perfect_restitution(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = block_scene(method)
+      deallocate (case%motion)
+      allocate (case%initial)
+      case%initial%theta_over_alpha = 0.3_wp
+      case%initial%theta_dot = 0
+      case%solver%t_end = 200
+      call simulate(case, result, error)
+      call checks%no_error(error, 'e = 1, '//method)
+      call checks%close_to(result%theta_max, 0.3_wp*atan(0.25_wp), 'amplitude with e = 1, '// &
+         method, rtol=1.0e-6_wp)
+      call checks%close_to(-result%theta_min, 0.3_wp*atan(0.25_wp), 'amplitude to the left, '// &
+         method, rtol=1.0e-6_wp)
+   end subroutine check_perfect_restitution
+
+   !> From theta = 0 with a tiny velocity: the arch ends long before the integrator would look.
+   subroutine check_small_arch(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: pull
+      real(wp), parameter :: v = 1.0e-6_wp
+
+      case = block_scene(method)
+      deallocate (case%motion)
+      allocate (case%initial)
+      case%initial%theta_over_alpha = 0
+      case%initial%theta_dot = v
+      pull = 0.75_wp*9.81_wp*sin(atan(0.25_wp))/hypot(2.0_wp, 0.5_wp)
+      case%solver%t_end = 201*v/pull
+      call simulate(case, result, error)
+      call checks%no_error(error, 'small arches, '//method)
+      call checks%that(result%impacts == 100_i8, 'a hundred small arches, '//method)
+      call checks%close_to(result%theta_max, v**2/(2*pull), 'height of a small arch, '//method, &
+         rtol=1.0e-6_wp)
+   end subroutine check_small_arch
+
+   !> A response of some nanometres is as accurate as a large one: compare with a tight run.
+   subroutine check_small_response(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(result_t) :: result
+      type(result_t) :: tight
+      type(error_t), allocatable :: error
+
+      case = rwmf_scene('symmetric', 5.0_wp, 1.0_wp, method)
+      case%motion%a_max_g = 0.25_wp*2/11*(1 + 1.0e-5_wp)
+      call simulate(case, result, error)
+      call checks%no_error(error, 'small response, '//method)
+      case%solver%method = 'dop853'
+      case%solver%rtol = 1.0e-13_wp
+      call simulate(case, tight, error)
+      call checks%that(tight%u_s_max < 1.0e-6_wp, 'small response is small, '//method)
+      call checks%close_to(result%u_s_max, tight%u_s_max, 'small response, '//method, &
+         rtol=1.0e-7_wp)
+   end subroutine check_small_response
+
+   !> History and energy do not change a bit of the answer.
+   subroutine check_history_is_passive(method)
+      character(*), intent(in) :: method
+      type(case_t) :: case
+      type(result_t) :: bare
+      type(result_t) :: observed
+      type(error_t), allocatable :: error
+
+      case = rwmf_scene('exact', 5.0_wp, 0.4_wp, method)
+      call simulate(case, bare, error)
+      allocate (case%output)
+      case%output%dt = 0.003_wp
+      case%output%energy = .true.
+      call simulate(case, observed, error)
+      call checks%that(abs(bare%u_s_max - observed%u_s_max) <= 0 .and. &
+         bare%impacts == observed%impacts, 'outputs change nothing, '//method)
+      call checks%that(size(observed%history%values, 1) == 3334, 'rows of the history, '//method)
+      call checks%that(.not. any(ieee_is_nan(observed%history%values)), &
+         'history is complete, '//method)
+   end subroutine check_history_is_passive
+
+   subroutine check_bound_on_work()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+
+      case = rwmf_scene('exact', 5.0_wp, 0.4_wp, 'adams')
+      case%solver%max_steps = 100
+      call simulate(case, result, error)
+      call checks%has_error(error, err_numerical, 'max_steps', 'bound on the work')
+   end subroutine check_bound_on_work
+
+   !> During the sine pulse: the closed form of a linear oscillator without damping, from rest.
+   subroutine check_bare_frame()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: omega
+      real(wp) :: r
+
+      case = frame_scene(0.4_wp, 'adams')
+      case%frame%xi_s = 0
+      case%solver%t_end = 1
+      call simulate(case, result, error)
+      call checks%no_error(error, 'bare frame')
+      omega = 2*pi/0.4_wp
+      r = 2*pi/omega
+      call checks%close_to(result%final_state(1), -0.4_wp*9.81_wp/omega**2/(1 - r**2) &
+         *(sin(2*pi) - r*sin(omega)), 'bare frame at the end of the pulse', atol=1.0e-9_wp)
+      call checks%that(.not. allocated(result%theta_max), 'a bare frame has no rotation')
+   end subroutine check_bare_frame
+
+   !> The history of a wall that rests shows the motion of each interval, not of the next one.
+   subroutine check_ground_at_rest()
+      type(case_t) :: case
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      real(wp) :: t
+      real(wp) :: expected
+      integer :: i
+
+      case = block_scene('dop853')
+      case%motion%a_max_g = 0.1_wp
+      case%motion%t_0 = 0.3_wp
+      case%solver%t_end = 2
+      allocate (case%output)
+      case%output%dt = 0.05_wp
+      case%output%energy = .false.
+      call simulate(case, result, error)
+      call checks%no_error(error, 'ground at rest')
+      call checks%that(result%lift_offs == 0, 'the wall rests')
+      do i = 1, size(result%history%values, 1)
+         t = result%history%values(i, 1)
+         expected = 0
+         if (t > 0.3_wp .and. t < 1.3_wp) expected = 0.981_wp*sin(2*pi*(t - 0.3_wp))
+         call checks%close_to(result%history%values(i, 5), expected, 'ground at rest', &
+            atol=1.0e-12_wp)
+      end do
+   end subroutine check_ground_at_rest
+
+end program test_hybrid
