@@ -114,6 +114,7 @@ def test_full_disk(tmp_path: Path) -> None:
     assert done.stdout.split("\n")[:2] == ["an earlier result", "case.history.csv"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.03, 0.06, 0.1, 0.2])
 def test_kill_leaves_the_old_or_the_complete_new_file(delay: float, tmp_path: Path) -> None:
     path = _write(tmp_path, {"output": {"dt": 1e-4}, "solver": {"t_end": 2.0}})

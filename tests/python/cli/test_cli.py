@@ -110,6 +110,7 @@ def test_run_prints_a_table(command: Runner, case_file: Path) -> None:
     assert not list(case_file.parent.glob("*.csv"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_plots(command: Runner, case_file: Path, suffix: str) -> None:
     folder = case_file.parent
@@ -203,6 +204,7 @@ def test_input_errors(command: Runner, case_file: Path) -> None:
     assert "&spectrum" in found.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -246,6 +248,7 @@ def test_closed_pipe(case_file: Path) -> None:
     assert found.stderr == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [["run", "--out", "."], ["spectrum", "--csv", "x.csv"]])
 def test_interrupt(words: list[str], tmp_path: Path) -> None:
     """Ctrl-C ends a long computation at once, with status 130 and without files."""

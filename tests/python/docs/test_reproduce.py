@@ -38,6 +38,7 @@ def work(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
     return Workshop(inputs, ROOT / "validation")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(gallery.GALLERY))
 def test_every_figure(
     name: str, work: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
