@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,9 @@ from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # no
 from rwmf import records
 
 matplotlib.use("Agg")
+# a shell gives its background jobs a SIGINT that is ignored, and they give it on: tests of
+# interrupts would wait in vain
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

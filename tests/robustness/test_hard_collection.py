@@ -17,6 +17,7 @@ def _name(value: object) -> str:
     return value.name if isinstance(value, Hard) else str(value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "hard"), EVERY, ids=_name)
 def test_case(family: str, hard: Hard, tmp_path: Path) -> None:
     truth = ANSWERS[family, hard.name]

@@ -226,6 +226,7 @@ def find_slip(made: Combination, folder: Path) -> str | None:
     return f"{found[wrong]} {trusted[wrong]} {kappa[wrong]}" if np.any(wrong) else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", _STARTS)
 @pytest.mark.parametrize(
     "check",

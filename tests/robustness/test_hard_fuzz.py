@@ -239,6 +239,7 @@ def _call(main: Callable[[], int]) -> tuple[int, str]:
     return status, told.getvalue()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", range(FIRST, FIRST + COMMANDS, _CHUNK))
 @pytest.mark.parametrize("kind", fuzz_calls.KINDS)
 def test_command(kind: str, start: int, tmp_path: Path) -> None:

@@ -45,6 +45,7 @@ _CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hard", _CASES, ids=[case.name for case in _CASES])
 def test_every_method(hard: Hard, tmp_path: Path) -> None:
     """The largest displacement, and the rotation in the end: all branches lie before it."""

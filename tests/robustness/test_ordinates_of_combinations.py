@@ -72,6 +72,7 @@ def _peaks(case: rwmf.Case, periods: list[float], threads: int = 1, **grid: obje
     return found.isel(gamma=0, b=0).values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", COVERED)
 def test_same_bits_in_any_company(number: int, tmp_path: Path) -> None:
     """Alone, beside others, in any order, with other mass ratios and in two threads."""

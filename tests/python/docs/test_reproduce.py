@@ -38,6 +38,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> ResponseCache:
     return ResponseCache(inputs, ROOT / "validation")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(figures.FIGURES))
 def test_every_figure(
     name: str, cache: ResponseCache, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

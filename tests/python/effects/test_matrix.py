@@ -24,6 +24,7 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Scene]:
     return {row: Scene(groups, folder) for row, groups in ROWS.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("row", "path"), [(row, path) for row in ROWS for path in PATHS])
 def test_cell(row: str, path: str, scenes: dict[str, Scene], tmp_path: Path) -> None:
     expected = entry_of(REFUSALS, row, path)

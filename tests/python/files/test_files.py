@@ -55,6 +55,7 @@ def _leftovers(folder: Path) -> list[str]:
     return [path.name for path in folder.iterdir() if path.name.startswith(".")]
 
 
+@pytest.mark.slow
 def test_where_files_go_and_what_goes(writer: Writer, start: Run, tmp_path: Path) -> None:
     """A link stays, its target is written; permissions are umask's; what killed runs left goes."""
     place = tmp_path / "place"
@@ -79,6 +80,7 @@ def test_where_files_go_and_what_goes(writer: Writer, start: Run, tmp_path: Path
     assert left == {path.name for path in (alive, *others)}
 
 
+@pytest.mark.slow
 def test_a_pipe_gets_the_bytes(writer: Writer, start: Run, tmp_path: Path) -> None:
     """And stays a pipe; a sweep, which is read again, refuses it."""
     got: dict[str, bytes] = {}
@@ -131,6 +133,7 @@ def test_the_standard_output_as_a_file(start: Run, tmp_path: Path) -> None:
     assert lines[1].startswith("# rwmf")
 
 
+@pytest.mark.slow
 def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
     """A limit on the size of files stands for it: one message, the earlier files, no others."""
     for name in writer.targets:
@@ -187,6 +190,7 @@ print(refused)
     assert not _leftovers(tmp_path)
 
 
+@pytest.mark.slow
 def test_the_order_of_a_power_cut(writer: Writer, start: Run, tmp_path: Path) -> None:
     """Bytes on the disk, name, name on the disk; only then goes what was kept for a cut."""
     if shutil.which("strace") is None:
@@ -464,6 +468,7 @@ def test_another_users_link_in_a_shared_folder(start: Run, tmp_path: Path) -> No
     assert (tmp_path / "precious").read_bytes() == EARLIER
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirection", [">/dev/full", ">&-", ">&- 2>&-"])
 @pytest.mark.parametrize("name", ["run --out", "sweep", "rwmf-batch"])
 def test_a_standard_output_that_takes_nothing(

@@ -287,6 +287,7 @@ def test_every_floor_against_scipy() -> None:
     assert float(run["energy_balance_relative"]) < 1e-9
 
 
+@pytest.mark.slow
 def test_smooth_storeys_against_scipy() -> None:
     """Bouc and Wen's law in each storey, with the signs of its rate as they come."""
     m, k, u_y = np.array([3.0, 2.0, 1.5]), np.array([600.0, 500.0, 300.0]), 0.015

@@ -43,6 +43,7 @@ def _skip_elsewhere(recorded: Ledger, setting: dict[str, str], name: str) -> Non
         pytest.skip("; ".join(differences))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_call_has_not_grown(name: str, recorded: Ledger, measured: Measured) -> None:
     _skip_elsewhere(recorded, measured.setting, name)

@@ -148,6 +148,7 @@ def _with_all(case: rwmf.Case, x: list[float]) -> rwmf.Case:
     return _without_rebound(_with_initial(_with_p_delta(case, x), x[3:]), x)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [_with_p_delta, _with_initial, _without_rebound, _with_all])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
 def test_random_scenes_against_single_runs(
@@ -289,6 +290,7 @@ def test_peak_of_a_flight_that_begins_in_its_step(tmp_path: Path) -> None:
         assert np.max(np.abs(found / truth - 1)) < 1e-9, file.name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", ["step_kernel", "substep_kernel", "event_kernel"])
 def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
     """The compiler's own report names every loop that `!$omp simd` marks, for all instructions."""

@@ -143,6 +143,7 @@ def sweep_file(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_killed_at_random_instants(sweep_file: Path, command: Runner) -> None:
     folder = sweep_file.parent
     started = time.perf_counter()
