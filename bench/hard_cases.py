@@ -1,6 +1,6 @@
 """Table of the hard cases: every case, every method, its true error and a verdict.
 
-    python bench/hard_cases.py               docs/hard-cases.md from the stored answers
+    python bench/hard_cases.py               docs/validation/hard-cases.md from the stored answers
     python bench/hard_cases.py --reference   first the answers that are not stored yet, or whose
                                              case has changed (all of them: some minutes)
 
@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "tests" / "hard"))
 import collection  # noqa: E402
 from hard_scenes import METHODS  # noqa: E402
 
-TARGET = ROOT / "docs" / "hard-cases.md"
+TARGET = ROOT / "docs" / "validation" / "hard-cases.md"
 _HEAD = """# Hard cases
 
 Made by `python bench/hard_cases.py`; the cases are in `tests/hard/cases_*.py`, and

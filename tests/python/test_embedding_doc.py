@@ -1,4 +1,4 @@
-"""The programs of docs/embedding.md are those that run as tests."""
+"""The programs of docs/howto/embedding.md are those that run as tests."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 import pytest
 from conftest import ROOT
 
-TEXT = (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "howto" / "embedding.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^`([\w/]+\.(?:f90|c))`\n\n```\w+\n(.*?)```", TEXT, re.MULTILINE | re.DOTALL)
 
 

@@ -12,7 +12,7 @@ from conftest import ROOT
 from rwmf import records
 
 README = ROOT / "README.md"
-PAGES = [README, ROOT / "docs" / "effects.md"]
+PAGES = [README, ROOT / "docs" / "reference" / "effects.md"]
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 

@@ -1,4 +1,4 @@
-!> What foundation and wall exert on each other, from the balance of momentum (docs/theory.md,
+!> What foundation and wall exert on each other, from the balance of momentum (docs/theory,
 !> "Reactions"). All forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_model_reactions
    use rwmf_core_kinds, only: wp

@@ -1,6 +1,6 @@
 !> The table of output quantities: every column of a history, every scalar of a run, and what
 !> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
-!> `docs/outputs.md` read it.
+!> `docs/reference/outputs.md` read it.
 module rwmf_simulation_quantities
    use rwmf_text_strings, only: to_lower
    implicit none
