@@ -1,4 +1,4 @@
-!> Lanes: runs of one scene that advance together, each at its own time, in the first index of every
+!> Lanes, runs of one scene that advance together, each at its own time, in the first index of every
 !> array; and the kinematics that all effects of a lane share.
 !>
 !> Compiled for one lane, which is what single runs are, and for sixteen (`lane_count`). What a lane

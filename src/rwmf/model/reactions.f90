@@ -103,7 +103,7 @@ contains
       !! forces of effects on the frame [m/s2]
       real(wp) :: u_ddot
       real(wp) :: side_of_frame
-      !! -1: the frame stands to the right of the wall
+      !! 1, or -1 where the frame stands to the right of the wall
 
       force = 0
       if (.not. equation%has_frame) return

@@ -19,11 +19,11 @@ module rwmf_simulation_quantities
       character(8) :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
       character(8) :: found
-      !! how: 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of a peak),
-      !! 'end' (value in the end), 'count', 'whether', 'before' (known before the run), 'axis' (of a
-      !! grid), 'work' (what the computation took) or 'error' (estimate or comparison)
+      !! how it is found, 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of
+      !! a peak), 'end' (value in the end), 'count', 'whether', 'before' (known before the run),
+      !! 'axis' (of a grid), 'work' (what the computation took) or 'error' (estimate or comparison)
       character(32) :: outputs
-      !! where it stands: 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
+      !! where it stands, 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
       !! 'sweep', 'cost'
       character(8) :: group
       !! of the case, without which it is absent; '' for none
