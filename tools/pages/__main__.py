@@ -44,17 +44,20 @@ def main() -> int:
         _step(
             "pages by Sphinx",
             _run_sphinx,
-            [*_files("docs", "plots", "include", "tools/pages"), *_program()],
+            [*_files("docs", "plots", "include", "tools/pages", "tools/docs.lock"), *_program()],
         )
         _step(
             "pages by FORD",
             _run_ford,
-            _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py"),
+            _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py", "tools/docs.lock"),
         )
         _step(
             "links",
             _check_links,
-            [*_files("docs", "plots", "include", "src", "tools/pages"), *_program()],
+            [
+                *_files("docs", "plots", "include", "src", "tools/pages", "tools/docs.lock"),
+                *_program(),
+            ],
         )
     except blocks.PageError as error:
         print(f"docs: {error}", file=sys.stderr)
