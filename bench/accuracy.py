@@ -1,4 +1,4 @@
-"""Makes docs/accuracy.md and its figures: what accuracy costs in time, on canonical cases.
+"""Makes docs/validation/accuracy.md and its figures: what accuracy costs in time.
 
 .venv/bin/python bench/accuracy.py     (about two minutes)
 """
@@ -53,7 +53,7 @@ def main() -> None:
     text = TEXT.read_text(encoding="utf-8")
     for key, part in parts.items():
         text = text.replace(f"<!-- {key} -->", part)
-    (ROOT / "docs" / "accuracy.md").write_text(text, encoding="utf-8")
+    (ROOT / "docs" / "validation" / "accuracy.md").write_text(text, encoding="utf-8")
 
 
 def _sensitivity(case: rwmf.Case) -> float:

@@ -1,6 +1,6 @@
 """Instructions of a right-hand side: the kernel's beside those of a program written by hand.
 
-    .venv/bin/python bench/effects.py            the table of docs/effects.md
+    .venv/bin/python bench/effects.py            the table of developer/effect-costs.md
     .venv/bin/python bench/effects.py --check    compares the rates alone, without valgrind
     .venv/bin/python bench/effects.py --against FOLDER    fails where the kernel's counts are not
                                                  those of another build (of another revision)

@@ -1,14 +1,16 @@
 """Table of the hard cases: every case, every method, its true error and a verdict.
 
-    python bench/hard_cases.py               docs/hard-cases.md from the stored answers
+    python bench/hard_cases.py               the rows from the stored answers
     python bench/hard_cases.py --reference   first the answers that are not stored yet, or whose
                                              case has changed (all of them: some minutes)
 
-The cases are those of tests/robustness; the trusted answers come from quadruple precision.
+The cases are those of tests/robustness; the trusted answers come from quadruple precision. The rows go to
+docs/validation/hard-cases.csv, what follows from them to hard-cases.md beside it.
 """
 
 from __future__ import annotations
 
+import csv
 import sys
 import tempfile
 import time
@@ -20,20 +22,34 @@ sys.path.insert(0, str(ROOT / "tests" / "support"))
 import collection  # noqa: E402
 from hard_scenes import METHODS  # noqa: E402
 
-TARGET = ROOT / "docs" / "hard-cases.md"
+TARGET = ROOT / "docs" / "validation" / "hard-cases.csv"
+COLUMNS = (
+    "family", "case", "peak", "overturned", "kappa", "method", "rtol", "error", "bound", "end",
+    "impacts", "lift_offs", "steps", "verdict",
+)  # fmt: skip
 _HEAD = """# Hard cases
 
 Made by `python bench/hard_cases.py`; the cases are in `tests/support/cases_*.py`, and
-`tests/robustness` runs every row as a test.
+`tests/robustness` runs every row as a test. The rows themselves: [hard-cases.csv](hard-cases.csv).
 
 **Truth** is the same problem in quadruple precision (extrapolation of order 18, rtol 1e-19); the
-difference from rtol 1e-16 is below 1e-13 of the peak wherever nothing amplifies it.
-**error** is the relative error of the peak: of |u_s|, without a frame of |theta|; 0 also for
-differences below 1e-12 m. **end** is the error of theta at the end over the largest |theta|.
-**bound** is what is allowed, max(1e-7, 100 rtol kappa), where kappa is the relative change of the
-peak per relative change of the motion. A row is *right* within the bound (the end: within
-1000 rtol times its own sensitivity), *refused* when the method said so itself, else *WRONG*.
-Impacts and steps in the chatter before rest depend on method and tolerance.
+difference from rtol 1e-16 is below 1e-13 of the peak wherever nothing amplifies it. kappa is the
+relative change of the peak per relative change of the motion. Allowed is the **bound**,
+max(1e-7, 100 rtol kappa). A row is *right* within it (theta at the end: within 1000 rtol times its
+own sensitivity), *refused* when the method said so itself, else *WRONG*.
+
+| column | meaning |
+|---|---|
+| family, case | as in the tests |
+| peak | of the truth: largest \\|u_s\\| in m, without a frame \\|theta\\| in rad |
+| overturned | whether the wall falls |
+| kappa | relative change of the peak per relative change of the motion |
+| method, rtol | how it was computed |
+| error | relative error of the peak; 0 also for differences below 1e-12 m |
+| bound | what is allowed |
+| end | error of theta at the end over the largest \\|theta\\| |
+| impacts, lift_offs, steps | of the run; in chatter before rest they depend on method and rtol |
+| verdict | right, refused or WRONG |
 """
 
 
@@ -64,34 +80,121 @@ def _answers(folder: Path) -> list[collection.Answer]:
 
 def _write_table(folder: Path) -> int:
     answers = collection.read_answers()
-    lines, wrong, rows = [_HEAD], 0, 0
+    rows = []
     for family, cases in collection.FAMILIES.items():
-        lines += ["", f"## {family.capitalize()}", "", *_table_head()]
         for hard in cases:
             truth = answers[family, hard.name]
-            for i, method in enumerate(METHODS):
+            for method in METHODS:
                 row = collection.judge(hard, truth, method, folder)
-                lines.append(_line(hard.name if i == 0 else "", truth, row))
-                wrong += row.verdict == "WRONG"
-                rows += 1
-    lines += ["", f"{rows} rows, {wrong} wrong."]
-    TARGET.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(f"{TARGET.relative_to(ROOT)}: {rows} rows, {wrong} wrong")
+                rows.append(_values(family, hard.name, truth, row))
+    with TARGET.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    page = TARGET.with_suffix(".md")
+    page.write_text(make_page(), encoding="utf-8")
+    wrong = sum(row["verdict"] == "WRONG" for row in rows)
+    print(f"{TARGET.relative_to(ROOT)}: {len(rows)} rows, {wrong} wrong")
     return wrong
 
 
-def _table_head() -> list[str]:
-    names = ("case", "peak", "kappa", "method", "rtol", "error", "bound", "end",
-             "impacts", "lift-offs", "steps", "verdict")  # fmt: skip
-    return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
+def _values(
+    family: str, name: str, truth: collection.Answer, row: collection.Row
+) -> dict[str, str]:
+    return {
+        "family": family,
+        "case": name,
+        "peak": f"{truth.peak:.6g}",
+        "overturned": "yes" if truth.overturned else "no",
+        "kappa": f"{truth.kappa:.1e}",
+        "method": row.method,
+        "rtol": f"{row.rtol:.0e}",
+        "error": f"{row.error:.0e}",
+        "bound": f"{row.bound:.0e}",
+        "end": f"{row.error_end:.0e}",
+        "impacts": str(row.impacts),
+        "lift_offs": str(row.lift_offs),
+        "steps": str(row.steps),
+        "verdict": row.verdict,
+    }
 
 
-def _line(name: str, truth: collection.Answer, row: collection.Row) -> str:
-    peak = f"{truth.peak:.6g}" + (" (overturns)" if truth.overturned else "")
-    cells = (name, peak if name else "", f"{truth.kappa:.1e}" if name else "", row.method,
-             f"{row.rtol:.0e}", f"{row.error:.0e}", f"{row.bound:.0e}", f"{row.error_end:.0e}",
-             str(row.impacts), str(row.lift_offs), str(row.steps), row.verdict)  # fmt: skip
-    return "| " + " | ".join(cells) + " |"
+def read_rows() -> list[dict[str, str]]:
+    """Read the rows of the repository.
+
+    Returns
+    -------
+    list of dict
+        Texts by column.
+    """
+    with TARGET.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def make_page() -> str:
+    """Make the page of what follows from the rows.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    rows = read_rows()
+    families = {
+        family: [r for r in rows if r["family"] == family] for family in collection.FAMILIES
+    }
+    by_method = {method: [r for r in rows if r["method"] == method] for method in METHODS}
+    wrong = sum(row["verdict"] == "WRONG" for row in rows)
+    lines = [
+        _HEAD,
+        "## What follows",
+        "",
+        f"{len(rows)} rows, {wrong} wrong.",
+        "",
+        "Each method over all cases: the largest share of the bound that its error takes, how many "
+        "rows are more accurate than 1e-9, and the steps of all cases together.",
+        "",
+        "| method | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
+        "|---|---|---|---|---|---|---|---|",
+        *(f"| `{method}` | {_share_of(rows_of)} |" for method, rows_of in by_method.items()),
+        "",
+        "Each family over all methods:",
+        "",
+        "| family | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
+        "|---|---|---|---|---|---|---|---|",
+        *(f"| {family} | {_share_of(rows_of)} |" for family, rows_of in families.items()),
+        "",
+        "The cases that amplify most, where digits of an integrator are no digits of the answer:",
+        "",
+        "| case | kappa | largest error | bound |",
+        "|---|---|---|---|",
+        *_most_sensitive(rows),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _share_of(rows: list[dict[str, str]]) -> str:
+    worst = max(rows, key=_share)
+    counts = (sum(row["verdict"] == verdict for row in rows) for verdict in ("right", "refused"))
+    fine = sum(float(row["error"]) < 1e-9 for row in rows)
+    cells = (len(rows), *counts, f"{_share(worst):.1g}", worst["case"], fine)
+    return " | ".join(map(str, (*cells, sum(int(row["steps"]) for row in rows))))
+
+
+def _share(row: dict[str, str]) -> float:
+    return float(row["error"]) / float(row["bound"])
+
+
+def _most_sensitive(rows: list[dict[str, str]]) -> list[str]:
+    cases: dict[str, list[dict[str, str]]] = {}
+    for row in rows:
+        cases.setdefault(row["case"], []).append(row)
+    ranked = sorted(cases.items(), key=lambda item: -float(item[1][0]["kappa"]))[:10]
+    return [
+        f"| {name} | {same[0]['kappa']} | {max(float(row['error']) for row in same):.0e} "
+        f"| {max(float(row['bound']) for row in same):.0e} |"
+        for name, same in ranked
+    ]
 
 
 if __name__ == "__main__":

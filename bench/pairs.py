@@ -1,6 +1,6 @@
 """Which effects go together: a run of every pair, or the reason why it is refused.
 
-    .venv/bin/python bench/pairs.py            the table of docs/effects.md
+    .venv/bin/python bench/pairs.py            the table of docs/reference/effects.md
 
 Every pair is a small case, which the kernel reads, refuses or runs. A further group, or a further
 value of a key that chooses a law, takes one line of ``EFFECTS``;

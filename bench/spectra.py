@@ -2,7 +2,7 @@
 
 .venv/bin/python bench/spectra.py [--periods N] [--peers all|none|NAME,...] [--plot FILE]
 
-docs/bench.md says how it is measured and what each column means.
+docs/developer/bench.md says how it is measured and what each column means.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-!> The standard calls of a host whose instructions `tools/counts` counts (docs/bench.md).
+!> The standard calls of a host whose instructions `tools/counts` counts (docs/developer/bench.md).
 !>
 !>    standard_calls KIND NAME FILE [KIND NAME FILE ...]
 !>

@@ -1,5 +1,5 @@
 /* Rocking walls in a host program written in C: walls that step with the host, and the wall as an
- * element of a host that owns the frame. See docs/embedding.md.
+ * element of a host that owns the frame. See docs/howto/embedding.md.
  *
  * Every function that can fail returns 0, or one of the RWMF_ numbers; then `message` (room for
  * `size` bytes, may be NULL) says what went wrong, and everything is as it was before the call.
@@ -174,7 +174,7 @@ int rwmf_next_impact(int side, double dt, double u_0, double u_dot_0, double u_1
  * acceleration vary linearly: the side (1 or -1) and its time in *tau, or 0. */
 int rwmf_next_lift_off(const rwmf_element *element, double dt, double push_0, double push_1,
                        double u_g_ddot_0, double u_g_ddot_1, double *tau);
-/* 1 when the wall may be put to rest after an impact, see docs/embedding.md, or 0; a hinged wall never
+/* 1 when the wall may be put to rest after an impact, see howto/embedding.md, or 0; a hinged wall never
  * rests. */
 int rwmf_settles(const rwmf_element *element, double dt, double u_dot, double push,
                  double u_g_ddot, double host_mass);

@@ -44,7 +44,7 @@ def spectrum(
     progress : callable, optional
         Called about 20 times a second with the number of finished ordinates and of all.
     quantities : sequence of str, optional
-        What is reported of each ordinate, by names or keys of docs/outputs.md; otherwise what
+        What is reported of each ordinate, by names or keys of reference/outputs.md; otherwise what
         `&spectrum` asks for, which is ``u_s_max`` when it says nothing.
 
     Returns

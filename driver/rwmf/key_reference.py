@@ -1,6 +1,6 @@
 """The namelist reference of the documentation, made from the kernel's table of keys.
 
-``python -m rwmf.key_reference > docs/namelist.md`` makes the page.
+``python -m rwmf.key_reference > docs/reference/namelist.md`` makes the page.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The reference of outputs in the documentation, made from the kernel's table of quantities.
 
-``python -m rwmf.output_reference > docs/outputs.md`` makes the page.
+``python -m rwmf.output_reference > docs/reference/outputs.md`` makes the page.
 """
 
 from __future__ import annotations

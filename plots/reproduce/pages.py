@@ -10,7 +10,7 @@ from reproduce.tables import Table
 
 __all__ = ["claims_page", "validation_page"]
 
-_GENERATED = "<!-- made by: tools/run reproduce --docs docs; do not edit -->\n"
+_GENERATED = "<!-- made by: tools/run reproduce --docs docs/validation; do not edit -->\n"
 
 _PAIRS = ", ".join(f"({first:g}, {last:g})" for first, last in ETAS)
 _CLAIMS_NOTE = (
@@ -19,7 +19,8 @@ _CLAIMS_NOTE = (
     f"is measured for (eta_0, eta_alpha) = {_PAIRS}, and the numbers shown are those for "
     f"({SHIPPED_ETAS[0]:g}, {SHIPPED_ETAS[1]:g}). A claim that some of these cables fulfil and "
     "others do not depends on Table 1. The exact form with the restitution of the momentum balance "
-    "is what contact engines confirm (docs/validation.md); its verdict is for the same cable. "
+    "is what contact engines confirm ([validation.md](validation.md)); its verdict is for the same "
+    "cable. "
     "Spectra are judged at 60 periods from 0.05 to 3 s, 0.05 s apart; where a claim says 'little' "
     "or 'marginal', 10 % is the bound."
 )

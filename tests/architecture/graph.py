@@ -1,4 +1,4 @@
-"""Measure the sources: the table of docs/architecture.md.
+"""Measure the sources: the table of docs/developer/architecture.md.
 
 python tests/architecture/graph.py [TREE ...]
 
@@ -43,9 +43,9 @@ def _procedures(tree: Tree) -> list[Procedure]:
 def _groups(tree: Tree) -> dict[str, str]:
     """Group of every module within which any may use any: its top folder.
 
-    Without folders: its layer, by the table that docs/architecture.md then has.
+    Without folders: its layer, by the table that docs/developer/architecture.md then has.
     """
-    page = tree.root.parent / "docs" / "architecture.md"
+    page = next((tree.root.parent / "docs").rglob("architecture.md"))
     text = page.read_text(encoding="utf-8") if page.is_file() else ""
     layers = {
         f"rwmf_{name}": layer
@@ -156,7 +156,7 @@ def _column(name: str) -> list[str]:
     if (Path(name) / "src").is_dir():
         return _measure(Path(name).resolve())
     archive = subprocess.run(
-        ["git", "-C", ROOT, "archive", name, "src", "docs/architecture.md"],
+        ["git", "-C", ROOT, "archive", name, "src", "docs"],
         capture_output=True,
         check=True,
     ).stdout

@@ -1,4 +1,4 @@
-"""The folders of `src` show the architecture (docs/architecture.md); these rules keep it so.
+"""The folders of `src` show the architecture (docs/developer/architecture.md) and keep it so.
 
 The order of the folders is written once: it is that in which the `meson.build` files visit them
 (`src/meson.build` and `src/rwmf/meson.build`), which is also the order in which they are built. A
@@ -148,7 +148,7 @@ def test_every_build_file_lists_the_sources_beside_it() -> None:
 
 
 def test_the_page_names_the_folders_in_their_order(order: list[str]) -> None:
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "developer" / "architecture.md").read_text(encoding="utf-8")
     named = re.findall(r"^\| `(?:src/)?([\w/.]+?)/?` \|", page, re.MULTILINE)
     assert [name.removesuffix(".f90") for name in named] == [
         name.removeprefix("rwmf/") for name in order
@@ -156,7 +156,7 @@ def test_the_page_names_the_folders_in_their_order(order: list[str]) -> None:
 
 
 def test_the_page_names_files_that_exist() -> None:
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "developer" / "architecture.md").read_text(encoding="utf-8")
     paths = re.findall(r"`([\w/]+\.(?:[fF]90|py|h|build))`", page)
     places = [ROOT, SRC, SRC / "rwmf"]
     _none([path for path in paths if not any((place / path).is_file() for place in places)])

@@ -1,6 +1,6 @@
 """What works where: every effect on every way to use the program.
 
-    .venv/bin/python tests/support/matrix.py > docs/matrix.md
+    .venv/bin/python tests/support/matrix.py > docs/reference/matrix.md
 
 A row is a scene: each entry of ``EFFECTS`` in ``bench/pairs.py`` with a wall and, where there is
 such a case, without one. A column is a path: one function that uses the program in one way and
@@ -167,7 +167,7 @@ def scalars(case: rwmf.Case) -> dict[str, Any]:
 def _rows() -> dict[str, dict[str, Any]]:
     """Make the groups of every row: effects with a wall, then those that go without one.
 
-    Whether two effects go together at all is the table of docs/effects.md.
+    Whether two effects go together at all is the table of docs/reference/effects.md.
     """
     effects = {effect.name: effect for effect in pairs.EFFECTS}
     no_wall = effects.pop("no wall")

@@ -16,7 +16,8 @@ NOISE = 1.01
 
 _HEAD = """\
 # Instructions of the standard calls, counted by valgrind's callgrind; written by tools/counts, see
-# docs/bench.md. First what they depend on. Below a count: when it grew, from what, and the reason.
+# developer/bench.md. First what they depend on. Below a count: when it grew, from what, and the
+# reason.
 """
 _ARROW = " -> "
 

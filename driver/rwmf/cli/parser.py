@@ -110,7 +110,7 @@ def _add_spectrum(commands: Subcommands) -> None:
         "--quantity",
         metavar="KEY",
         nargs="+",
-        help="what each ordinate reports in place of &spectrum quantities (docs/outputs.md)",
+        help="what each ordinate reports in place of &spectrum quantities (reference/outputs.md)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 

@@ -15,8 +15,8 @@ module rwmf_model_cable
       real(wp) :: eta_0 = 0
       !! P(0)/(m_w g) [-]
       real(wp) :: rate = 0
-      !! linear: (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the elongation at
-      !! alpha [1/m]
+      !! by the linear law (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the
+      !! elongation at alpha [1/m]
       real(wp) :: R = 0
       !! half diagonal [m]
       real(wp) :: h = 0

@@ -25,7 +25,7 @@ module rwmf_model_equation
    public :: frame_motion, frame_travel, frame_mass, corner_share
 
    !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
-   !> force on the wall that belong to it (docs/effects.md).
+   !> force on the wall that belong to it (developer/adding-an-effect.md).
    type :: contribution_t
       logical :: is_present = .false.
       !! the case calls for it

@@ -1,4 +1,4 @@
-!> Lanes: runs of one scene that advance together, each at its own time, in the first index of every
+!> Lanes, runs of one scene that advance together, each at its own time, in the first index of every
 !> array; and the kinematics that all effects of a lane share.
 !>
 !> Compiled for one lane, which is what single runs are, and for sixteen (`lane_count`). What a lane
@@ -6,7 +6,7 @@
 !>
 !> With phi = |theta| and the displacement |u_s| = R u(phi) of the frame away from the pivot,
 !> j = du/dphi and k = dj/dphi. `lever` is the arm of the link's force; virtual work says that it
-!> equals j, which Eq. (10) of the paper violates (docs/theory.md).
+!> equals j, which Eq. (10) of the paper violates (docs/theory/theory.md).
 module rwmf_model_lanes
    use rwmf_core_kinds, only: wp
    implicit none

@@ -1,4 +1,4 @@
-!> What foundation and wall exert on each other, from the balance of momentum (docs/theory.md,
+!> What foundation and wall exert on each other, from the balance of momentum (docs/theory,
 !> "Reactions"). All forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_model_reactions
    use rwmf_core_kinds, only: wp
@@ -106,7 +106,7 @@ contains
       !! forces of effects on the frame [m/s2]
       real(wp) :: u_ddot
       real(wp) :: side_of_frame
-      !! -1: the frame stands to the right of the wall
+      !! 1, or -1 where the frame stands to the right of the wall
 
       force = 0
       if (.not. equation%has_frame) return

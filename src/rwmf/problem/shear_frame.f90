@@ -83,7 +83,7 @@ contains
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
       integer, intent(in) :: mode
-      !! 1: the slowest
+      !! number, from the slowest
 
       modal_mass = excitation(frame, mode)**2
    end function modal_mass

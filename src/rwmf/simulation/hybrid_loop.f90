@@ -319,7 +319,7 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       real(wp), intent(out) :: t_limit
-      !! not beyond the present time: there was no way to go, and a knot has been passed [s]
+      !! not beyond the present time where there was no way to go, and a knot has been passed [s]
       real(wp), intent(out) :: span
       !! within which the motion is expected to change its course, where it begins anew [s]
 
@@ -462,8 +462,8 @@ contains
       if (time <= 0) time = huge(time)
    end function flight_time
 
-   !> Impact: the velocity falls by the factor e, the other side's equation takes over, or the wall
-   !> comes to rest.
+   !> At an impact the velocity falls by the factor e, the other side's equation takes over, or the
+   !> wall comes to rest.
    !>
    !> When one side is pressed hard and the other hardly at all, a flight can be over within a few
    !> spacings of the time: the wall is then back with the velocity that it left with, at once.

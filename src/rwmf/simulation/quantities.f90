@@ -1,6 +1,6 @@
 !> The table of output quantities: every column of a history, every scalar of a run, and what
 !> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
-!> `docs/outputs.md` read it.
+!> `docs/reference/outputs.md` read it.
 module rwmf_simulation_quantities
    use rwmf_text_strings, only: to_lower
    implicit none
@@ -19,11 +19,11 @@ module rwmf_simulation_quantities
       character(8) :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
       character(8) :: found
-      !! how: 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of a peak),
-      !! 'end' (value in the end), 'count', 'whether', 'before' (known before the run), 'axis' (of a
-      !! grid), 'work' (what the computation took) or 'error' (estimate or comparison)
+      !! how it is found, 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of
+      !! a peak), 'end' (value in the end), 'count', 'whether', 'before' (known before the run),
+      !! 'axis' (of a grid), 'work' (what the computation took) or 'error' (estimate or comparison)
       character(32) :: outputs
-      !! where it stands: 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
+      !! where it stands, 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
       !! 'sweep', 'cost'
       character(8) :: group
       !! of the case, without which it is absent; '' for none

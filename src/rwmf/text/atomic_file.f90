@@ -4,8 +4,8 @@
 !> reached the disk: write, fsync, rename, fsync of the folder. A failure (no permission, full
 !> disk) removes the new file and leaves an earlier target untouched. A link stays, its target is
 !> replaced; what is no regular file (a pipe, a device, an open descriptor as /dev/stdout) gets the
-!> lines as it is. docs/files.md has the rules. C streams are used because `close` of gfortran does
-!> not report a failed last write.
+!> lines as it is. docs/reference/files.md has the rules. C streams are used because `close` of
+!> gfortran does not report a failed last write.
 module rwmf_text_atomic_file
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
       c_null_ptr, c_ptr, c_size_t

@@ -120,8 +120,8 @@ def test_momentum_balance_of_the_squat_wall(cache: ResponseCache) -> None:
 
 
 def test_pages_judge_every_claim() -> None:
-    """docs/claims.md is of this list of claims and without a number that failed."""
-    page = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
+    """docs/validation/claims.md is of this list of claims and without a number that failed."""
+    page = (ROOT / "docs" / "validation" / "claims.md").read_text(encoding="utf-8")
     assert page.count("\n| ") >= len(CLAIMS)
     assert not [claim.text for claim in CLAIMS if f"| {claim.text} |" not in page]
     assert not re.search(r"\b(nan|inf)\b", page)
@@ -206,7 +206,7 @@ def test_ground_displacement_of_a_cosine() -> None:
 
 
 def test_equation_with_the_displacement_as_unknown() -> None:
-    """Equation (T5) of docs/theory.md holds for what the kernel computes in terms of theta."""
+    """Equation (T5) of theory.md holds for what the kernel computes in terms of theta."""
     R, alpha = math.hypot(2.0, 0.5), math.atan2(0.5, 2.0)
     gamma, xi_s, omega_s = 5.0, 0.05, 2 * math.pi
     response = rwmf.simulate(scenes.coupled(), dt=0.01)
@@ -233,7 +233,7 @@ def test_equation_with_the_displacement_as_unknown() -> None:
     ("formulation", "low", "high"), [("published", 1e-3, 2e-3), ("exact", 0.0, 1e-7)]
 )
 def test_published_form_has_no_energy(formulation: str, low: float, high: float) -> None:
-    """The first slip of docs/theory.md: a quarter of a swing to the left, without any loss."""
+    """The first slip of theory.md: a quarter of a swing to the left, without any loss."""
     case = scenes.coupled(
         frame={"T_s": 2.0, "xi_s": 0.0},
         cable={"eta_alpha": 1.0},

@@ -1,6 +1,6 @@
 """Every effect on every way to use the program: it agrees with the run, or is refused for a reason.
 
-The tables and the columns are in `matrix.py`, which also makes docs/matrix.md.
+The tables and the columns are in `matrix.py`, which also makes docs/reference/matrix.md.
 """
 
 from __future__ import annotations
@@ -55,5 +55,5 @@ def test_every_entry_names_cells(entry: matrix.Refusal) -> None:
 
 
 def test_page_is_current() -> None:
-    """docs/matrix.md is what the command prints."""
-    assert (ROOT / "docs" / "matrix.md").read_text(encoding="utf-8") == matrix.make()
+    """docs/reference/matrix.md is what the command prints."""
+    assert (ROOT / "docs" / "reference" / "matrix.md").read_text(encoding="utf-8") == matrix.make()

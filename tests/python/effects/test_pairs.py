@@ -58,8 +58,8 @@ def test_no_law_is_missing() -> None:
 
 
 def test_page_is_current() -> None:
-    """The table of docs/effects.md is what the command prints."""
+    """The table of docs/reference/effects.md is what the command prints."""
     done = subprocess.run(
         [sys.executable, ROOT / "bench" / "pairs.py"], capture_output=True, text=True, check=True
     )
-    assert done.stdout in (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")
+    assert done.stdout in (ROOT / "docs" / "reference" / "effects.md").read_text(encoding="utf-8")

@@ -19,7 +19,7 @@ are free,
                             - sign(x) g R (sin(alpha - |x|) + q sin(alpha))   x: rotation of a wall
 
 with M = sum m_i s_i^2, N = sum m_i s_i, J = du/dx, J' = dJ/dx, and the lever L of the link: J, but
-for `published` and x < 0, where it is 2 h cos(x) (docs/theory.md). A wall at rest holds the roof.
+for `published` and x < 0, where it is 2 h cos(x) (theory.md). A wall at rest holds the roof.
 It lifts off where the right-hand side at x = 0+ or 0- points away from the base: free floors that
 lean push it, an x of 0 alone does not. The free floors have m_i u_i'' = - f_i - m_i u_g''.
 

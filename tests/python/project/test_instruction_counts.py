@@ -1,4 +1,4 @@
-"""No standard call takes more than 3 % above its recorded instructions (docs/bench.md)."""
+"""No standard call takes more than 3 % above its recorded instructions (developer/bench.md)."""
 
 from __future__ import annotations
 

@@ -12,12 +12,12 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 _TOOLS = ROOT / "tools"
-_NAMES = ("requirements", "pip-tools")
+_NAMES = ("requirements", "pip-tools", "docs")
 
 
 def _direct(name: str) -> list[Requirement]:
     lines = (_TOOLS / f"{name}.txt").read_text(encoding="utf-8").splitlines()
-    return [Requirement(line) for line in lines if line and line[0] != "#"]
+    return [Requirement(line) for line in lines if line and line[0] not in "#-"]
 
 
 def _locked(name: str) -> dict[str, tuple[str, int]]:
@@ -46,6 +46,13 @@ def test_every_package_has_a_version_and_hashes(name: str) -> None:
 def test_no_address_of_an_index(name: str) -> None:
     for path in (_TOOLS / f"{name}.txt", _TOOLS / f"{name}.lock"):
         assert not re.search(r"://|index-url|find-links", path.read_text(encoding="utf-8"))
+
+
+def test_packages_of_the_site_leave_the_others_as_they_are() -> None:
+    """Both locks are installed into one environment."""
+    others = _locked("requirements")
+    shared = {name: lock for name, lock in _locked("docs").items() if name in others}
+    assert {name: others[name][0] for name in shared} == {n: v for n, (v, _) in shared.items()}
 
 
 def test_what_packages_pull_in_is_locked() -> None:

@@ -137,7 +137,7 @@ contains
       end do
    end subroutine check_published_form
 
-   !> The same equation with v = |u_s|/(2R) as the unknown (docs/theory.md).
+   !> The same equation with v = |u_s|/(2R) as the unknown (docs/theory/theory.md).
    subroutine check_displacement_form()
       type(motion_t), target :: motion
       type(equation_t) :: equation

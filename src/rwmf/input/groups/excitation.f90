@@ -36,11 +36,11 @@ contains
 
       keys = [ &
          required('motion', 'kind', 'choice', '', kinds, &
-            'one_sine: Eq. (16), one_cosine: Eq. (17), sine: cycles; all: docs/pulses.md'), &
+            'one_sine: Eq. (16), one_cosine: Eq. (17), sine: cycles; all: reference/pulses.md'), &
          of_kind(pulse_kinds, 'a_max_g', 'real', '-', '', any_real, &
             'largest acceleration over g; exactly one of a_max_g and v_p'), &
          of_kind(velocity_kinds, 'v_p', 'real', 'm/s', '', any_real, &
-            'velocity amplitude of Eqs (16), (17) and docs/pulses.md; no Ricker pulse has it'), &
+            'velocity amplitude of Eqs (16), (17), reference/pulses.md; no Ricker pulse has it'), &
          of_kind(pulse_kinds, 'omega_p', 'real', 'rad/s', '', positive, &
             'angular frequency; exactly one of omega_p and T_p'), &
          of_kind(pulse_kinds, 'T_p', 'real', 's', '', positive, 'period of the pulse'), &

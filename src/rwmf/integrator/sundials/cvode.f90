@@ -29,7 +29,7 @@ module rwmf_integrator_sundials_cvode
 
    ! The local errors of thousands of short steps add up in a multistep method that restarts at each
    ! impact, and most in BDF. With these shares of the tolerance an rtol delivers about the same
-   ! accuracy with every method (measured on random cases, docs/accuracy.md).
+   ! accuracy with every method (measured on random cases, docs/validation/accuracy.md).
    real(wp), parameter :: adams_share = 0.03_wp
    real(wp), parameter :: bdf_share = 0.05_wp
    real(wp), parameter :: adams_iteration = 0.3_wp

@@ -1,7 +1,7 @@
 !> Gravity on the displaced frame, `&p_delta`: a massless leaning column that carries m_g g.
 !>
 !> Between two floors that are displaced by d over the height of their storey it pushes both apart
-!> with W d/height, W the weight above: a negative stiffness of that storey (docs/theory.md).
+!> with W d/height, W the weight above: a negative stiffness of that storey (docs/theory/theory.md).
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -20,7 +20,7 @@ module rwmf_model_effects_p_delta
 
    integer, parameter :: of_mass = 1
    integer, parameter :: of_height = 2
-   !! 0: that of the wall or of the storeys
+   !! 0 for that of the wall or of the storeys
    integer, parameter :: of_limit = 3
    !! places of the keys among the numbers of the group
 
@@ -119,7 +119,7 @@ contains
       effect%n_coef = max(1, 2*effect%n)
    end subroutine prepare_p_delta
 
-   !> Constants: push over m_w (without wall over the mass of frame or roof) per displacement of
+   !> The constants, push over m_w (without wall over the mass of frame or roof) per displacement of
    !> each storey that moves by itself, or of the roof [1/s2]; where only the roof does, that of it
    !> which the links do not bear [1/s2]; drifts over the limit per displacement [1/m].
    subroutine prepare_storeys(case, equation, g, limit, effect)

@@ -197,9 +197,9 @@ contains
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       real(wp), intent(out) :: low
-      !! -huge: none
+      !! or -huge where there is none
       real(wp), intent(out) :: high
-      !! huge: none
+      !! or huge where there is none
 
       low = -huge(low)
       high = huge(high)

@@ -1,7 +1,7 @@
 !> The equation of motion with the frame's displacement as its unknown, for the fast spectra.
 !>
-!> On one side, with v = |u_s|/(2R) and f = sigma u_g'' (docs/fast.md derives it from the general
-!> form of `rwmf_model_lanes`):
+!> On one side, with v = |u_s|/(2R) and f = sigma u_g'' (docs/theory/fast.md derives it from the
+!> general form of `rwmf_model_lanes`):
 !>
 !>    v'' = - M1 (2 xi_s omega_s v' + omega_s**2 v) - M2 f - M3 - M4 v' + Q v'**2
 !>

@@ -32,7 +32,7 @@ module rwmf_spectrum_fast_team
    !! largest position of a lift-off, so that the rest of the step has a length [-]
    real(wp), parameter :: error_share(3) = [0.06_wp, 0.02_wp, 0.2_wp]
    !! error over the correction by the last of 1, 2, 3 evaluations of N, calibrated on spectra whose
-   !! errors are known (docs/fast.md) [-]
+   !! errors are known (docs/theory/fast.md) [-]
    real(wp), parameter :: large_angle = 0.95_wp
    !! omega_s h beyond which the error estimate is not damped [rad]
    real(wp), parameter :: wide_angle = 0.7_wp

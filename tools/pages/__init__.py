@@ -1,0 +1,1 @@
+"""The documentation site: runs what its pages show, makes its references, builds and checks it."""

@@ -1,0 +1,164 @@
+"""Builds the documentation site: ``tools/docs`` installs what this needs and calls it."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from pages import blocks, check, made
+
+ROOT = blocks.ROOT
+BUILD = ROOT / "build" / "pages"
+SITE = ROOT / "build" / "site"
+_SECONDS_SHOWN = 0.1
+_SHOWN = (
+    "examples",
+    "tests/unit",
+    "tests/export",
+    "tools/pages/blocks.py",
+    "tools/requirements.lock",
+)
+
+
+def main() -> int:
+    """Build what has changed; the exit status is 1 when a page is at fault.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    if not SITE.is_dir():
+        shutil.rmtree(BUILD, ignore_errors=True)
+    if "--made" in sys.argv[1:]:
+        made.write_all()
+    try:
+        for page in blocks.pages():
+            run_blocks(page)
+        _step(
+            "pages by Sphinx",
+            _run_sphinx,
+            [*_files("docs", "plots", "include", "tools/pages", "tools/docs.lock"), *_program()],
+        )
+        _step(
+            "pages by FORD",
+            _run_ford,
+            _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py", "tools/docs.lock"),
+        )
+        _step(
+            "links",
+            _check_links,
+            [
+                *_files("docs", "plots", "include", "src", "tools/pages", "tools/docs.lock"),
+                *_program(),
+            ],
+        )
+    except blocks.PageError as error:
+        print(f"docs: {error}", file=sys.stderr)
+        return 1
+    print(f"{SITE.relative_to(ROOT) / 'index.html'}")
+    return 0
+
+
+def run_blocks(page: Path) -> None:
+    """Run the blocks of a page and keep the figures that they draw, unless nothing has changed.
+
+    Parameters
+    ----------
+    page : Path
+        The page.
+
+    Raises
+    ------
+    PageError
+        For the first block that does not do what the page says.
+    """
+
+    def run() -> None:
+        with tempfile.TemporaryDirectory() as name:
+            blocks.run_page(page, Path(name))
+            blocks.keep_figures(page, Path(name))
+
+    _step(f"blocks of {page.relative_to(ROOT)}", run, [page, *_program()])
+
+
+def _step(name: str, run: Callable[[], None], inputs: Iterable[Path]) -> None:
+    """Do one step unless its inputs are those of its last success."""
+    BUILD.mkdir(parents=True, exist_ok=True)
+    key = hashlib.sha256()
+    for path in sorted(set(inputs)):
+        key.update(f"{path}\0".encode() + path.read_bytes())
+    stamp = BUILD / (name.replace("/", "-").replace(" ", "-") + ".key")
+    if stamp.is_file() and stamp.read_text(encoding="utf-8") == key.hexdigest():
+        return
+    stamp.unlink(missing_ok=True)
+    started = time.perf_counter()
+    try:
+        run()
+    except blocks.PageError as error:
+        raise blocks.PageError(f"{name}: {error}") from error
+    spent = time.perf_counter() - started
+    if spent > _SECONDS_SHOWN:
+        print(f"docs: {name}: {spent:.1f} s", file=sys.stderr)
+    stamp.write_text(key.hexdigest(), encoding="utf-8")
+
+
+def _files(*places: str) -> list[Path]:
+    """List what git knows or would take of these places, so that nothing made counts."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", *places],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return [path for path in map(ROOT.joinpath, listed.stdout.split("\0")) if path.is_file()]
+
+
+def _program() -> list[Path]:
+    """List what the blocks stand on."""
+    extensions = (ROOT / "build" / "src" / "bindings" / "python").glob("_*.so")
+    return [*_files("driver", "inputs", *_SHOWN), *extensions]
+
+
+def _run_sphinx() -> None:
+    """Write all pages, so that none stays whose source has gone; FORD's stay."""
+    for path in SITE.glob("*"):
+        if path.is_dir() and path.name != "fortran":
+            shutil.rmtree(path)
+        elif path.is_file():
+            path.unlink()
+    words = ["-n", "-W", "--keep-going", "-q", "-b", "html", "-d", str(BUILD / "doctrees")]
+    _call([sys.executable, "-m", "sphinx", *words, "docs", str(SITE)])
+
+
+def _run_ford() -> None:
+    import rwmf
+
+    from pages import fortran_pages
+
+    warnings = fortran_pages.build(SITE / "fortran", BUILD / "ford", rwmf.__version__)
+    if warnings:
+        raise blocks.PageError("\n".join(warnings))
+
+
+def _check_links() -> None:
+    faults = check.faults_of(SITE)
+    if faults:
+        raise blocks.PageError("\n".join(faults))
+
+
+def _call(words: list[str]) -> None:
+    done = subprocess.run(words, cwd=ROOT, check=False)
+    if done.returncode:
+        raise blocks.PageError(f"{' '.join(words)} ends with {done.returncode}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

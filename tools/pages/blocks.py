@@ -1,0 +1,342 @@
+"""Runs the code blocks of a page, in their order, in a folder of their own.
+
+========= =========================================================================================
+block     what is done with it
+========= =========================================================================================
+named     a file: in code letters, the name stands alone on the line before it. A path of the
+          repository has to be that file word for word; any other name is written.
+console   lines after ``$`` are run; what they print is that of the lines below, ``...`` is anything
+python    is run with the names of the blocks before it and prints the `text` block that follows
+nml       names groups and keys that there are
+fortran,  without a name: stands in a source file of the repository that is built, or is a namelist
+c, make
+sh        is not run (a build, hours, a cluster): it has to parse, with words that `rwmf` knows
+text      behind another than a python block: prose
+========= =========================================================================================
+
+Figures that the blocks draw are kept beside the page, in ``figures/PAGE/``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+FIGURES = "figures"
+
+_FENCE = re.compile(
+    r"(?:^`(?P<name>[\w./-]+)`\n\n)?^```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
+_SOURCES = {"fortran", "c", "make"}
+_RUN_BY = {"python", "console", "nml", "sh", "text"} | _SOURCES
+
+
+class PageError(Exception):
+    """A block of a page does not do what the page says."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file that it shows, or empty.
+    language : str
+        Word behind the fence.
+    text : str
+        Its lines.
+    printed : str or None
+        The `text` block that follows at once.
+    """
+
+    name: str
+    language: str
+    text: str
+    printed: str | None
+
+
+def pages() -> list[Path]:
+    """List all pages with blocks.
+
+    Returns
+    -------
+    list of Path
+        README.md and the pages of docs/, sorted.
+    """
+    found = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+    return [path for path in found if "```" in path.read_text(encoding="utf-8")]
+
+
+def blocks_of(text: str) -> list[Block]:
+    """Find the blocks of a page.
+
+    Parameters
+    ----------
+    text : str
+        The page.
+
+    Returns
+    -------
+    list of Block
+        In their order.
+    """
+    fences = list(_FENCE.finditer(text))
+    blocks = []
+    for fence, after in pairwise([*fences, None]):
+        if fence["language"].startswith("{"):
+            continue  # a directive of Sphinx
+        follows = after is not None and not text[fence.end() : after.start()].strip()
+        printed = after["text"] if follows and after["language"] == "text" else None
+        blocks.append(Block(fence["name"] or "", fence["language"], fence["text"], printed))
+    return blocks
+
+
+def run_page(page: Path, folder: Path) -> None:
+    """Run every block of a page.
+
+    Parameters
+    ----------
+    page : Path
+        The page.
+    folder : Path
+        Empty folder to run in; it holds the inputs of the repository, too.
+
+    Raises
+    ------
+    PageError
+        For the first block that does not do what the page says.
+    """
+    shutil.copytree(ROOT / "inputs", folder / "inputs")
+    names: dict[str, object] = {}
+    with contextlib.chdir(folder):
+        for block in blocks_of(page.read_text(encoding="utf-8")):
+            try:
+                _run(block, names)
+            except PageError:
+                raise
+            except Exception as error:
+                raise PageError(f"{type(error).__name__}: {error}, in\n{block.text}") from error
+
+
+def _run(block: Block, names: dict[str, object]) -> None:
+    if block.language not in _RUN_BY:
+        raise PageError(f"a block of the language '{block.language}':\n{block.text}")
+    if block.name and (ROOT / block.name).is_file():
+        if (ROOT / block.name).read_text(encoding="utf-8") != block.text:
+            raise PageError(f"{block.name} is not what the page shows")
+    elif block.name:
+        Path(block.name).write_text(block.text, encoding="utf-8")
+    elif block.language == "console":
+        _run_console(block.text)
+    elif block.language == "python":
+        _run_python(block, names)
+    elif block.language == "sh":
+        _parse_shell(block.text)
+    elif block.language == "nml" or re.match(r"\s*&", block.text):
+        _check_namelist(block.text)
+    elif block.language in _SOURCES and block.text.strip() not in _tested_sources():
+        raise PageError(f"in no tested source:\n{block.text}")
+
+
+def _run_python(block: Block, names: dict[str, object]) -> None:
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output):
+        exec(compile(block.text, "<page>", "exec"), names)
+    if block.printed is not None:
+        compare(output.getvalue(), block.printed)
+
+
+def _run_console(text: str) -> None:
+    for words, expected in _commands(text):
+        done = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", words],
+            env=_environment(words),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+        if done.returncode:
+            raise PageError(f"{words}\nends with {done.returncode}:\n{done.stdout}")
+        if expected:
+            compare(done.stdout, expected)
+
+
+def _commands(text: str) -> list[tuple[str, str]]:
+    """Split into commands, with their further lines behind a backslash, and what each prints."""
+    found: list[tuple[str, str]] = []
+    goes_on = False
+    for line in text.splitlines():
+        if line.startswith("$ "):
+            found.append((line[2:], ""))
+        elif goes_on:
+            found[-1] = (found[-1][0] + "\n" + line, "")
+        elif not found:
+            raise PageError(f"a console block begins with '$ ':\n{text}")
+        else:
+            found[-1] = (found[-1][0], found[-1][1] + line + "\n")
+        goes_on = line.endswith("\\")
+    return found
+
+
+def _environment(words: str) -> dict[str, str]:
+    """Make the environment of a reader: the commands of .venv, where things are."""
+    places = {
+        "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ['PATH']}",
+        "CHECKOUT": str(ROOT),
+        "MPLBACKEND": "Agg",
+        "OMP_NUM_THREADS": "1",
+    }
+    if "$PREFIX" in words:
+        places["PREFIX"] = str(_installed_library())
+    return os.environ | places
+
+
+@cache
+def _installed_library() -> Path:
+    """Install the library for host programs as `meson install` does, below the build."""
+    target = ROOT / "build" / "pages" / "installed"
+    shutil.rmtree(target, ignore_errors=True)
+    words = ["install", "-C", ROOT / "build", "--no-rebuild", "--quiet", "--tags", "devel"]
+    subprocess.run([ROOT / ".venv/bin/meson", *words, "--destdir", target], check=True)
+    prefix = next(target.rglob("rwmf.h")).parents[2]
+    library = next(target.rglob("librwmf.a"))
+    if library.parent != prefix / "lib":
+        # Debian's folder of libraries has the architecture in its name
+        library.rename(prefix / "lib" / library.name)
+    return prefix
+
+
+def _parse_shell(text: str) -> None:
+    done = subprocess.run(
+        ["bash", "-n"], input=text, capture_output=True, text=True, timeout=60, check=False
+    )
+    if done.returncode:
+        raise PageError(f"{done.stderr}\n{text}")
+    for line in text.replace("\\\n", " ").splitlines():
+        words = shlex.split(re.sub(r"\$\{?\w+\}?", "1", line), comments=True)
+        for name in ("rwmf", "tools/run"):
+            if name in words[:1] or ("-m" in words and name in words):
+                _parse_words(words[words.index(name) + 1 :], line)
+        program = next(iter(words), "")
+        if program.startswith(("tools/", "bench/", ".ci/")) and not (ROOT / program).is_file():
+            raise PageError(f"{program} is no file: {line}")
+
+
+def _parse_words(words: list[str], line: str) -> None:
+    """Ask the command's own parser whether it knows these words."""
+    from rwmf.cli.parser import make_parser
+
+    refused = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(refused), contextlib.redirect_stdout(io.StringIO()):
+            if words:
+                make_parser().parse_args(words)
+    except SystemExit as leave:
+        if leave.code:
+            raise PageError(f"{line}: {refused.getvalue()}") from None
+
+
+def _check_namelist(text: str) -> None:
+    """Every group and key is one of the kernel's, or of a sweep's file."""
+    keys = _keys()
+    bare = re.sub(r"'[^']*'|![^\n]*", "", text)
+    for group, body in re.findall(r"&(\w+)([^&]*)", bare):
+        if group.lower() not in keys:
+            raise PageError(f"no group &{group}:\n{text}")
+        for key in re.findall(r"([A-Za-z]\w*)\s*=", body):
+            if keys[group.lower()] and key.lower() not in keys[group.lower()]:
+                raise PageError(f"no key {key} in &{group}:\n{text}")
+
+
+@cache
+def _keys() -> dict[str, set[str]]:
+    from rwmf import _library
+
+    keys: dict[str, set[str]] = {"sweep": set(), "grid": set()}
+    for group, key, *_ in _library.schema():
+        keys.setdefault(group.lower(), set()).add(key.lower())
+    return keys
+
+
+@cache
+def _tested_sources() -> str:
+    folders = [ROOT / name for name in ("src", "tests/unit", "tests/export", "examples")]
+    return "\n".join(
+        path.read_text(encoding="utf-8")
+        for folder in folders
+        for path in sorted(folder.rglob("*"))
+        if path.suffix in {".f90", ".f", ".c"} or path.name == "Makefile"
+    )
+
+
+def compare(found: str, expected: str) -> None:
+    """Compare word by word, numbers to 1e-6 of their size; `...` stands for any words.
+
+    Parameters
+    ----------
+    found : str
+        What was printed.
+    expected : str
+        What the page says.
+
+    Raises
+    ------
+    PageError
+        When they differ.
+    """
+    if not _matches(found.split(), expected.split()):
+        raise PageError(f"printed:\n{found}\nthe page says:\n{expected}")
+
+
+def _matches(found: list[str], expected: list[str]) -> bool:
+    head = expected.index("...") if "..." in expected else len(expected)
+    if len(found) < head or not all(map(_same, found[:head], expected[:head])):
+        return False
+    if head == len(expected):
+        return len(found) == head
+    rest = expected[head + 1 :]
+    return any(_matches(found[i:], rest) for i in range(head, len(found) + 1))
+
+
+def _same(one: str, other: str) -> bool:
+    if one == other:
+        return True
+    try:
+        return math.isclose(float(one.strip("[],:")), float(other.strip("[],:")), rel_tol=1e-6)
+    except ValueError:
+        return False
+
+
+def keep_figures(page: Path, folder: Path) -> None:
+    """Keep the pictures that the blocks have drawn, for the page that shows them.
+
+    Parameters
+    ----------
+    page : Path
+        The page.
+    folder : Path
+        Where its blocks were run.
+    """
+    target = page.parent / FIGURES / page.stem
+    text = page.read_text(encoding="utf-8")
+    for name in re.findall(rf"\]\({FIGURES}/{page.stem}/([\w.-]+)\)", text):
+        target.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(folder / name, target / name)

@@ -1,0 +1,129 @@
+"""FORD's pages of the kernel: offline, and with every warning fatal.
+
+FORD's templates load Bootstrap, MathJax and lunr from content delivery networks. Here they come
+from Debian's packages libjs-bootstrap5 and libjs-lunr; no comment has formulas for MathJax.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import io
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import ford
+import ford.sourceform
+
+ROOT = Path(__file__).resolve().parents[2]
+_LIBRARIES = Path("/usr/share/javascript")
+_MEDIA = {
+    "bootstrap.min.css": _LIBRARIES / "bootstrap5" / "css" / "bootstrap.min.css",
+    "bootstrap.bundle.min.js": _LIBRARIES / "bootstrap5" / "js" / "bootstrap.bundle.min.js",
+    "lunr.js": _LIBRARIES / "lunr" / "lunr.js",
+}
+_REMOTE = re.compile(
+    r"""(?P<head><(?:link|script)\b[^>]*?(?:href|src)=)"https://[^"]*?/(?P<file>[\w.@-]+?)"""
+    r"""(?:\?[^"]*)?"(?P<tail>[^>]*>)""",
+    re.DOTALL,
+)
+_SETTINGS = """\
+---
+project: rwmf, the kernel
+summary: Modules, types and procedures of the kernel of rwmf
+author: the rwmf authors
+src_dir: {root}/src
+output_dir: {output}
+html_template_dir: {work}/templates
+media_dir: {work}/media
+css: {root}/docs/fortran.css
+preprocessor: gfortran -E -cpp -P
+extensions: f90
+fpp_extensions: F90
+macro: RWMF_VERSION="{version}"
+display: public
+incl_src: false
+graph: false
+print_creation_date: false
+sort: alpha
+max_frontpage_items: 0
+---
+Every module of the kernel with what it makes public. A host program needs the facade
+[[rwmf(module)]] alone. [Back to the documentation of rwmf](../index.html)
+"""
+
+
+def build(output: Path, work: Path, version: str) -> list[str]:
+    """Build the pages.
+
+    Parameters
+    ----------
+    output : Path
+        Folder of the pages.
+    work : Path
+        Folder for templates and settings.
+    version : str
+        Version of the kernel.
+
+    Returns
+    -------
+    list of str
+        FORD's warnings: none when all is well.
+    """
+    shutil.rmtree(work, ignore_errors=True)
+    (work / "media").mkdir(parents=True)
+    for name, path in _MEDIA.items():
+        shutil.copyfile(path, work / "media" / name)
+    _make_templates(work / "templates")
+    settings = work / "project.md"
+    settings.write_text(
+        _SETTINGS.format(root=ROOT, output=output, work=work, version=version), encoding="utf-8"
+    )
+    ford.sourceform.parse_type = _parse_type
+    printed = io.StringIO()
+    ford.console.console.file = printed
+    ford.console.console.width = 400
+    sys.argv = ["ford", str(settings)]
+    with contextlib.redirect_stdout(printed):
+        ford.run()
+    text = printed.getvalue()
+    return re.findall(r"^(?:Warning|Error).*(?:\n[ \t]+.*)*", text, re.MULTILINE)
+
+
+def _make_templates(folder: Path) -> None:
+    """Copy the templates that load something remote, and let them load our copies."""
+    shutil.copytree(Path(ford.__file__).parent / "templates", folder)
+    for path in folder.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        text = re.sub(r"<!-- MathJax -->.*?(?=<!-- Other)", "", text, flags=re.DOTALL)
+        path.write_text(_REMOTE.sub(_localize, text), encoding="utf-8")
+
+
+def _localize(match: re.Match[str]) -> str:
+    if match["file"] not in _MEDIA:
+        raise SystemExit(f"FORD's templates load {match['file']}, of which there is no copy here")
+    tail = re.sub(r"""\s*(?:integrity|crossorigin)="[^"]*\"""", "", match["tail"])
+    return f'{match["head"]}"{{{{ project_url }}}}/media/{match["file"]}"{tail}'
+
+
+_their_parse_type = ford.sourceform.parse_type
+_HIDDEN_COMMA = "\N{SINGLE LOW-9 QUOTATION MARK}"
+
+
+def _parse_type(string: str, *arguments: object) -> ford.sourceform.ParsedType:
+    """FORD takes every comma in `character(...)` for one between arguments, nested ones too."""
+    found = re.match(r"\s*character\s*\(", string, re.IGNORECASE)
+    if not found:
+        return _their_parse_type(string, *arguments)
+    depth, text = 1, list(string)
+    for i in range(found.end(), len(text)):
+        depth += {"(": 1, ")": -1}.get(text[i], 0)
+        if depth == 0:
+            break
+        if depth > 1 and text[i] == ",":
+            text[i] = _HIDDEN_COMMA
+    parsed = _their_parse_type("".join(text), *arguments)
+    length = parsed.strlen and parsed.strlen.replace(_HIDDEN_COMMA, ",")
+    return dataclasses.replace(parsed, strlen=length)

@@ -1,0 +1,155 @@
+"""The reference pages that a command makes: from the kernel's tables, its facade, the parser.
+
+``tools/docs --made`` writes them; a test holds them against what would be written.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+from collections.abc import Callable, Iterator
+from functools import cache
+
+from rwmf import key_reference, output_reference
+from rwmf.cli.parser import make_parser
+
+from pages.blocks import DOCS, ROOT
+
+_COMMANDS = """\
+# Commands
+
+Made by `tools/docs --made` from the parser that reads the command line. `rwmf COMMAND --help` says
+the same in a terminal.
+
+Exit status: 0, 1 numerical failure, 2 input or output, 3 an error that nobody has foreseen
+(`RWMF_TRACEBACK=1` shows where), 130 interrupted. The batch program `rwmf-batch CASE.nml ...` needs
+no Python; its words are at the end.
+"""
+_FACADE = """\
+# Fortran interface
+
+Made by `tools/docs --made` from `src/rwmf.f90`, the module `rwmf`: all that a host program may use.
+What each name means, argument by argument, with units and shapes, is in the
+<a href="../fortran/module/rwmf.html">pages of the kernel</a>, module by module. How to use it:
+[embedding](../howto/embedding.md), [tutorial](../tutorials/embedding.md).
+
+`error` is allocated when a call failed: `error%stat`, `error%message`. Nothing prints or stops,
+nothing is kept between calls.
+"""
+_DEFINITION = (
+    r"^ *(?:(?!public|private|use|end)[^!:'\n]*\b(?:subroutine|function) {0}\b"
+    r"|type\b[^:\n]*:: *{0}$|(?:abstract )?interface {0}$"
+    r"|[^!:\n]*\bparameter\b[^!:\n]*:: *{0}\b)"
+)
+
+
+def command_page() -> str:
+    """Make the reference of the commands.
+
+    Returns
+    -------
+    str
+        The page in Markdown.
+    """
+    parts = [_COMMANDS]
+    for name, parser in _commands("rwmf", make_parser()):
+        parts.append(f"\n## `{name}`\n\n{parser.description}\n")
+        rows = [row for action in parser._actions for row in _row(action)]
+        if rows:
+            parts.append("| word | meaning |\n|---|---|\n" + "\n".join(rows) + "\n")
+        example = (parser.epilog or "").removeprefix("example: ")
+        if example:
+            parts.append(f"```sh\n{example}\n```\n")
+    return "\n".join(parts) + _batch_section()
+
+
+def _commands(
+    name: str, parser: argparse.ArgumentParser
+) -> Iterator[tuple[str, argparse.ArgumentParser]]:
+    groups = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
+    if not groups:
+        yield name, parser
+    for group in groups:
+        for word, inner in group.choices.items():
+            yield from _commands(f"{name} {word}", inner)
+
+
+def _row(action: argparse.Action) -> Iterator[str]:
+    """Yield the row of a word, none for --help."""
+    if isinstance(action, argparse._HelpAction):
+        return
+    value = action.metavar or (
+        "{" + ",".join(map(str, action.choices)) + "}" if action.choices else action.dest.upper()
+    )
+    if isinstance(value, tuple):
+        value = " ".join(value)
+    value = "" if action.nargs == 0 else value + {"+": " ...", "*": " ..."}.get(action.nargs, "")
+    words = ", ".join(f"{option} {value}".strip() for option in action.option_strings) or value
+    meaning = " ".join(((action.help or "") % vars(action)).split()).replace("|", "\\|")
+    yield f"| `{words}` | {meaning} |"
+
+
+def _batch_section() -> str:
+    program = ROOT / ".venv" / "bin" / "rwmf-batch"
+    done = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
+    return f"\n## `rwmf-batch`\n\n```text\n{done.stdout.strip()}\n```\n"
+
+
+def facade_page() -> str:
+    """Make the reference of the module `rwmf`.
+
+    Returns
+    -------
+    str
+        The page in Markdown.
+    """
+    source = (ROOT / "src" / "rwmf.f90").read_text(encoding="utf-8")
+    uses = source[source.index("\nmodule rwmf") : source.index("implicit none")]
+    parts = [_FACADE]
+    for line in re.sub(r"&\s*\n\s*", "", uses).splitlines():
+        if comment := re.match(r" *! (.*)", line):
+            title = comment[1][0].upper() + comment[1][1:]
+            parts.append(f"\n## {title}\n\n| name | | module |\n|---|---|---|")
+        elif use := re.match(r" *use (\w+), only: (.*)", line):
+            names = sorted(name.strip() for name in use[2].split(","))
+            parts.extend(_facade_row(use[1], name) for name in names)
+    return "\n".join(parts) + "\n"
+
+
+def _facade_row(module: str, name: str) -> str:
+    page = f'<a href="../fortran/module/{module}.html">{module}</a>'
+    return f"| `{name}` | {_meaning(_sources()[module], name)} | {page} |"
+
+
+@cache
+def _sources() -> dict[str, str]:
+    """Read the files of all modules."""
+    texts = (path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.[fF]90"))
+    return {found[1]: text for text in texts if (found := re.search(r"^module (\w+)$", text, re.M))}
+
+
+def _meaning(source: str, name: str) -> str:
+    """Find the first sentence of the comment before a definition, or below a constant."""
+    found = re.search(_DEFINITION.format(name), source, re.MULTILINE)
+    if not found:
+        return ""
+    before = re.search(r"(?:^ *!>.*\n)+\Z", source[: found.start()], re.MULTILINE)
+    below = re.match(r".*\n((?: *!!.*\n)+)", source[found.start() :])
+    comment = before[0] if before else below[1] if below else ""
+    text = " ".join(" ".join(re.findall(r"![>!] ?(.*)", comment)).split())
+    return re.split(r"(?<=[.;]) ", text)[0].rstrip(";").replace("|", "\\|")
+
+
+PAGES: dict[str, Callable[[], str]] = {
+    "reference/namelist.md": key_reference.make,
+    "reference/outputs.md": output_reference.make,
+    "reference/commands.md": command_page,
+    "reference/fortran.md": facade_page,
+}
+
+
+def write_all() -> None:
+    """Write every page that a command makes."""
+    for name, make in PAGES.items():
+        (DOCS / name).write_text(make(), encoding="utf-8")
