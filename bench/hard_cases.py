@@ -4,8 +4,8 @@
     python bench/hard_cases.py --reference   first the answers that are not stored yet, or whose
                                              case has changed (all of them: some minutes)
 
-The cases are those of tests/robustness; the trusted answers come from quadruple precision. The rows go to
-docs/validation/hard-cases.csv, what follows from them to hard-cases.md beside it.
+The cases are those of tests/robustness; the trusted answers come from quadruple precision. The rows
+go to docs/validation/hard-cases.csv, what follows from them to hard-cases.md beside it.
 """
 
 from __future__ import annotations

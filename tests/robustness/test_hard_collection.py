@@ -10,7 +10,7 @@ import pytest
 from checkout import ROOT
 from hard_scenes import METHODS, Hard
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "bench"))
+sys.path.append(str(ROOT / "bench"))
 
 import hard_cases
 
