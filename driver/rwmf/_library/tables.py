@@ -22,7 +22,7 @@ def version() -> str:
     Returns
     -------
     str
-        For example ``'0.2.0'``.
+        Three numbers with dots between them.
     """
     return fetch_text(_kernel.version)
 
