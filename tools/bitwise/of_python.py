@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -245,6 +246,8 @@ def _private_reference() -> Callable[..., object]:
     module is looked for by what it holds, so that it may move.
     """
     name = "solve_reference"
+    # the package imports its modules when they are first used
+    importlib.import_module(rwmf.cost.__module__)
     holders = [m for key, m in sorted(sys.modules.items()) if key.startswith("rwmf.")]
     found: Callable[..., object]
     found = next(getattr(module, name) for module in holders if hasattr(module, name))
