@@ -37,6 +37,7 @@ contains
       real(wp), intent(in) :: u_dot_1
       !! velocity there [m/s]
       logical, intent(out) :: found
+      !! there is an impact within the step
       real(wp), intent(out) :: tau
       !! time since the beginning; dt when there is no impact [s]
       type(error_t), allocatable, intent(out), optional :: error

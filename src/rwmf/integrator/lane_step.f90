@@ -32,9 +32,9 @@ contains
       logical, intent(in) :: has_rates
       !! those at the beginning are known; no work is then asked for
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
-      !! rates at the nodes
+      !! rates of the states at the nodes; the first ones are those at the beginning
       real(wp), intent(out) :: y_new(lane_count, scene%n)
-      !! at the end, and before that at each node
+      !! states at the end, and before that at each node
       real(wp), intent(out) :: error(lane_count)
       !! norm of the local error over the tolerance [-]
       real(wp), intent(out), optional :: work(lane_count, power_count)

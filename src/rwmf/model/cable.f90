@@ -176,7 +176,9 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       real(wp), intent(out) :: elongation
+      !! beyond the length at rest [m]
       real(wp), intent(out) :: arm
+      !! derivative of the elongation by phi [m]
       real(wp), intent(out), optional :: arm_1
       !! derivative of the arm [m]
       type(straight_t) :: straight

@@ -282,6 +282,7 @@ contains
       character(*), intent(in) :: folder
       !! its path
       character(*), intent(in) :: name
+      !! of the file, without folder
       character(len(folder) + len(name) + merge(1, 0, &
          index(folder, '/', back=.true.) < len(folder))) :: path
 

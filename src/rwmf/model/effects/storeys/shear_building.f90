@@ -191,7 +191,10 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
+      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp), intent(out) :: sizes(:)
+      !! (states of the effect) of displacements [m] and velocities [m/s] of the floors, and of z
+      !! [-]
 
       associate (n => equation%floors%n - 1)
          sizes(:n) = frame_travel(equation)*size_guess(1)
