@@ -37,7 +37,7 @@ contains
       integer, intent(in) :: last
       !! stage at the end of the step
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y_new(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)

@@ -20,7 +20,7 @@ contains
       type(scene_t), intent(in) :: scene
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
       real(wp), intent(in) :: h(lane_count)

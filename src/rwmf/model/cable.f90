@@ -88,7 +88,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
 
       cable%force = 0
@@ -106,7 +106,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
 
       call signed_linear_cable(law, branch, sin_alpha, phi, abs(side), cable)
@@ -121,7 +121,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
 
       cable%force = law%eta_0 + side*law%rate*phi
@@ -206,7 +206,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
       real(wp) :: elongation
       real(wp) :: arm

@@ -47,7 +47,7 @@ module rwmf_model_lanes
       real(wp) :: vertical(lane_count)
       !! vertical one, positive upward [m/s2]
       real(wp) :: side(lane_count)
-      !! +1 or -1, the sign of theta
+      !! +1 or -1, the side in force: of a wall that rocks the sign of theta
       real(wp) :: push(lane_count)
       !! horizontal acceleration of the ground towards that side, over R [1/s2]
       real(wp) :: phi(lane_count)

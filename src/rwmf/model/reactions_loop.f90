@@ -28,7 +28,7 @@ contains
       type(force_parts_t), intent(in) :: parts
       !! complete
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)

@@ -110,7 +110,7 @@ contains
    !> Tolerance of the run that verifies one.
    elemental real(wp) function verifying_tolerance(rtol) result(tight)
       real(wp), intent(in) :: rtol
-      !! [-]
+      !! relative tolerance of the run that is verified [-]
 
       tight = max(tightest, 1.0e-3_wp*min(rtol, 1.0e-6_wp))
    end function verifying_tolerance

@@ -25,7 +25,7 @@ contains
    subroutine lane_rates(scene, coef, y, motion, y_dot)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; states of effects
       type(lane_motion_t), intent(inout) :: motion
@@ -91,7 +91,7 @@ contains
       real(wp), intent(in) :: weight
       !! of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! states
       real(wp), intent(in) :: y_dot(lane_count, scene%n)
@@ -133,7 +133,7 @@ contains
    pure subroutine power_unit(scene, coef, unit)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(out) :: unit(lane_count)
       !! R**2; 1 of a bare frame [m2]
       integer :: i

@@ -75,7 +75,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      !! coefficients of the effects at this rotation
+      !! coefficients of `add_floors`
       integer :: i
 
       associate (floors => model%floors, n => model%floors%n)
@@ -96,7 +96,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      !! coefficients of the effects at this rotation
+      !! that of `add_excited_mass` [-]
 
       coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
