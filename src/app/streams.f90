@@ -46,6 +46,7 @@ contains
    !> `flush` of gfortran 12 do not report.
    subroutine put(line, error)
       character(*), intent(in) :: line
+      !! without its line feed, which is added
       type(error_t), allocatable, intent(out) :: error
       integer(c_int), parameter :: standard_output = 1_c_int
       character(:), allocatable :: text

@@ -2,10 +2,11 @@
 
 A public procedure has a docstring. Each of its arguments that is a number, text or logical has a
 `!!` below its declaration; a real one, and each real component of a public type, with its unit in
-brackets, or saying what it is a state, part or number of. Arguments of a derived type are said by
-their type; a file whose docstring says that numbers are in the caller's units need not say more
-of them. Where there is an argument `error`, docstring or `!!` say when it is set. What C calls
-is explained by include/rwmf.h.
+brackets, or saying what it is a state, part or number of, or that it is a sign or a flag.
+Arguments of a derived type are said by their type; a file whose docstring says that numbers are in
+the caller's units need not say more of them. Where there is an argument `error`, docstring or `!!`
+say when it is set. What C calls is explained by include/rwmf.h. No explanation, public or not,
+begins with a word and a colon.
 """
 
 from __future__ import annotations
@@ -34,9 +35,13 @@ _UNIT = re.compile(r"\[[^\]]*\]")
 # a vector that mixes units: of states, rates, coefficients or what a table or caller says
 _MIXED = re.compile(
     r"\((\w+ )*(states?|rates?|coefficients?)\b"
-    r"|\b(states?|unit|units|coefficients|constants|as )\b",
+    r"|\b(states?|unit|units|coefficients|constants)\b",
     re.IGNORECASE,
 )
+# a sign, or what a loop over lanes has in place of a logical: 1 where it is so, 0 where not
+_FLAG = re.compile(r"(^|\s)[+-]?1 (where|or -1)\b")
+# FORD takes such a beginning for metadata and drops the line
+_METADATA = re.compile(r"^\s*[\w-]+:(\s|$)")
 _WHEN = re.compile(
     r"\b(fail|fails|failed|failure|error|errors|err_\w+|refuse[sd]?|wrong|cannot)\b", re.IGNORECASE
 )
@@ -81,7 +86,12 @@ def check(path: Path) -> tuple[int, list[Finding]]:
     statements = list(_read(path.read_text(encoding="utf-8").splitlines()))
     has_units = not statements or "in the caller's units" not in statements[0].doc
     public = _public_names(statements)
-    n, found = 0, []
+    n = 0
+    found = [
+        Finding(path, statement.line, f"begins as metadata of FORD: {statement.doc.strip()}")
+        for statement in statements
+        if _METADATA.match(statement.doc)
+    ]
     for scope in _scopes(statements):
         if scope.name.lower() in public and not scope.name.startswith("c_"):
             n += 1
@@ -197,4 +207,4 @@ def _declared(statement: _Statement) -> tuple[str, list[str]]:
 
 
 def _has_unit(doc: str) -> bool:
-    return bool(_UNIT.search(doc) or _MIXED.search(doc))
+    return bool(_UNIT.search(doc) or _MIXED.search(doc) or _FLAG.search(doc))

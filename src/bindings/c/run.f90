@@ -99,7 +99,9 @@ contains
       real(c_double), intent(in) :: t
       !! [s]
       logical, intent(in) :: overturned
+      !! it ended because the wall overturned
       logical, intent(in) :: collapsed
+      !! it ended because frame or storey passed its limit of drift
 
       ending_of = c_ending_t(t, merge(1_c_int32_t, 0_c_int32_t, overturned), &
          merge(1_c_int32_t, 0_c_int32_t, collapsed))

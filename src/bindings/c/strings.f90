@@ -23,8 +23,9 @@ contains
    !> Copy a text with its terminating null, as much of it as there is room for.
    subroutine put_text(text, buffer, size)
       character(*), intent(in) :: text
+      !! any length; its trailing blanks are copied as well
       type(c_ptr), intent(in) :: buffer
-      !! NULL: nobody asks
+      !! may be NULL, when nobody asks
       integer(c_size_t), intent(in) :: size
       !! bytes of the buffer
       character(kind=c_char), pointer :: bytes(:)
@@ -45,7 +46,7 @@ contains
    integer(c_int) function put_message(error, message, size) result(status)
       type(error_t), allocatable, intent(in) :: error
       type(c_ptr), intent(in) :: message
-      !! NULL: nobody asks
+      !! may be NULL, when nobody asks
       integer(c_size_t), intent(in) :: size
       !! bytes of the message
 
@@ -64,6 +65,7 @@ contains
       character(*), intent(in) :: what
       !! it is, for the message
       character(:), allocatable, intent(out) :: text
+      !! without the terminating null; not allocated after an error
       type(error_t), allocatable, intent(out) :: error
       !! the address is NULL
       character(kind=c_char), pointer :: bytes(:)

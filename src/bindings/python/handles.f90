@@ -52,6 +52,7 @@ contains
    !> Copy a text into a buffer of bytes, as much of it as there is room for.
    pure subroutine put_text(text, buffer, length)
       character(*), intent(in) :: text
+      !! any length; its trailing blanks are copied as well
       integer(c_int8_t), intent(inout) :: buffer(:)
       !! (bytes)
       integer(c_int), intent(out) :: length
@@ -86,6 +87,7 @@ contains
    pure subroutine join_status(spectrum, text)
       type(spectrum_t), intent(in) :: spectrum
       character(:), allocatable, intent(out) :: text
+      !! each line ends with a line feed
       character(len(spectrum%status)) :: status(size(spectrum%status))
       integer :: length
       integer :: i

@@ -127,7 +127,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(2)
-      !! theta, theta'
+      !! theta [rad], theta' [rad/s]
       real(wp), intent(out) :: y_dot(2)
       !! rates of the states
 
@@ -140,7 +140,7 @@ contains
    subroutine observe(scene, y)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: y(2)
-      !! theta, theta'
+      !! theta [rad], theta' [rad/s]
       integer :: side
 
       side = scene%equation%state%side

@@ -38,7 +38,7 @@ module rwmf_baseline_timed_run
    !> One simulation in numbers.
    type :: timed_run_t
       real(wp) :: values(n_values)
-      !! in the order of `value_names`; NaN for what does not apply to the scene
+      !! in the order and the units of `value_names`; NaN for what does not apply to the scene
       real(wp), allocatable :: impact_times(:)
       !! (impacts) [s]
       integer(i8) :: steps
@@ -174,7 +174,7 @@ contains
    pure subroutine put_measured(measured, values, counts, impact_times)
       type(timed_run_t), intent(in) :: measured
       real(dp), intent(inout) :: values(:)
-      !! in the order of `value_names`
+      !! in the order and the units of `value_names`; those beyond the seventh stay as they are
       integer(i8), intent(out) :: counts(5)
       !! steps, right-hand sides, impacts, overturned, repeats
       real(dp), intent(inout) :: impact_times(:)
@@ -195,7 +195,7 @@ contains
       type(timed_run_t), intent(in) :: one
       type(timed_run_t), intent(in) :: other
       real(dp), intent(inout) :: differences(:)
-      !! in the order of `value_names`
+      !! their sizes, in the order and the units of `value_names`
       real(dp), intent(inout) :: impact_differences(:)
       !! (impacts of `one`, or fewer) [s]
       integer :: i

@@ -11,7 +11,7 @@ module rwmf_core_control
       integer(i8), pointer :: done => null()
       !! finished simulations of a spectrum; null: nobody asks
       integer(i8), pointer :: cancel => null()
-      !! non-zero: stop as soon as possible; null: cannot be stopped
+      !! stop as soon as possible where it is not zero; null: cannot be stopped
    end type control_t
 
 contains

@@ -37,10 +37,11 @@ contains
       real(wp), intent(in) :: u_dot_1
       !! velocity there [m/s]
       logical, intent(out) :: found
+      !! there is an impact within the step
       real(wp), intent(out) :: tau
       !! time since the beginning; dt when there is no impact [s]
       type(error_t), allocatable, intent(out), optional :: error
-      !! `err_input` for no element, another side, or a number that is none
+      !! `err_input` for another side, a negative `dt`, or a number that is none
       type(error_t), allocatable :: refusal
       real(wp) :: p(0:3)
       !! sigma u as a polynomial of tau/dt [m]
@@ -134,7 +135,7 @@ contains
       real(wp), intent(out) :: tau
       !! time since the beginning; dt when it rests [s]
       type(error_t), allocatable, intent(out), optional :: error
-      !! `err_input` for no element or a number that is none
+      !! `err_input` for an element never created, a negative `dt`, or a number that is none
       type(error_t), allocatable :: refusal
       real(wp) :: drive_0
       real(wp) :: drive_1

@@ -29,6 +29,7 @@ contains
    !> Is it a finite number of a possible size?
    elemental logical function is_number(x)
       real(wp), intent(in) :: x
+      !! of any unit that a host hands over
 
       is_number = ieee_is_finite(x)
       if (is_number) is_number = abs(x) <= largest

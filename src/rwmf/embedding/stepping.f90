@@ -88,11 +88,11 @@ module rwmf_embedding_stepping
    !> Forces in N; in N per kg of the wall when the case has no m_w (bare frame: of the frame).
    type :: wall_forces_t
       real(wp) :: link = 0
-      !! from the wall on the frame, positive towards positive u_s
+      !! from the wall on the frame, positive towards positive u_s [N] or [N/kg]
       real(wp) :: frame_shear = 0
-      !! of spring and damper of the frame on its mass, with the sign of u_s
+      !! of spring and damper of the frame on its mass, with the sign of u_s [N] or [N/kg]
       real(wp) :: cable = 0
-      !! tension
+      !! tension [N] or [N/kg]
    end type wall_forces_t
 
 contains

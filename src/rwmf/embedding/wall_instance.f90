@@ -45,7 +45,7 @@ module rwmf_embedding_wall_instance
       real(wp) :: ground
       !! ground acceleration there [m/s2]
       real(wp) :: identity(8) = 0
-      !! see `identity_of`
+      !! see `identity_of`, which mixes units
       real(wp) :: mass
       !! of the wall, without one of the frame; 1 when the case does not say [kg]
       integer(i8) :: steps = 0_i8
@@ -56,10 +56,12 @@ module rwmf_embedding_wall_instance
    type :: snapshot_t
       logical :: is_filled = .false.
       real(wp) :: identity(8) = 0
-      !! `identity_of` the wall: a snapshot of another one is refused
+      !! `identity_of` the wall, which mixes units: a snapshot of another one is refused
       logical :: follows_host = .false.
       real(wp) :: t = 0
+      !! how far the host had advanced [s]
       real(wp) :: ground = 0
+      !! ground acceleration there [m/s2]
       type(discrete_state_t) :: state
       type(hybrid_state_t) :: hybrid
       type(peaks_t) :: peaks
@@ -80,6 +82,8 @@ contains
       real(wp), intent(in), optional :: t_begin
       !! [s]
       real(wp), intent(in), optional :: peak
+      !! largest ground acceleration to expect, by which tolerances are chosen; by default that of
+      !! the case's motion, or g/10 where it has none [m/s2]
       type(error_t), allocatable, intent(out) :: error
       !! the integrator cannot be made, or the history does not fit into memory
 

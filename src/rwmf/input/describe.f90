@@ -24,6 +24,7 @@ contains
    subroutine describe_case(case, text)
       type(case_t), intent(in) :: case
       character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed; '' for a case that has not been read
       type(key_t), allocatable :: keys(:)
       character(:), allocatable :: value
       integer :: i

@@ -49,6 +49,7 @@ contains
    !> that is neither key nor value, a key without value, an empty value, a subscript.
    subroutine parse_namelist(text, groups, error)
       character(*), intent(in) :: text
+      !! the whole namelist text, lines with their line feeds
       type(group_t), allocatable, intent(out) :: groups(:)
       !! (n) in the order of the text
       type(error_t), allocatable, intent(out) :: error

@@ -51,6 +51,7 @@ contains
    !> Error: a control character, which no text file has.
    subroutine start_scanner(text, scanner, error)
       character(*), intent(in) :: text
+      !! the whole namelist text, lines with their line feeds
       type(scanner_t), intent(out) :: scanner
       type(error_t), allocatable, intent(out) :: error
       character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
@@ -78,6 +79,7 @@ contains
    !> Error: a string that is not closed on its line.
    subroutine next_token(text, scanner, token, error)
       character(*), intent(in) :: text
+      !! the one with which the scanner has been started
       type(scanner_t), intent(inout) :: scanner
       type(token_t), intent(out) :: token
       type(error_t), allocatable, intent(out) :: error
@@ -109,6 +111,7 @@ contains
    !> Go to the next character that is neither blank nor in a comment.
    pure subroutine skip_blanks(text, scanner)
       character(*), intent(in) :: text
+      !! the one with which the scanner has been started
       type(scanner_t), intent(inout) :: scanner
       logical :: in_comment
 

@@ -101,6 +101,7 @@ contains
    !> tabs, one key a line. The default of a required key is 'required', of one without 'none'.
    subroutine write_schema(text)
       character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed
       character(*), parameter :: tab = achar(9)
       type(key_t), allocatable :: keys(:)
       character(16) :: default
@@ -123,6 +124,7 @@ contains
    !> given, separated by tabs.
    subroutine write_groups(text)
       character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed
       type(case_group_t), allocatable :: groups(:)
       integer :: i
       integer :: j

@@ -18,9 +18,11 @@ contains
       character(*), intent(in) :: value
       !! as it stands in the case, without quotes
       logical, intent(in) :: is_quoted
+      !! it stands in quotes in the case
       real(dp), intent(out) :: number
       !! of a logical 1 or 0, of texts 0 [unit of the key]
       character(:), allocatable, intent(out) :: problem
+      !! what the value must be; not allocated when it is fine
       logical :: ok
       logical :: truth
       integer :: whole

@@ -35,9 +35,9 @@ module rwmf_integrator_lane_columns
    integer, parameter :: of_fastest = 15
    !! largest |theta'| at the ends of steps [rad/s]
    integer, parameter :: of_rejected = 16
-   !! 1: the last trial was rejected
+   !! 1 where the last trial was rejected
    integer, parameter :: of_watch = 17
-   !! 1: every step is looked at
+   !! 1 where every step is looked at
    integer, parameter :: of_goal = 18
    !! length of the step to an event; 0: none is to be met [s]
    integer, parameter :: of_least = 19
@@ -56,7 +56,7 @@ module rwmf_integrator_lane_columns
    !! and one more: acceleration of the ground at the end of the step that was tried last,
    !! horizontal and vertical [m/s2]
    integer, parameter :: of_plain = 27
-   !! 1: the step that is tried holds no extremum of the reactions that are asked for
+   !! 1 where the step that is tried holds no extremum of the reactions that are asked for
    integer, parameter :: column_count = 27
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines

@@ -19,6 +19,8 @@ contains
    pure subroutine plan_step(pair, table, ground)
       type(pair_t), intent(in) :: pair
       real(wp), intent(inout) :: table(lane_count, column_count)
+      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
+      !! `of_trial`
       real(wp), intent(out) :: ground(lane_count, most_stages, 2)
       !! horizontal and vertical [m/s2]
       real(wp) :: rest, length
@@ -65,12 +67,15 @@ contains
       integer, intent(in) :: further
       !! number of the one beside the rotation that has a window
       real(wp), intent(inout) :: table(lane_count, column_count)
+      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), intent(inout) :: y(lane_count, n)
-      !! on return at the ends of accepted steps
+      !! states at the beginnings; on return at the ends of accepted steps
       real(wp), intent(in) :: y_dot(lane_count, n)
-      !! at the beginning
+      !! rates of the states at the beginning
       real(wp), intent(in) :: y_new(lane_count, n)
+      !! states at the ends of the steps that are tried
       real(wp), intent(in) :: error(lane_count)
+      !! norm of the local error over the tolerance; accurate up to 1 [-]
       integer, intent(out) :: mark(lane_count)
       !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
       real(wp) :: h, h_new, root, reach, bend, drop, lowest
@@ -138,6 +143,7 @@ contains
       !! of each interval: limit [s], or a negative number, as beyond the last one; a_0, slope, t_0,
       !! vertical a_0, slope
       real(wp), intent(inout) :: table(lane_count, column_count)
+      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
       integer, intent(inout) :: mark(lane_count)
       !! `at_limit`; on return `is_done` where it has been passed
       integer :: i, next

@@ -37,7 +37,7 @@ contains
       integer, intent(in) :: last
       !! stage at the end of the step
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y_new(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
@@ -45,7 +45,11 @@ contains
       integer, intent(in) :: mark(lane_count)
       !! what became of the steps before
       real(wp), intent(inout) :: table(lane_count, column_count)
+      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
+      !! `of_ground_end` and `of_plain`
       real(wp), intent(inout) :: values(lane_count, reaction_count, value_count)
+      !! reactions at the ends of the step, and their extremes so far, which stay: -N [m/s2], |H|/N
+      !! [-], |V| [m/s2]
       real(wp), parameter :: slack = 1.0e-9_wp
       real(wp), dimension(lane_count) :: angle, is_passed, jump
       real(wp) :: at_ends(lane_count, 2)
@@ -83,9 +87,10 @@ contains
       real(wp), intent(in) :: angle(lane_count)
       !! that the fastest vibration of the scene goes through in the step [rad]
       real(wp), intent(in) :: values(lane_count, reaction_count, value_count)
-      !! at the ends, and so far
+      !! reactions at the ends of the step, and their extremes so far: -N [m/s2], |H|/N [-], |V|
+      !! [m/s2]
       real(wp), intent(out) :: is_plain(lane_count)
-      !! 1: none; 0: perhaps one
+      !! 1 where there is none, 0 where there may be one
       real(wp), parameter :: largest_margin = 0.25_wp
       !! of the range so far, of so long a step
       real(wp) :: margin, range, found, share

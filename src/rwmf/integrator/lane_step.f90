@@ -20,7 +20,7 @@ contains
       type(scene_t), intent(in) :: scene
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
       real(wp), intent(in) :: h(lane_count)
@@ -32,9 +32,9 @@ contains
       logical, intent(in) :: has_rates
       !! those at the beginning are known; no work is then asked for
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
-      !! rates at the nodes
+      !! rates of the states at the nodes; the first ones are those at the beginning
       real(wp), intent(out) :: y_new(lane_count, scene%n)
-      !! at the end, and before that at each node
+      !! states at the end, and before that at each node
       real(wp), intent(out) :: error(lane_count)
       !! norm of the local error over the tolerance [-]
       real(wp), intent(out), optional :: work(lane_count, power_count)

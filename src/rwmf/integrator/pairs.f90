@@ -15,6 +15,7 @@ module rwmf_integrator_pairs
       integer :: terms = 0
       integer :: stage(most_terms) = 1
       real(wp) :: weight(most_terms) = 0
+      !! (terms) factor of each of these stages [-]
    end type sum_t
 
    !> A method with one or two embedded ones that estimate its error.
@@ -23,13 +24,13 @@ module rwmf_integrator_pairs
       integer :: error_order = 1
       !! the estimated local error shrinks as h**error_order
       real(wp) :: c(most_stages) = 0
-      !! nodes
+      !! nodes, in parts of the step [-]
       type(sum_t) :: a(2:most_stages)
       !! weights of the stages before in each stage
       type(sum_t) :: b
       !! weights of the solution
       real(wp) :: weight(most_stages) = 0
-      !! the same stage by stage
+      !! weights of the solution stage by stage [-]
       type(sum_t) :: e
       !! difference of an embedded solution from it
       type(sum_t) :: e_low
@@ -41,7 +42,7 @@ contains
    !> The sum with given weights.
    pure type(sum_t) function sum_of(weights) result(total)
       real(wp), intent(in) :: weights(:)
-      !! (stages)
+      !! (stages) factors, of which zeros are left out [-]
       integer :: j, n
 
       n = 0

@@ -12,7 +12,7 @@ module rwmf_math_symmetric_eigen
    public :: solve_modes
 
    interface
-      !> LAPACK: all eigenvalues and eigenvectors of A x = lambda B x.
+      !> All eigenvalues and eigenvectors of A x = lambda B x, by LAPACK.
       subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
          import :: dp
          implicit none
@@ -31,7 +31,7 @@ contains
       real(wp), intent(in) :: stiffness(:, :)
       !! (n, n) symmetric [1/s2 times the unit of mass]
       real(wp), intent(in) :: mass(:, :)
-      !! (n, n) symmetric, positive definite
+      !! (n, n) symmetric, positive definite [unit of mass]
       real(wp), intent(out) :: omega(:)
       !! (n) [rad/s]
       real(wp), intent(out) :: shape(:, :)

@@ -222,7 +222,7 @@ contains
    subroutine moment_at_rest(scene, coef, at_rest, moment, inertia)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(1, scene%n_coef)
-      !! on the side of the pivot
+      !! coefficients of the loops, on the side to which the moment is asked for
       real(wp), intent(in) :: at_rest(scene%n)
       !! states, of which the first two are zero
       real(wp), intent(out) :: moment

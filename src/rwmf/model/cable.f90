@@ -88,7 +88,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
 
       cable%force = 0
@@ -106,7 +106,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
 
       call signed_linear_cable(law, branch, sin_alpha, phi, abs(side), cable)
@@ -121,7 +121,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
 
       cable%force = law%eta_0 + side*law%rate*phi
@@ -176,7 +176,9 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       real(wp), intent(out) :: elongation
+      !! beyond the length at rest [m]
       real(wp), intent(out) :: arm
+      !! derivative of the elongation by phi [m]
       real(wp), intent(out), optional :: arm_1
       !! derivative of the arm [m]
       type(straight_t) :: straight
@@ -204,7 +206,7 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, by the sign of theta
+      !! +1 or -1, the side in force
       type(cable_state_t), intent(out) :: cable
       real(wp) :: elongation
       real(wp) :: arm

@@ -88,6 +88,7 @@ contains
       real(wp), intent(in) :: y(equation%n)
       !! (states)
       real(wp), intent(out) :: power(power_count)
+      !! put in by the ground motion, taken by dampers and by smooth plastic flow [W/kg]
       type(lane_motion_t) :: motion
       real(wp) :: y_dot(equation%n), unit(1)
 

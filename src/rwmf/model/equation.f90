@@ -30,7 +30,7 @@ module rwmf_model_equation
       logical :: is_present = .false.
       !! the case calls for it
       real(wp), allocatable :: constants(:)
-      !! what its procedures need of the case
+      !! what its procedures need of the case, each constant in a unit of its own
       procedure(coefficients_i), pointer, nopass :: coefficients => null()
       !! that its loop reads; not associated: it has no loop
       integer :: n_coef = 0

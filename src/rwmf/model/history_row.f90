@@ -12,7 +12,7 @@ module rwmf_model_history_row
       integer :: n
       !! columns that have been put into this row; not counted while names are gathered
       real(wp), allocatable :: values(:)
-      !! (columns)
+      !! (columns) in the units of their keys
       character(32), allocatable :: names(:)
       !! (columns); allocated only while they are gathered
    end type history_row_t
@@ -77,7 +77,9 @@ contains
    !> A key with a number in the place of '{i}'; another key is left as it is.
    pure character(40) function numbered(pattern, number) result(key)
       character(*), intent(in) :: pattern
+      !! key of the table of quantities, with or without '{i}'
       integer, intent(in) :: number
+      !! which takes the place of '{i}'
       integer :: place
 
       key = pattern

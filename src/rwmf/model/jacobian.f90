@@ -53,7 +53,9 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(out) :: by_theta
+      !! derivative of theta'' by theta [1/s2]
       real(wp), intent(out) :: by_theta_dot
+      !! derivative of theta'' by theta' [1/s]
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
       real(wp) :: phi_dot

@@ -15,17 +15,18 @@ module rwmf_model_kinematics
       real(wp) :: sin_alpha = 0
       !! of the slenderness [-]
       real(wp) :: cos_alpha = 1
+      !! of the slenderness as well [-]
       real(wp) :: link = 0
       !! length of the link over R [-]; 0: infinitely long
       real(wp) :: sine_wall = 0
-      !! sin(alpha) of a wall that rocks, 0 of a hinged one
+      !! sin(alpha) of a wall that rocks, 0 of a hinged one [-]
       real(wp) :: sine_link(-1:1) = 0
       !! by the side of the motion: sin(alpha) where the link is at the top corner above the lifting
-      !! corner, 0 where it is above the pivot
+      !! corner, 0 where it is above the pivot [-]
       real(wp) :: sine_lever(-1:1) = 0
-      !! the same for the arm of the link's force
+      !! the same for the arm of the link's force [-]
       real(wp) :: tilt(-1:1) = 1
-      !! +1 where the tilt of the link pushes the frame on, -1 where it holds it back
+      !! +1 where the tilt of the link pushes the frame on, -1 where it holds it back, by the side
    end type geometry_t
 
    !> Values at one rotation, all [-].
@@ -63,6 +64,7 @@ contains
       real(wp), intent(in) :: alpha
       !! slenderness [rad]
       character(*), intent(in) :: formulation
+      !! 'exact', 'symmetric' or 'published'
       logical, intent(in) :: is_rocking
       !! on its corners; else hinged in the middle, with the link on its centre line
       real(wp), intent(in) :: link
@@ -104,6 +106,7 @@ contains
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(inout) :: row(1, wall_coefficients)
+      !! coefficients of `move_wall`; those that depend on the side are set
 
       row(1, 1) = side
       row(1, 5) = geometry%sine_link(side)

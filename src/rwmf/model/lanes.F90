@@ -47,7 +47,7 @@ module rwmf_model_lanes
       real(wp) :: vertical(lane_count)
       !! vertical one, positive upward [m/s2]
       real(wp) :: side(lane_count)
-      !! sign of theta, +1 or -1
+      !! +1 or -1, the side in force: of a wall that rocks the sign of theta
       real(wp) :: push(lane_count)
       !! horizontal acceleration of the ground towards that side, over R [1/s2]
       real(wp) :: phi(lane_count)
@@ -55,17 +55,21 @@ module rwmf_model_lanes
       real(wp) :: rate(lane_count)
       !! phi' [rad/s]
       real(wp) :: half_sine(lane_count)
-      !! sin(phi/2)
+      !! sin(phi/2) [-]
       real(wp) :: half_cosine(lane_count)
-      !! cos(phi/2)
+      !! cos(phi/2) [-]
       real(wp) :: s(lane_count)
       !! arm of gravity over R; of a wall that rocks sin(alpha - phi) [-]
       real(wp) :: c(lane_count)
       !! arm of the ground's inertia force over R; cos(alpha - phi) [-]
       real(wp) :: u(lane_count)
+      !! displacement of the frame away from the pivot, over R [-]
       real(wp) :: j(lane_count)
+      !! du/dphi [-]
       real(wp) :: k(lane_count)
+      !! dj/dphi [-]
       real(wp) :: lever(lane_count)
+      !! arm of the link's force, over R [-]
       real(wp) :: inertia(lane_count)
       !! [-]
       real(wp) :: moment(lane_count)
@@ -147,8 +151,9 @@ contains
    !> +-(l - sqrt(l**2 - v**2)) to the displacement.
    pure subroutine tilt_link(coef, motion)
       real(wp), intent(in) :: coef(lane_count, link_coefficients)
-      !! l over R; +1 where the tilt pushes the frame on, -1 where it holds it back; 4 cos(alpha);
-      !! 4 sin(alpha) where the link is above the lifting corner, 0 where it is above the pivot
+      !! l over R [-]; +1 where the tilt pushes the frame on, -1 where it holds it back; 4
+      !! cos(alpha) [-]; 4 sin(alpha) where the link is above the lifting corner, 0 where it is
+      !! above the pivot [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: v, root, tilt_1
       integer :: i
@@ -188,7 +193,7 @@ contains
    !> Power of the ground motion on the wall's own mass.
    pure subroutine add_wall_power(weight, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the power in the sum [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
@@ -204,9 +209,9 @@ contains
    !> Powers of the ground motion on the frame's mass, and of its damper.
    pure subroutine add_frame_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, frame_coefficients)
-      !! those of `add_frame`
+      !! coefficients of `add_frame`
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

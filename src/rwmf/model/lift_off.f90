@@ -125,7 +125,7 @@ contains
       integer, intent(in) :: interval
       integer, intent(in) :: side
       real(wp), intent(inout) :: t
-      !! in: a time at rest; out: the lift-off [s]
+      !! a time at rest; on return that of the lift-off [s]
       real(wp), intent(in) :: t_end
       !! a time after lift-off [s]
       type(bracket_t) :: bracket

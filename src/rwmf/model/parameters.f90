@@ -26,7 +26,9 @@ module rwmf_model_parameters
       real(wp) :: g
       !! [m/s2]
       real(wp) :: sin_alpha = 0
+      !! sine of the slenderness [-]
       real(wp) :: cos_alpha = 1
+      !! cosine of the slenderness [-]
       real(wp) :: g_over_R = 0
       !! [1/s2]
       real(wp) :: two_xi_omega = 0

@@ -97,7 +97,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! states
       real(wp), intent(in) :: y_ddot
-      !! rates of the rates
+      !! theta'' [rad/s2]; without wall u'' [m/s2]
       real(wp) :: force(2)
       !! [m/s2]
       real(wp), allocatable :: resisting(:)

@@ -28,12 +28,13 @@ contains
       type(force_parts_t), intent(in) :: parts
       !! complete
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! acceleration of the ground, horizontal and vertical [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
+      !! -N [m/s2], |H|/N [-] and |V| [m/s2] in the columns `low_normal`, `demand` and `shear`;
       !! without wall the shear alone, and the others below everything
       type(lane_motion_t) :: motion
       real(wp), dimension(lane_count, 2) :: link, corner, cable
@@ -81,7 +82,7 @@ contains
       real(wp), intent(in) :: y(lane_count, part%n)
       !! (states)
       type(lane_motion_t), intent(inout) :: motion
-      !! in: accelerations of the ground; out: kinematics
+      !! with the accelerations of the ground; on return kinematics as well
       real(wp), intent(out) :: total(lane_count, 2)
       !! moment [1/s2] and inertia [-] over m_w R**2
       real(wp) :: rates(lane_count, part%n)

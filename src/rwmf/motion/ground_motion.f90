@@ -260,7 +260,7 @@ contains
    pure logical function is_curved(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! between two knots of the ground motion
+      !! as `interval_at` counts
 
       is_curved = motion%shape == shape_pulse .and. interval >= motion%curve%first &
          .and. interval < motion%curve%last
@@ -282,7 +282,7 @@ contains
    pure real(wp) function vertical_acceleration(motion, interval, t) result(vertical)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! between two knots of the ground motion
+      !! as `interval_at` counts
       real(wp), intent(in) :: t
       !! [s], in the closed interval
       type(line_t) :: line
@@ -297,7 +297,7 @@ contains
    pure type(line_t) function vertical_line_of(motion, interval, horizontal) result(line)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! between two knots of the ground motion
+      !! as `interval_at` counts
       type(line_t), intent(in) :: horizontal
       !! line of the horizontal motion there
 
@@ -310,7 +310,7 @@ contains
          motion%vertical%slope(interval))
    end function vertical_line_of
 
-   !> Interval that begins at or before t and ends after it.
+   !> Number of the interval that begins at or before t and ends after it; 0 before the first knot.
    pure integer function interval_at(motion, t)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t
@@ -323,7 +323,7 @@ contains
    pure real(wp) function interval_end(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! between two knots of the ground motion
+      !! as `interval_at` counts
 
       if (interval < size(motion%knot)) then
          interval_end = motion%knot(interval + 1)
@@ -381,7 +381,7 @@ contains
    pure real(wp) function turning_point(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! between two knots of the ground motion
+      !! as `interval_at` counts
       real(wp), intent(in) :: t
       !! [s], inside the interval
 
@@ -399,7 +399,7 @@ contains
    pure real(wp) function steep_point(motion, interval, t, share)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! between two knots of the ground motion
+      !! as `interval_at` counts
       real(wp), intent(in) :: t
       !! [s], inside the interval
       real(wp), intent(in) :: share

@@ -12,9 +12,9 @@ module rwmf_motion_polyline
       real(wp), allocatable :: knot(:)
       !! (n) strictly increasing times [s]
       real(wp), allocatable :: a(:)
-      !! (n) value just after the knot
+      !! (n) acceleration just after the knot [m/s2]
       real(wp), allocatable :: slope(:)
-      !! (n) its rate in the interval after the knot [1/s]
+      !! (n) its rate in the interval after the knot [m/s3]
    end type lines_t
 
    !> Straight line a_0 + slope*(t - t_0) that the ground acceleration follows in an interval.
@@ -36,7 +36,7 @@ contains
       real(wp), intent(in) :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), intent(in) :: a(:)
-      !! (n) values
+      !! (n) accelerations [m/s2]
       integer :: n
 
       n = size(t)

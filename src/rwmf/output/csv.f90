@@ -22,7 +22,7 @@ module rwmf_output_csv
 
    character(*), parameter :: endings(3) = [character(13) :: &
       '.summary.csv', '.history.csv', '.spectrum.csv']
-   !! of the files of a case
+   !! of the names of the files of a case
 
 contains
 
@@ -88,7 +88,7 @@ contains
    !> Fails when a file that a case of this name may write is one that a case was read from.
    subroutine check_outputs(folder, name, case, error, source)
       character(*), intent(in) :: folder
-      !! its path
+      !! its path; '' is the current one
       character(*), intent(in) :: name
       !! of the case that writes, see `case_name`
       type(case_t), intent(in) :: case
@@ -109,7 +109,7 @@ contains
    !> Files that a case of this name may write, each with blanks at its end.
    pure function file_names(name) result(names)
       character(*), intent(in) :: name
-      !! see `case_name`
+      !! of the case, see `case_name`
       character(len(name) + len(endings)) :: names(size(endings))
 
       names = name//endings

@@ -31,6 +31,7 @@ contains
       type(case_t), intent(in) :: case
       !! valid
       character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed; not allocated after an error
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: instant
       type(motion_t) :: motion

@@ -112,6 +112,7 @@ contains
    pure subroutine summary_text(items, text)
       type(summary_item_t), intent(in) :: items(:)
       character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed
       integer :: i
 
       text = ''
@@ -169,6 +170,7 @@ contains
    !> The items of a list with a tab between them.
    pure function joined(list) result(text)
       character(*), intent(in) :: list(:)
+      !! (n), padded with blanks, which are left out
       character(joined_length(list)) :: text
       integer :: last
       integer :: i

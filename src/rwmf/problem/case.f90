@@ -276,6 +276,7 @@ contains
       character(*), intent(in) :: group
       !! its name, without &
       real(wp), intent(in) :: values(:)
+      !! in an order that the effect knows, each in the unit of its key
       type(effect_numbers_t), allocatable :: all_numbers(:)
       integer :: n
 

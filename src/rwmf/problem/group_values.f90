@@ -90,6 +90,7 @@ contains
    pure logical function has_group(values, name)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: name
+      !! its name, without &
       integer :: place
 
       place = group_place(values, name)
@@ -227,6 +228,7 @@ contains
       character(*), intent(in) :: key
       !! its name
       character(:), allocatable, intent(out) :: value
+      !! not allocated when the key has no value
 
       if (first_value(values, group, key) > 0) value = text_of(values, group, key)
    end subroutine get_text

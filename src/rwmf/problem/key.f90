@@ -43,9 +43,13 @@ contains
       character(*), intent(in) :: key
       !! its name
       character(*), intent(in) :: type
+      !! component of `key_t`, as the following ones
       character(*), intent(in) :: unit
+      !! of a number; '-' for a ratio, '' for texts and counts
       character(*), intent(in) :: allowed
+      !! of a number its range, of a choice its names
       character(*), intent(in) :: help
+      !! what it means, for the user
 
       required = key_t(group, key, type, unit, '', .true., allowed, help, '', '')
    end function required
@@ -57,11 +61,18 @@ contains
       character(*), intent(in) :: key
       !! its name
       character(*), intent(in) :: type
+      !! component of `key_t`, as the following ones
       character(*), intent(in) :: unit
+      !! of a number; '-' for a ratio, '' for texts and counts
       character(*), intent(in) :: default
+      !! value when it is not given, or the key of the group that has it; '' for none
       character(*), intent(in) :: allowed
+      !! of a number its range, of a choice its names
       character(*), intent(in) :: help
+      !! what it means, for the user
       character(*), intent(in), optional :: implies
+      !! `KEY=VALUE`, what a choice of the group is when this key is given and the choice is not;
+      !! absent for none
 
       optional_key = key_t(group, key, type, unit, default, .false., allowed, help, '', '')
       if (present(implies)) optional_key%implies = implies
@@ -70,13 +81,19 @@ contains
    !> A key of some kinds of motion.
    pure type(key_t) function of_kind(kinds, key, type, unit, default, allowed, help)
       character(*), intent(in) :: kinds
+      !! names of the kinds of motion that the key belongs to, with blanks between; '' for all
       character(*), intent(in) :: key
       !! its name
       character(*), intent(in) :: type
+      !! component of `key_t`, as the following ones
       character(*), intent(in) :: unit
+      !! of a number; '-' for a ratio, '' for texts and counts
       character(*), intent(in) :: default
+      !! value when it is not given, or the key of the group that has it; '' for none
       character(*), intent(in) :: allowed
+      !! of a number its range, of a choice its names
       character(*), intent(in) :: help
+      !! what it means, for the user
 
       of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds, '')
    end function of_kind
@@ -85,6 +102,7 @@ contains
    pure logical function belongs_to(key, kind)
       type(key_t), intent(in) :: key
       character(*), intent(in) :: kind
+      !! name of a kind of motion, without blanks
 
       belongs_to = key%kinds == '' .or. index(' '//key%kinds//' ', ' '//kind//' ') > 0
    end function belongs_to

@@ -24,6 +24,7 @@ contains
       real(wp), intent(in) :: root_stiffness
       !! > 0, square root of the stiffness [sqrt(N/m)]
       character(:), allocatable, intent(out) :: problem
+      !! what is wrong, and with which period; not allocated when nothing is
       real(wp), parameter :: shortest = 1.0e-5_wp
       !! [s]
 
@@ -39,7 +40,9 @@ contains
       character(*), intent(in) :: group
       !! its name, without &
       character(*), intent(in) :: other
+      !! name of the group that it needs, without &
       character(*), intent(in) :: reason
+      !! why it does, for the message
       type(error_t), allocatable, intent(out) :: error
       !! `err_input` when it is missing
 
@@ -53,7 +56,9 @@ contains
       character(*), intent(in) :: group
       !! its name, without &
       character(*), intent(in) :: a
+      !! name of one key
       character(*), intent(in) :: b
+      !! name of the other key
       character(*), intent(in) :: condition
       !! 'with ...'
       type(error_t), allocatable, intent(out) :: error
@@ -74,6 +79,7 @@ contains
       character(*), intent(in) :: group
       !! its name, without &
       character(*), intent(in) :: problem
+      !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
@@ -88,6 +94,7 @@ contains
       character(*), intent(in) :: key
       !! its name
       character(*), intent(in) :: problem
+      !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
       character(:), allocatable :: shown_values
@@ -107,8 +114,11 @@ contains
       integer, intent(in) :: number
       !! of the value in its key
       logical, intent(in) :: is_quoted
+      !! it stands in quotes in the case
       character(*), intent(in) :: value
+      !! as it stands in the case, without quotes
       character(:), allocatable, intent(inout) :: text
+      !! those before it, with commas between; this one is appended
       integer, parameter :: most = 8
 
       if (number == most + 1) text = text//', ...'
@@ -128,8 +138,11 @@ contains
       character(*), intent(in) :: key
       !! its name
       character(*), intent(in) :: shown_values
+      !! its values as `append_value` lists them
       integer, intent(in) :: line
+      !! number of the line of the key
       character(*), intent(in) :: problem
+      !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
@@ -142,7 +155,9 @@ contains
       character(*), intent(in) :: group
       !! its name, without &
       integer, intent(in) :: line
+      !! number of the line where the group begins
       character(*), intent(in) :: problem
+      !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 

@@ -93,6 +93,7 @@ contains
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
       integer, intent(in) :: mode
+      !! number of the mode, in the order of the frequencies
       integer :: i
 
       height = 0
@@ -107,6 +108,7 @@ contains
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
       integer, intent(in) :: mode
+      !! number of the mode, in the order of the frequencies
 
       roof_factor = excitation(frame, mode)*frame%shape(size(frame%m), mode)
    end function roof_factor

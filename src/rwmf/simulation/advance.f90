@@ -45,7 +45,7 @@ contains
       type(team_t), intent(inout), target :: team
       !! of a method that steps in lanes; kept from call to call
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails, the wall jumps, too many steps, or interrupted
+      !! the integrator fails, the wall jumps or stands on its fuses, too many steps, or interrupted
 
       select type (integrator)
       type is (explicit_pair_t)

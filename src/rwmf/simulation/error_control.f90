@@ -78,8 +78,9 @@ contains
    !> error found before suggests.
    elemental real(wp) function next_tolerance(accuracy, present, estimate) result(rtol)
       real(wp), intent(in) :: accuracy
+      !! relative error that the result may have [-]
       real(wp), intent(in) :: present
-      !! tolerance of the result
+      !! tolerance of the result [-]
       real(wp), intent(in) :: estimate
       !! of its error, negative where there is none [-]
 
@@ -91,6 +92,7 @@ contains
    !> Tolerance of the first run for a requested accuracy.
    pure real(wp) function first_tolerance(accuracy) result(rtol)
       real(wp), intent(in) :: accuracy
+      !! relative error that the result may have [-]
 
       rtol = min(loosest, max(tightest, 0.5_wp*accuracy))
    end function first_tolerance
@@ -98,7 +100,9 @@ contains
    !> Is an estimated error below the requested accuracy, with what the estimate itself may err?
    elemental logical function is_close_enough(estimate, accuracy)
       real(wp), intent(in) :: estimate
+      !! of the relative error of the result [-]
       real(wp), intent(in) :: accuracy
+      !! relative error that the result may have [-]
 
       is_close_enough = estimate <= 0.7_wp*accuracy
    end function is_close_enough
@@ -106,7 +110,7 @@ contains
    !> Tolerance of the run that verifies one.
    elemental real(wp) function verifying_tolerance(rtol) result(tight)
       real(wp), intent(in) :: rtol
-      !! [-]
+      !! relative tolerance of the run that is verified [-]
 
       tight = max(tightest, 1.0e-3_wp*min(rtol, 1.0e-6_wp))
    end function verifying_tolerance
@@ -166,7 +170,9 @@ contains
    !> Difference of two peaks over the second [-].
    pure real(wp) function relative_change(one, other) result(change)
       real(wp), intent(in) :: one
+      !! peak of any unit
       real(wp), intent(in) :: other
+      !! that of the run that it is compared with, in the same unit
 
       change = abs(one - other)
       if (change > 0) change = change/max(abs(other), tiny(change))

@@ -32,6 +32,7 @@ contains
    subroutine hold_wall(state, is_held)
       type(discrete_state_t), intent(inout) :: state
       logical, intent(in) :: is_held
+      !! the wall stays where it is
 
       state%coef(1, 1) = merge(0, 1, is_held)
    end subroutine hold_wall
@@ -97,6 +98,7 @@ contains
       class(integrator_t), intent(inout), target :: integrator
       type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: side
+      !! to which the wall lifts off, +1 or -1; 0 when it goes on resting
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(storey_end_t) :: ending

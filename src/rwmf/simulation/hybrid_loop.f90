@@ -141,7 +141,7 @@ contains
       class(integrator_t), intent(in) :: integrator
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
-      !! `err_interrupt` after that wish, `err_numerical` beyond the bound
+      !! `err_interrupt` when the caller wishes to stop, `err_numerical` after too many steps
 
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then
@@ -162,7 +162,7 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails
+      !! the integrator fails, or the wall jumps
       real(wp) :: t_begin
       real(wp) :: t_limit
       integer :: interval
@@ -351,7 +351,7 @@ contains
       class(integrator_t), intent(inout), target :: integrator
       type(recorder_t), intent(inout) :: recorder
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails
+      !! the integrator fails, the wall jumps or stands on its fuses
       type(storey_end_t) :: ending
       type(step_view_t) :: step
       integer :: event

@@ -269,6 +269,7 @@ contains
       character(*), intent(in) :: key
       !! as it stands in an output
       integer, intent(out) :: place
+      !! row of `all_quantities`, 0 for a key that is not there
       integer, intent(out) :: number
       !! 0 where it has none
       integer :: first, behind, status
@@ -305,6 +306,7 @@ contains
    !> The table as text: its components in their order, separated by tabs, one quantity a line.
    pure subroutine quantities_text(text)
       character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed
       character(*), parameter :: tab = achar(9)
       type(quantity_t) :: row
       integer :: i

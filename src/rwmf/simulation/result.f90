@@ -40,7 +40,8 @@ module rwmf_simulation_result
       character(32), allocatable :: names(:)
       !! (columns), with unit suffix as in the CSV file: 't_s', 'theta_rad', ...
       real(wp), allocatable :: values(:, :)
-      !! (rows, columns); after overturning or collapse there are no more rows
+      !! (rows, columns) in the units of the names; after overturning or collapse there are no more
+      !! rows
    end type history_t
 
    !> Energy ledger per unit m_w (bare frame: per unit m_s) [J/kg].
@@ -228,6 +229,7 @@ contains
    pure subroutine add_warning(result, text)
       type(result_t), intent(inout) :: result
       character(*), intent(in) :: text
+      !! the sentence, of at most 256 letters
       character(256), allocatable :: longer(:)
       integer :: n
 

@@ -145,6 +145,7 @@ contains
    subroutine begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: size_guess(2)
+      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       type(equation_t), intent(inout), target :: equation
       class(integrator_t), intent(inout) :: integrator
       type(hybrid_t), intent(out) :: hybrid
@@ -176,7 +177,9 @@ contains
    pure logical function is_much_smaller(case, size_found, size_guess) result(is_smaller)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: size_found(2)
+      !! largest |theta| and |theta'| of the run [rad], [rad/s]; bare frame |u|, |u'| [m], [m/s]
       real(wp), intent(in) :: size_guess(2)
+      !! those that were expected [rad], [rad/s] or [m], [m/s]
 
       is_smaller = .not. allocated(case%solver%atol) .and. any(size_found > 0) &
          .and. any(size_found <= 0.1_wp*size_guess)
@@ -187,6 +190,7 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
+      !! expected largest |theta| and |theta'| [rad], [rad/s]; bare frame |u|, |u'| [m], [m/s]
 
       tolerance%rtol = case%solver%rtol
       if (allocated(case%solver%atol)) then

@@ -125,6 +125,7 @@ contains
    !> What `broken_laws` found, in one line; '' for nothing.
    pure function tell_broken_laws(is_broken) result(text)
       logical, intent(in) :: is_broken(2)
+      !! energy while theta < 0, angular momentum at impacts
       character(160) :: text
 
       text = ''

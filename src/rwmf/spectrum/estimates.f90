@@ -22,6 +22,7 @@ contains
       type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
+      !! number of threads to use
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
       integer :: i

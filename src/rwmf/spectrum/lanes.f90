@@ -44,7 +44,7 @@ module rwmf_spectrum_lanes
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: rtol = 0
-      !! tolerance, where it is not that of the case
+      !! tolerance, where it is not that of the case [-]
       real(wp) :: estimate = -1
       !! of the relative error of u_s_max; negative: there is none [-]
       real(wp) :: sensitivity = -1
@@ -54,7 +54,7 @@ module rwmf_spectrum_lanes
       character(24) :: failure = ''
       !! name of the error
       real(wp), allocatable :: values(:)
-      !! (quantities) that were asked for, where it is more than u_s_max
+      !! (quantities) that were asked for, in their units, where it is more than u_s_max
    end type ordinate_t
 
    !> The run of a lane.
@@ -78,6 +78,7 @@ contains
       type(asked_t), intent(in) :: asked
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
+      !! number of threads to use
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
       integer :: next

@@ -114,6 +114,7 @@ contains
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       character(40), allocatable, intent(out) :: keys(:)
+      !! (keys) with the number of a storey in the place of '{i}'
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: asking, instant
       type(result_t) :: result

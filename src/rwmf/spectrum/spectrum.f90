@@ -62,7 +62,7 @@ contains
    subroutine compute_spectrum(case, threads, spectrum, error, control)
       type(case_t), intent(in) :: case
       integer, intent(in) :: threads
-      !! 0: all that OpenMP offers
+      !! number of threads; 0 for all that OpenMP offers
       type(spectrum_t), intent(out) :: spectrum
       type(error_t), allocatable, intent(out) :: error
       !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted

@@ -16,7 +16,7 @@ contains
    !> Threads to use. Fails with `err_input` when they are negative or more than `most_threads`.
    subroutine choose_threads(asked, threads, error)
       integer, intent(in) :: asked
-      !! 0: all that OpenMP offers, which OMP_NUM_THREADS bounds
+      !! number of threads; 0 for all that OpenMP offers, which OMP_NUM_THREADS bounds
       integer, intent(out) :: threads
       !! >= 1
       type(error_t), allocatable, intent(out) :: error

@@ -280,8 +280,9 @@ contains
    !> `folder/name`, where the folder may be '' (the current one).
    pure function join_path(folder, name) result(path)
       character(*), intent(in) :: folder
-      !! its path
+      !! its path; '' is the current one
       character(*), intent(in) :: name
+      !! of the file, without folder
       character(len(folder) + len(name) + merge(1, 0, &
          index(folder, '/', back=.true.) < len(folder))) :: path
 

@@ -15,6 +15,7 @@ contains
    !> CRC-32 with the IEEE polynomial, as zlib, gzip and PNG compute it.
    pure function crc32(bytes) result(digits)
       character(*), intent(in) :: bytes
+      !! the sequence, a letter a byte
       character(8) :: digits
       !! hexadecimal, small letters
       integer(int32) :: crc

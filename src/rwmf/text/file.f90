@@ -48,6 +48,7 @@ contains
       character(*), intent(in) :: path
       !! of the file
       character(:), allocatable, intent(out) :: bytes
+      !! the whole file; nothing to rely on after an error
       type(error_t), allocatable, intent(out) :: error
       integer(i8) :: size
       logical :: exists

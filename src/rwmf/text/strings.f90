@@ -109,7 +109,7 @@ contains
       real(dp), intent(out) :: value
       !! [any], zero when the text is not such a number
       logical, intent(out) :: ok
-      !! false: not a number, or its magnitude is 1e308 or more
+      !! it is a number, and its magnitude below 1e308
       integer, parameter :: most_digits = 15, most_exponent = 22
       integer(i8) :: mantissa
       integer :: digits
@@ -189,6 +189,7 @@ contains
       integer, intent(out) :: value
       !! zero when the text is not an integer or out of range
       logical, intent(out) :: ok
+      !! the text is an integer that the default kind holds
       integer(i8) :: long
       integer :: first
       integer :: i
@@ -211,6 +212,7 @@ contains
    !> The same text with small letters.
    elemental function to_lower(text) result(lower)
       character(*), intent(in) :: text
+      !! of which A to Z change
       character(len(text)) :: lower
       integer :: i
 
@@ -223,6 +225,7 @@ contains
    !> A piece of a file as it may stand in a message: short, on one line, printable.
    pure function shown(text) result(short)
       character(*), intent(in) :: text
+      !! of any length and with any bytes
       integer, parameter :: longest = 60
       character(min(len(text), longest) + merge(3, 0, len(text) > longest)) :: short
       integer :: i
@@ -236,9 +239,11 @@ contains
    !> The line that begins at `position`, which then moves behind it.
    pure subroutine next_line(text, position, first, last)
       character(*), intent(in) :: text
+      !! lines, of which the last may lack its line feed
       integer, intent(inout) :: position
       !! where the line begins; on return beyond its line feed
       integer, intent(out) :: first
+      !! where the line begins
       integer, intent(out) :: last
       !! the line is text(first:last), without line feed and carriage return
       integer :: length
@@ -256,8 +261,11 @@ contains
    !> The first word at or after `position`, which then moves behind it.
    pure subroutine next_word(line, position, first, last)
       character(*), intent(in) :: line
+      !! one line, without its line feed
       integer, intent(inout) :: position
+      !! where to look from; on return behind the word
       integer, intent(out) :: first
+      !! where the word begins
       integer, intent(out) :: last
       !! the word is line(first:last), empty at the end of the line
 
@@ -274,6 +282,7 @@ contains
    !> Blank, tab, carriage return or comma.
    elemental logical function is_separator(letter)
       character(1), intent(in) :: letter
+      !! the letter that is asked about
 
       is_separator = scan(letter, ' ,'//achar(9)//achar(13)) > 0
    end function is_separator
@@ -282,6 +291,7 @@ contains
    !> close.
    pure function nearest_name(word, names) result(name)
       character(*), intent(in) :: word
+      !! as the user wrote it, capital or small
       character(*), intent(in) :: names(:)
       !! (n), padded with blanks
       character(len(names)) :: name

@@ -133,6 +133,7 @@ contains
       integer, intent(in) :: line
       !! number of the line in the file
       character(*), intent(in) :: word
+      !! as it stands in the file
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 

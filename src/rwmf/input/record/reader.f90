@@ -47,9 +47,11 @@ contains
    !> times that do not increase, `dt` or `unit` missing or given without need.
    subroutine parse_record(bytes, dt, unit, scale, g, record, error)
       character(*), intent(in) :: bytes
+      !! the whole file, lines with their line feeds
       real(wp), intent(in), optional :: dt
       !! as in `read_record` [s]
       character(*), intent(in), optional :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; must be absent for AT2, which is in g
       real(wp), intent(in) :: scale
       !! [-]
       real(wp), intent(in) :: g

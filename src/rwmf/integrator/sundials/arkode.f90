@@ -26,6 +26,7 @@ module rwmf_integrator_sundials_arkode
       private
       type(c_ptr) :: scout = c_null_ptr
       real(c_double), pointer, contiguous :: scout_state(:) => null()
+      !! (states) data of `scout_vector`
       type(N_Vector), pointer :: scout_vector => null()
    contains
       procedure :: create => create_erk

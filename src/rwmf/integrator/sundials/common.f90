@@ -40,6 +40,7 @@ module rwmf_integrator_sundials_common
       logical :: is_initialised = .false.
       !! memory has seen its first initial value
       real(wp) :: rtol = 0
+      !! relative tolerance [-]
       real(wp) :: t_stop = 0
       !! stop time that the integrator knows; it forgets it when it gets there [s]
       real(wp) :: t_first
@@ -80,7 +81,9 @@ contains
    subroutine data_of(vector, n, values)
       type(N_Vector), intent(in), target :: vector
       integer, intent(in) :: n
+      !! number of states
       real(c_double), pointer, contiguous, intent(out) :: values(:)
+      !! (n) states, in place: the vector's own memory
 
       call c_f_pointer(array_pointer(c_loc(vector)), values, [n])
    end subroutine data_of
@@ -88,6 +91,7 @@ contains
    !> Error handler that says nothing: flags are checked where they are returned.
    subroutine stay_silent(code, module_name, function_name, message, user_data) bind(c, name='')
       integer(c_int), value :: code
+      !! SUNDIALS' number of the error
       type(c_ptr), value :: module_name, function_name, message, user_data
    end subroutine stay_silent
 
@@ -128,6 +132,7 @@ contains
    !> Flag of a constructor that returns a null pointer when memory is short.
    pure integer(c_int) function made(is_there)
       logical, intent(in) :: is_there
+      !! the constructor has returned an object
 
       made = merge(0_c_int, no_memory, is_there)
    end function made
@@ -174,6 +179,7 @@ contains
    subroutine free_vector(vector, values)
       type(N_Vector), pointer, intent(inout) :: vector
       real(c_double), pointer, intent(inout) :: values(:)
+      !! (states) data of the vector, which become null as well
 
       if (associated(vector)) call FN_VDestroy(vector)
       vector => null()

@@ -26,9 +26,9 @@ contains
    !> Power that it takes.
    pure subroutine add_damper_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count)
-      !! that of `add_damper`
+      !! that of `add_damper` [1/s]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

@@ -46,6 +46,7 @@ contains
    !> What an effect of the list brings into the equation of motion, if the case calls for it.
    subroutine prepare_effect(number, case, equation, effect)
       integer, intent(in) :: number
+      !! place of the effect in the list
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: effect

@@ -25,11 +25,11 @@ contains
    subroutine lane_rates(scene, coef, y, motion, y_dot)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, scene%n)
-      !! states: theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; those of effects
+      !! theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; states of effects
       type(lane_motion_t), intent(inout) :: motion
-      !! in: accelerations of the ground; out: kinematics, inertia and moment
+      !! with the accelerations of the ground; on return kinematics, inertia and moment as well
       real(wp), intent(out) :: y_dot(lane_count, scene%n)
       !! rates of the states
       integer :: i
@@ -89,13 +89,13 @@ contains
    subroutine lane_powers(scene, weight, coef, y, y_dot, motion, total)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: weight
-      !! of the powers in the sum
+      !! of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! states
       real(wp), intent(in) :: y_dot(lane_count, scene%n)
-      !! their rates
+      !! rates of the states
       type(lane_motion_t), intent(in) :: motion
       !! as `lane_rates` leaves it
       real(wp), intent(inout) :: total(lane_count, power_count)
@@ -133,8 +133,9 @@ contains
    pure subroutine power_unit(scene, coef, unit)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the effects at this rotation
+      !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(out) :: unit(lane_count)
+      !! R**2; 1 of a bare frame [m2]
       integer :: i
 
       !$omp simd

@@ -20,7 +20,7 @@ contains
       !! displacements [m] and velocities of the floors below the roof
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: y_dot(lane_count, max(0, 2*n - 2))
-      !! their rates
+      !! rates of these states [m/s], [m/s2]; the push adds to those of the velocities
       real(wp) :: above(lane_count), below(lane_count)
       !! displacements of two floors [m]
       real(wp) :: push(lane_count, n)

@@ -25,9 +25,9 @@ contains
    !> Power that it puts in while the wall's centroid rises.
    pure subroutine add_vertical_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count)
-      !! that of `add_vertical`
+      !! that of `add_vertical`, 1/R [1/m]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

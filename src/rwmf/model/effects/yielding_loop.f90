@@ -36,9 +36,9 @@ contains
    !> Power that plastic flow takes: of the velocity, what z does not follow.
    pure subroutine add_bouc_wen_power(weight, coef, z, z_dot, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count, 4)
-      !! those of `add_bouc_wen`
+      !! coefficients of `add_bouc_wen`
       real(wp), intent(in) :: z(lane_count)
       !! [-]
       real(wp), intent(in) :: z_dot(lane_count)

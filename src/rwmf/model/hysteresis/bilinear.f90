@@ -8,6 +8,9 @@
 !>    yielding  F = +-F_y + H p, with p following from x
 !>    slack     F = 0, a tendon that is too long
 !>    broken    F = 0 for good
+!>
+!> Numbers are in the caller's units: elongations in m, forces over a mass [m/s2] or over the weight
+!> of the wall [-], energies in the product of both.
 module rwmf_model_hysteresis_bilinear
    use rwmf_core_kinds, only: wp
    implicit none

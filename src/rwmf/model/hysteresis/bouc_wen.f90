@@ -130,7 +130,9 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
+      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp), intent(out) :: sizes(:)
+      !! (states of the effect) of z [-]
 
       sizes = min(1.0_wp, frame_travel(equation)*size_guess(1)/equation%hysteresis%u_y)
    end subroutine bouc_wen_sizes

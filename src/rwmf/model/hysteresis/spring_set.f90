@@ -149,7 +149,9 @@ contains
    !> hinged wall always, and stands for both.
    pure logical function moves(place, side)
       integer, intent(in) :: place
+      !! of the spring: `place_left`, `place_right` or `place_frame`
       integer, intent(in) :: side
+      !! of the motion, +1 or -1
 
       moves = place == place_frame .or. place == side
    end function moves
@@ -232,8 +234,9 @@ contains
       real(wp), intent(in) :: y(:)
       !! states
       real(wp), intent(in) :: y_ddot
-      !! rates of the rates
+      !! theta'' [rad/s2]
       real(wp), intent(inout) :: force(2)
+      !! over m_w, horizontal (positive as u_g'') and upward; those of the fuses are added [m/s2]
       real(wp) :: half_angle
       !! of the chord from the vertical, as well [rad]
       integer :: i

@@ -26,7 +26,7 @@ contains
       type(step_view_t), intent(in) :: step
       !! at its end y - level has the other sign than at its beginning, or is zero
       integer, intent(in) :: component
-      !! 1: theta, 2: theta', or a further state
+      !! 1 for theta, 2 for theta', or the number of a further state
       real(wp), intent(in) :: level
       !! [rad], [rad/s] or of the further state
       real(wp), intent(out) :: t
@@ -133,6 +133,7 @@ contains
    !> Where a polynomial rises through zero between 0 and 1; the middle where it does not.
    pure real(wp) function passage(c) result(x)
       real(wp), intent(in) :: c(0:5)
+      !! coefficients in powers of the place x
       real(wp), parameter :: resolution = 1.0e-10_wp
       type(bracket_t) :: bracket
       real(wp) :: value, slope, last
@@ -163,6 +164,7 @@ contains
       real(wp), intent(out) :: y(:)
       !! (states) there
       logical, intent(out) :: found
+      !! it does; otherwise `t` and `y` mean nothing
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp) :: h

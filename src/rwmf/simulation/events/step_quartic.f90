@@ -76,9 +76,9 @@ contains
    !> Another state in the step as the cubic through both ends and its rates there.
    pure type(quartic_t) function cubic_of(y, way) result(cubic)
       real(wp), intent(in) :: y(2)
-      !! at both ends
+      !! the state at both ends
       real(wp), intent(in) :: way(2)
-      !! its rates times the length of the step
+      !! rates of the state at both ends, times the length of the step
 
       cubic%c(0) = y(1)
       cubic%c(1) = way(1)
@@ -98,6 +98,7 @@ contains
       real(wp), intent(inout) :: x
       !! its position in the step, nearly; on return more so than the quintic is [-]
       logical, intent(out) :: is_found
+      !! the position has settled inside the step; otherwise it means nothing
       real(wp) :: move
       integer :: i
 
@@ -278,7 +279,9 @@ contains
    !> Value of a polynomial.
    pure real(wp) function value_at(p, x)
       real(wp), intent(in) :: p(0:5)
+      !! coefficients in powers of x
       real(wp), intent(in) :: x
+      !! position in the step [-]
 
       value_at = p(0) + x*(p(1) + x*(p(2) + x*(p(3) + x*(p(4) + x*p(5)))))
    end function value_at
@@ -286,7 +289,9 @@ contains
    !> Its derivative.
    pure real(wp) function slope_at(p, x)
       real(wp), intent(in) :: p(0:5)
+      !! coefficients in powers of x
       real(wp), intent(in) :: x
+      !! position in the step [-]
 
       slope_at = p(1) + x*(2*p(2) + x*(3*p(3) + x*(4*p(4) + x*5*p(5))))
    end function slope_at

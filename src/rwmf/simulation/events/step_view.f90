@@ -95,6 +95,7 @@ contains
    pure real(wp) function end_of_part(step, i, n) result(t)
       type(step_view_t), intent(in) :: step
       integer, intent(in) :: i, n
+      !! number of the part, from 1, and of all parts
 
       t = step%t_b
       if (i < n) t = step%t_a + i*((step%t_b - step%t_a)/n)
@@ -148,6 +149,7 @@ contains
    !> Does a rate hardly change between two instants?
    pure logical function is_steady(rate_a, rate_b)
       real(wp), intent(in) :: rate_a, rate_b
+      !! at both instants, in one unit
 
       is_steady = 2*abs(rate_b - rate_a) < min(abs(rate_a), abs(rate_b))
    end function is_steady
@@ -158,9 +160,9 @@ contains
    !> (v_a + v_b - sqrt(v_a v_b))/3.
    pure logical function may_reverse(way, rate, duration)
       real(wp), intent(in) :: way
-      !! in the direction of the rate
+      !! from one end to the other in the direction of the rate, in its unit times s
       real(wp), intent(in) :: rate(2)
-      !! at the ends, not negative
+      !! at the ends, not negative, of any unit
       real(wp), intent(in) :: duration
       !! [s]
       real(wp), parameter :: margin = 0.45_wp

@@ -46,7 +46,7 @@ module rwmf_simulation_events_storey_events
    !> End of a storey's branch, or of the motion.
    type :: storey_end_t
       integer :: storey = 0
-      !! 0: none
+      !! its number, from the ground; 0 when there is none
       real(wp) :: t = huge(1.0_wp)
       !! [s]
       logical :: turns = .false.
@@ -156,6 +156,7 @@ contains
    function span_of(step, storey, a, b) result(span)
       type(step_view_t), intent(in) :: step
       integer, intent(in) :: storey
+      !! its number, from the ground
       type(moment_t), intent(in) :: a, b
       type(storey_span_t) :: span
 
@@ -313,7 +314,7 @@ contains
    subroutine move_end(span, k, t, error)
       type(storey_span_t), intent(inout) :: span
       integer, intent(in) :: k
-      !! 1: the beginning, 2: the end
+      !! 1 for the beginning, 2 for the end
       real(wp), intent(in) :: t
       !! [s]
       type(error_t), allocatable, intent(out) :: error

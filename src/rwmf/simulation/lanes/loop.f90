@@ -90,6 +90,7 @@ contains
    subroutine join_team(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the team
       type(team_t), intent(inout) :: team
 
       team%is_busy(i) = .true.

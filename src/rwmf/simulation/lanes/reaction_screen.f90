@@ -20,6 +20,7 @@ contains
    subroutine begin_reactions(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the team
       type(team_t), intent(inout) :: team
 
       team%table(i, of_plain) = 1
@@ -34,6 +35,7 @@ contains
    subroutine note_extremes(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the team
       type(team_t), intent(inout) :: team
 
       if (.not. team%screens) return

@@ -61,9 +61,9 @@ module rwmf_simulation_lanes_team
       type(pair_t) :: pair
       type(lane_kernels_t) :: kernels
       real(wp), allocatable :: room(:)
-      !! which the following arrays share
+      !! memory that the following arrays share, each with units of its own
       real(wp), pointer, contiguous :: table(:, :) => null()
-      !! (width, columns)
+      !! (width, columns) with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), pointer, contiguous :: coef(:, :) => null()
       !! (width, coefficients)
       real(wp), pointer, contiguous :: tolerance(:, :) => null()
@@ -75,7 +75,7 @@ module rwmf_simulation_lanes_team
       real(wp), pointer, contiguous :: k(:, :, :) => null()
       !! (width, states, stages)
       real(wp), allocatable :: error(:)
-      !! (width)
+      !! (width) norm of the local error over the tolerance [-]
       real(wp), allocatable :: work(:, :)
       !! (width, powers) in the last step [J/kg]; not allocated: nobody asks for energies
       integer, allocatable :: mark(:)
@@ -83,10 +83,12 @@ module rwmf_simulation_lanes_team
       logical :: has_curves
       !! the motion is not one of straight lines
       real(wp), allocatable :: lines(:, :)
-      !! (columns of a line, intervals of the motion from 0, and one more that nobody enters)
+      !! (columns of a line, intervals of the motion from 0, and one more that nobody enters) limit
+      !! [s], a_0 [m/s2], slope [m/s3], t_0 [s]; vertical a_0, slope
       real(wp) :: max_steps
+      !! number of steps that a run may take [-]
       real(wp) :: steps_left = 0
-      !! no run can have taken more than its steps before so many of the team
+      !! no run can have taken more than its steps before so many of the team [-]
       logical :: has_limits = .false.
       !! a lane may have: it is asked in every step
       logical :: has_ended = .true.
@@ -102,7 +104,8 @@ module rwmf_simulation_lanes_team
       logical :: screens = .false.
       !! reactions are asked for; then the following is set
       real(wp), allocatable :: reactions(:, :, :)
-      !! (width, reactions, values) at the ends of the step, and the extrema so far
+      !! (width, reactions, values) at the ends of the step, and the extrema so far: -N [m/s2],
+      !! |H|/N [-], |V| [m/s2]
       logical, allocatable :: is_known(:)
       !! (width) those at the beginning of the step are
    end type team_t
@@ -181,6 +184,7 @@ contains
    subroutine leave_team(lane, i, team, alone)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the team that it leaves
       type(team_t), intent(inout) :: team
       type(team_t), intent(out), target :: alone
 
@@ -206,6 +210,7 @@ contains
    subroutine tabulate_lines(motion, has_vertical, t_end, team)
       type(motion_t), intent(in) :: motion
       logical, intent(in) :: has_vertical
+      !! the scene has a vertical motion of the ground
       real(wp), intent(in) :: t_end
       !! [s]
       type(team_t), intent(inout) :: team

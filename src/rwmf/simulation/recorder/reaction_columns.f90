@@ -26,7 +26,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
+      !! theta'' [rad/s2]; without wall u'' [m/s2]
       real(wp), intent(in) :: u_s
       !! displacement of the frame, if there is one [m]
       type(reactions_t) :: reactions

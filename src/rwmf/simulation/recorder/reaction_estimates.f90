@@ -57,6 +57,7 @@ contains
       type(step_view_t), intent(in) :: piece
       !! `has_estimate`
       real(wp), intent(out) :: found(n_quantities, n_nodes)
+      !! -N [m/s2], |H|/N [-] and |V| [m/s2], as `lane_reactions` finds them, at each node
       type(quartic_t) :: quintic
       real(wp) :: y_ddot(2), y(1, 2), acceleration(1, 2)
       real(wp) :: at(1, n_quantities)
@@ -85,7 +86,9 @@ contains
    !> through the largest of them and its neighbours.
    pure integer function place_of_peak(found, level) result(place)
       real(wp), intent(in) :: found(n_nodes)
+      !! the quantity at the nodes, in any unit
       real(wp), intent(in) :: level
+      !! value above which a peak counts, in the same unit
       real(wp), parameter :: margin = 0.1_wp
       !! of the range of the samples, beyond the parabola; of its width, beyond an end
       real(wp) :: vertex, peak, width, slope, bend

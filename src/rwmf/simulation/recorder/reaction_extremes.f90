@@ -36,7 +36,7 @@ module rwmf_simulation_recorder_reaction_extremes
       real(wp) :: t_largest(n_quantities) = 0
       !! [s]
       real(wp) :: smallest(n_quantities) = huge(1.0_wp)
-      !! which tells how far they vary
+      !! which tells how far they vary [m/s2], [-], [m/s2]
       real(wp), allocatable :: limit
       !! coefficient of friction to compare the demand with [-]
       real(wp), allocatable :: t_exceeded
@@ -69,7 +69,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
+      !! theta'' [rad/s2]; without wall u'' [m/s2]
 
       if (forces%largest(shear) >= 0) return
       call observe_instant(forces, equation, t, y, y_ddot)
@@ -84,7 +84,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
+      !! theta'' [rad/s2]; without wall u'' [m/s2]
 
       call keep_largest(forces, t, quantities(reactions_at(equation, t, y, y_ddot)))
    end subroutine observe_instant

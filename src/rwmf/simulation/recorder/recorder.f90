@@ -42,10 +42,11 @@ module rwmf_simulation_recorder_recorder
       real(wp) :: theta_max = 0
       !! largest theta [rad]; bare frame: displacement [m]
       real(wp) :: theta_min = 0
+      !! smallest theta [rad]; bare frame: displacement [m]
       real(wp) :: theta_dot_max = 0
       !! largest |theta'| [rad/s]
       real(wp) :: theta_dot_ends = 0
-      !! the same at the ends of steps, whether or not it is looked for inside them
+      !! the same at the ends of steps, whether or not it is looked for inside them [rad/s]
       integer(i8) :: impacts = 0
       integer(i8) :: lift_offs = 0
       real(wp) :: t_grazing = -1
@@ -470,6 +471,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       logical, intent(in) :: is_at_rest
+      !! the wall rests then, so that its acceleration is 0
       type(history_row_t) :: parts
       !! of the energy
       real(wp) :: y_ddot

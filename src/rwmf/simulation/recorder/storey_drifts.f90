@@ -31,6 +31,7 @@ contains
    !> Let the turns inside a piece of the last step, and its end, take part in them.
    subroutine observe_turns(largest, step, error)
       real(wp), intent(inout) :: largest(:)
+      !! (storeys) largest |u_i - u_(i-1)| so far [m]
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails

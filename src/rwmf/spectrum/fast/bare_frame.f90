@@ -30,6 +30,7 @@ contains
       !! with frame, supported by `rwmf_spectrum_fast_eligibility`
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
+      !! number of threads to use
       type(control_t), intent(in) :: control
       real(wp), intent(in) :: T_s(:)
       !! (n_T) [s]

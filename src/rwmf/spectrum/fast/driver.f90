@@ -60,6 +60,7 @@ contains
       !! with wall and frame, supported by `rwmf_spectrum_fast_eligibility`
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
+      !! number of threads to use
       type(control_t), intent(in) :: control
       real(wp), intent(in) :: T_s(:)
       !! (n_T) [s]
@@ -70,6 +71,7 @@ contains
       real(wp), intent(inout) :: u_s_max(size(T_s), size(gamma)*size(b))
       !! (n_T, n_gamma n_b) [m]
       logical, intent(out) :: is_done(size(T_s), size(gamma)*size(b))
+      !! (n_T, n_gamma n_b) the ordinate has its u_s_max
       type(shared_data_t), target :: shared
       type(case_t), allocatable :: pair_case(:)
       logical, allocatable :: is_fitted(:, :)

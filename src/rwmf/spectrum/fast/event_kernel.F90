@@ -16,6 +16,7 @@ contains
    !> what comes after them.
    pure subroutine follow_steps(are_substeps, scheme, team)
       logical, intent(in) :: are_substeps
+      !! the steps that are followed are substeps, still to be integrated
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
 

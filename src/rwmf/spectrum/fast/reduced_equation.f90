@@ -226,7 +226,7 @@ contains
    subroutine fit_side(probe, side, n, at_0, reduced)
       type(probe_t), intent(in) :: probe
       integer, intent(in) :: side
-      !! 1: theta > 0, 2: theta < 0
+      !! 1 for theta > 0, 2 for theta < 0
       integer, intent(in) :: n
       !! degree of the polynomials
       real(wp), intent(in) :: at_0(curves)

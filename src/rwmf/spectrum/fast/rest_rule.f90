@@ -113,6 +113,7 @@ contains
       !! rate of v after the impact [1/s]
       type(ordinate_t), intent(inout) :: ordinate
       logical, intent(out) :: rests
+      !! it may
       real(wp), parameter :: round_off = 64*epsilon(1.0_wp)
       real(wp) :: pressure
       !! deceleration of v [1/s2]
@@ -173,7 +174,7 @@ contains
       integer, intent(inout) :: uplift
       !! no step before this one, after that of the position, lifts the wall
       real(wp), intent(inout) :: pressure
-      !! in: at the position; out: the least one, not positive if the bound does not hold [1/s2]
+      !! at the position; on return the least one, not positive if the bound does not hold [1/s2]
       real(wp), intent(out) :: growth
       !! F of `find_rest` [-]
       real(wp) :: t_end, f, f_begin, largest, variation

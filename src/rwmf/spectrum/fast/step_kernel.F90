@@ -324,11 +324,15 @@ contains
    !> Polynomial k of a lane at v.
    pure real(wp) function curve(is_short, c, i, k, v)
       logical, value :: is_short
+      !! no polynomial is of higher degree than 4
       real(wp), intent(in) :: c(lanes, 0:degree, curves)
+      !! coefficients in powers of v
       integer, value :: i
+      !! number of the lane
       integer, value :: k
       !! 1 to 5: Q, D1, D2, H, D4
       real(wp), value :: v
+      !! |u_s|/(2R) [-]
       real(wp) :: v_2
 
       v_2 = v*v

@@ -39,12 +39,13 @@ contains
    !> evaluation whose effect is negligible is left out: late flights of a chatter need none.
    pure subroutine expand_steps(are_substeps, scheme, team)
       logical, intent(in) :: are_substeps
+      !! the steps that are followed are substeps, still to be integrated
       type(scheme_t), intent(in) :: scheme
       type(team_t), intent(inout) :: team
       type(substep_work_t) :: work
       real(wp), parameter :: node(3) = [c_2, c_3, 1.0_wp]
       real(wp) :: wanted(lanes)
-      !! 1: evaluate N at the node
+      !! 1 where N is evaluated at the node
       logical :: is_wanted
       integer :: i
 
@@ -77,7 +78,7 @@ contains
    !> Select the substeps that need N at a node.
    pure subroutine select_lanes(node, team, work, wanted, is_wanted)
       integer, intent(in) :: node
-      !! 1: c2, 2: c3, 3: 1
+      !! 1 for c2, 2 for c3, 3 for 1
       type(team_t), intent(in) :: team
       type(substep_work_t), intent(in) :: work
       real(wp), intent(out) :: wanted(lanes)
@@ -291,7 +292,7 @@ contains
    !> one.
    pure subroutine enter_value_at_c2(wanted, work, team)
       real(wp), intent(in) :: wanted(lanes)
-      !! 1: the value is new
+      !! 1 where the value is new
       type(substep_work_t), intent(inout) :: work
       type(team_t), intent(inout) :: team
       real(wp) :: first, second

@@ -25,12 +25,13 @@ contains
       real(wp), intent(in) :: h
       !! [s]
       real(wp), intent(in) :: z
-      !! z(0)
+      !! z(0), of any unit
       real(wp), intent(in) :: rate
-      !! z'(0) per second
+      !! z'(0), in the unit of z per second
       real(wp), intent(in) :: forcing(0:3)
-      !! coefficients of F in powers of x, per second squared
+      !! coefficients of F in powers of x, in the unit of z per second squared
       real(wp), intent(out) :: p(0:series_terms)
+      !! the coefficients, in the unit of z
       integer :: j
       real(wp), parameter :: inverse(0:series_terms - 2) = [(1/real((j + 1)*(j + 2), wp), &
          j=0, series_terms - 2)]
@@ -56,9 +57,13 @@ contains
    !> than one.
    pure subroutine state_at(p, x, value, rate)
       real(wp), contiguous, intent(in) :: p(0:)
+      !! coefficients in powers of x, from 0, of any unit
       real(wp), intent(in) :: x
+      !! position in the step [-]
       real(wp), intent(out) :: value
+      !! in the unit of the coefficients
       real(wp), intent(out) :: rate
+      !! derivative by x, in the unit of the coefficients
       real(wp) :: even, even_1, odd, odd_1
       !! polynomials of x**2 and their derivatives
       real(wp) :: square
@@ -86,6 +91,7 @@ contains
    !> Powers of x from divided differences on 0, c2, c3, 1 (c2 + c3 = 1, c2 c3 = 1/5).
    pure function newton_to_powers(d) result(p)
       real(wp), intent(in) :: d(0:3)
+      !! divided differences: coefficients of 1, x, x (x - c2), x (x - c2)(x - c3), of any unit
       real(wp) :: p(0:3)
 
       p = [d(0), d(1) - c_2*d(2) + c_2*c_3*d(3), d(2) - d(3), d(3)]
@@ -102,7 +108,8 @@ contains
       real(wp), intent(in) :: middle
       !! the second node [-]
       real(wp) :: weight(12, 3)
-      !! (contributions, nodes), as in `lane_constants_t`
+      !! (contributions, nodes): those of z(0) and z'(0) to z, to z', those of the four modes of the
+      !! forcing to z, to z'
       real(wp) :: node(3)
       real(wp) :: p(0:series_terms, 6)
       real(wp) :: mode(0:3)

@@ -52,6 +52,7 @@ contains
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: threads
+      !! number of threads to use
       real(wp), intent(in) :: h_max(:)
       !! (grids) [s]; 0: not asked for
       type(ground_step_t), allocatable, target, intent(out) :: ground(:)

@@ -97,7 +97,7 @@ module rwmf_spectrum_fast_types
       logical :: is_even = .true.
       !! both sides have the same polynomials
       real(wp) :: bound(curves) = 0
-      !! largest |Q|, |D1|, |D2|, |H|, |D4| at v = 0 of both sides
+      !! largest |Q| [-], |D1| [-], |D2| [1/m], |H| [1/s2], |D4| [1/s] at v = 0 of both sides
       real(wp) :: threshold(2) = 0
       !! ground acceleration that lifts the resting wall towards either side, without sign [m/s2]
       real(wp) :: e = 1
@@ -127,9 +127,11 @@ module rwmf_spectrum_fast_types
       real(wp) :: slope(lanes) = 0
       !! rate of N at the beginning, times the length of the step [1/s2]
       real(wp) :: f(lanes, 0:3) = 0
-      !! ground motion in the whole step, as in `ground_step_t`
+      !! ground motion in the whole step, as in `ground_step_t` [m/s2]
       real(wp) :: jump(lanes) = 0
+      !! of the ground acceleration at the beginning of the step [m/s2]
       real(wp) :: kink(lanes) = 0
+      !! of its rate there [m/s3]
       real(wp) :: n_jump(lanes) = 0
       !! decrease of N by a jump of the ground acceleration [1/s2]
       real(wp) :: n_rate_jump(lanes) = 0
@@ -137,7 +139,7 @@ module rwmf_spectrum_fast_types
       real(wp) :: w_correction(lanes) = 0
       !! |change of v' by the last evaluation of N| [1/s]
       real(wp) :: ready(lanes) = 0
-      !! 1: steps with the team, 0: waits for an event to be followed, or is idle
+      !! 1 where it steps with the team, 0 where it waits for an event to be followed, or is idle
       real(wp) :: v_max(lanes) = 0
       !! largest v so far [-]
       real(wp) :: error_estimate(lanes) = 0
@@ -173,23 +175,23 @@ module rwmf_spectrum_fast_types
       real(wp) :: damping_factor(lanes) = 1
       !! part of an error that the damping leaves after the step [-]
       real(wp) :: coef(lanes, 0:degree, curves) = 0
-      !! polynomials of the side, as in `reduced_equation_t`
+      !! polynomials of the side: coefficients as in `reduced_equation_t`
       real(wp) :: weight(lanes, weights) = 0
-      !! from `step_weights`
+      !! from `step_weights`, each in its unit
       real(wp) :: e(lanes) = 1
       !! velocity factor at impact [-]
       real(wp) :: stages(lanes) = 1
-      !! evaluations of N in a substep: 1, 2 or 3
+      !! number of evaluations of N in a substep, 1, 2 or 3 [-]
       real(wp) :: least_threshold(lanes) = 1
       !! smaller one of those of both sides [m/s2]
 
       ! substeps
       real(wp) :: waits(lanes) = 0
-      !! 1: the lane has a step with an event, or a substep, that is to be followed
+      !! 1 where the lane has a step with an event, or a substep, that is to be followed
       real(wp) :: is_substep(lanes) = 0
-      !! 1: it is a substep, which is still to be integrated
+      !! 1 where it is a substep, which is still to be integrated
       real(wp) :: is_followed(lanes) = 0
-      !! 1: it is followed now
+      !! 1 where it is in the present turn of following
       real(wp) :: x(lanes) = 0
       !! position of its beginning in the step [-]
       real(wp) :: span(lanes) = 1
@@ -198,10 +200,11 @@ module rwmf_spectrum_fast_types
       !! its length [s]
       real(wp) :: p(lanes, 0:terms + 1) = 0
       !! v in powers of the position y in it; the last coefficient is zero, so that v/y is p(:, 1:)
+      !! [-]
       real(wp) :: y(lanes) = 1
       !! position of the first impact in it, 1 without one [-]
       real(wp) :: has_impact(lanes) = 0
-      !! 1 with an impact, 0 without
+      !! 1 where there is an impact in it, 0 where not
       real(wp) :: w_impact(lanes) = 0
       !! rate of v at y, per substep [-]
       real(wp) :: x_impact(lanes) = 0
@@ -213,11 +216,11 @@ module rwmf_spectrum_fast_types
       real(wp) :: peak(lanes) = 0
       !! largest v before y, where it can be a new maximum, otherwise 0 [-]
       real(wp) :: is_ambiguous(lanes) = 0
-      !! 1: more events are possible than one impact and one peak: to be halved
+      !! 1 where more events are possible than one impact and one peak: to be halved
       real(wp) :: w_begin(lanes) = 0
       !! rate of v with which the flight began that ends in the step [1/s]
       real(wp) :: may_rest(lanes) = 0
-      !! 1: slower than the flight before, and pressed down at the impact
+      !! 1 where it is slower than the flight before, and pressed down at the impact
       real(wp) :: negligible_velocity(lanes) = 0
       !! rate of v below which the wall may be put to rest [1/s]
       real(wp) :: negligible_change = 0

@@ -75,7 +75,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      !! coefficients of the effects at this rotation
+      !! coefficients of `add_floors`
       integer :: i
 
       associate (floors => model%floors, n => model%floors%n)
@@ -96,7 +96,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      !! coefficients of the effects at this rotation
+      !! that of `add_excited_mass` [-]
 
       coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
@@ -191,7 +191,10 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
+      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp), intent(out) :: sizes(:)
+      !! (states of the effect) of displacements [m] and velocities [m/s] of the floors, and of z
+      !! [-]
 
       associate (n => equation%floors%n - 1)
          sizes(:n) = frame_travel(equation)*size_guess(1)

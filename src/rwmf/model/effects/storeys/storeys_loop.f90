@@ -53,7 +53,7 @@ contains
       !! storeys [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: y_dot(lane_count, floor_states(n, law))
-      !! their rates
+      !! rates of these states, which are set [m/s], [m/s2], [1/s]
       real(wp) :: u_roof(lane_count), v_roof(lane_count)
       !! [m], [m/s]
       real(wp) :: shear(lane_count, n + 1)
@@ -174,9 +174,9 @@ contains
    !> Power of that push.
    pure subroutine add_excited_mass_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count)
-      !! that of `add_excited_mass`
+      !! that of `add_excited_mass` [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
@@ -193,15 +193,17 @@ contains
    !> plastic flow of smooth storeys.
    pure subroutine add_floor_power(n, law, weight, coef, y, y_dot, motion, total)
       integer, intent(in) :: n
+      !! number of storeys, from the ground to the roof
       integer, intent(in) :: law
+      !! `no_hysteresis`, or smooth storeys
       real(wp), intent(in) :: weight
-      !! of the power in the sum
+      !! of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
-      !! those of `add_floors`, as the others
+      !! coefficients of `add_floors`
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
-      !! states
+      !! states of `add_floors`
       real(wp), intent(in) :: y_dot(lane_count, floor_states(n, law))
-      !! their rates
+      !! rates of these states
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
