@@ -29,7 +29,7 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
+from itertools import zip_longest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -97,11 +97,12 @@ def blocks_of(text: str) -> list[Block]:
     """
     fences = list(_FENCE.finditer(text))
     blocks = []
-    for fence, after in pairwise([*fences, None]):
+    for fence, after in zip_longest(fences, fences[1:]):
         if fence["language"].startswith("{"):
             continue  # a directive of Sphinx
-        follows = after is not None and not text[fence.end() : after.start()].strip()
-        printed = after["text"] if follows and after["language"] == "text" else None
+        printed = None
+        if after and after["language"] == "text" and not text[fence.end() : after.start()].strip():
+            printed = after["text"]
         blocks.append(Block(fence["name"] or "", fence["language"], fence["text"], printed))
     return blocks
 
@@ -214,8 +215,9 @@ def _installed_library() -> Path:
     """Install the library for host programs as `meson install` does, below the build."""
     target = ROOT / "build" / "pages" / "installed"
     shutil.rmtree(target, ignore_errors=True)
-    words = ["install", "-C", ROOT / "build", "--no-rebuild", "--quiet", "--tags", "devel"]
-    subprocess.run([ROOT / ".venv/bin/meson", *words, "--destdir", target], check=True)
+    words: list[str | Path] = [ROOT / ".venv/bin/meson", "install", "-C", ROOT / "build"]
+    words += ["--no-rebuild", "--quiet", "--tags", "devel", "--destdir", target]
+    subprocess.run(words, check=True)
     prefix = next(target.rglob("rwmf.h")).parents[2]
     library = next(target.rglob("librwmf.a"))
     if library.parent != prefix / "lib":

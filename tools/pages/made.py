@@ -84,7 +84,7 @@ def _row(action: argparse.Action) -> Iterator[str]:
     )
     if isinstance(value, tuple):
         value = " ".join(value)
-    value = "" if action.nargs == 0 else value + {"+": " ...", "*": " ..."}.get(action.nargs, "")
+    value = "" if action.nargs == 0 else value + " ..." * (action.nargs in ("+", "*"))
     words = ", ".join(f"{option} {value}".strip() for option in action.option_strings) or value
     meaning = " ".join(((action.help or "") % vars(action)).split()).replace("|", "\\|")
     yield f"| `{words}` | {meaning} |"
