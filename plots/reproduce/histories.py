@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.plotting.style import ALONE, COLOURS, DOTS, INK, legend_below
+from rwmf.plotting.style import ALONE, COLOURS, DOTS, INK, NESTED, legend_below
 
 from reproduce import drawing
 from reproduce.engines import EngineHistory, read
@@ -95,7 +95,7 @@ def draw_validation(figure: Figure, cache: ResponseCache, name: str) -> None:
     has_frame = "u_s" in responses[EXACT]
     panels = figure.subplots(4 if has_frame else 3, 1, sharex=True)
     _draw_panels(panels, cache, name, responses, engines)
-    legend_below(figure, panels[0], columns=2)
+    legend_below(figure, panels[0], columns=2, title=NESTED)
 
 
 def _draw_panels(
@@ -159,7 +159,7 @@ def draw_pulses(figure: Figure, cache: ResponseCache, stem: str) -> None:
     texts = (r"$\ddot u_g/g$", r"$\theta/\alpha$", r"$\dot\theta$ (rad/s)", "$u_s$ (m)")
     for ax, text in zip(panels[:, 0], texts, strict=True):
         ax.set_ylabel(text)
-    legend_below(figure, panels[3, 0])
+    legend_below(figure, panels[3, 0], title=NESTED)
 
 
 def _draw_pulse(panels: np.ndarray, cache: ResponseCache, stem: str, pulse: str) -> None:
