@@ -13,6 +13,7 @@ import rwmf
 from rwmf._cost import METHODS, PRACTICES, Cost, Row, cheapest
 from rwmf.plotting import cost as plot_cost
 from rwmf.plotting import files as figures
+from rwmf.plotting.style import legend_below, new_figure
 
 ROOT = Path(__file__).resolve().parent.parent
 # namelist in inputs/ without suffix, what it is
@@ -75,7 +76,7 @@ def _machine() -> str:
 def _draw(found: dict[str, Cost], names: tuple[str, ...], columns: int, path: Path) -> None:
     """Panels with one legend below."""
     rows = math.ceil(len(names) / columns)
-    with figures.new_figure(3.6 * columns, 2.9 * rows + 0.6) as figure:
+    with new_figure(2.9 * rows + 0.6) as figure:
         axes = figure.subplots(rows, columns, sharey=True, squeeze=False)
         for ax, name in zip(axes.ravel(), names, strict=True):
             plot_cost.work_precision(found[name], ax, legend=False)
@@ -83,8 +84,7 @@ def _draw(found: dict[str, Cost], names: tuple[str, ...], columns: int, path: Pa
             ax.label_outer()
             ax.tick_params(labelbottom=True)
             ax.set_ylabel(ax.get_ylabel() if ax in axes[:, 0] else "")
-        handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        legend_below(figure, axes[0, 0])
         figures.save(figure, path)
 
 

@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import NullLocator
 from rwmf._cost import METHODS
+from rwmf.plotting import files as figures
+from rwmf.plotting.style import COLOURS, MARKERS, label_plainly, legend_below, new_figure
 
 from peers.measure import Row
 from peers.problem import GAMMAS
@@ -15,9 +18,6 @@ from peers.problem import GAMMAS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Okabe and Ito's colours; the kernel's own methods are filled, peers open
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 # errors below are those of the truth
 FLOOR = 1e-13
 
@@ -35,23 +35,23 @@ def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None
     path : Path
         File to write.
     """
-    from rwmf.plotting import files as figures
-
-    with figures.new_figure(9.6, 8.0) as figure:
+    with new_figure(8.4) as figure:
         grid = figure.add_gridspec(3, 3, height_ratios=(1.3, 1.3, 1.0))
-        for i, gamma in enumerate(GAMMAS):
-            axes = figure.add_subplot(grid[i, :])
-            _work_precision(axes, rows, dependence["tolerances"], gamma)
+        precision = [figure.add_subplot(grid[i, :]) for i in range(len(GAMMAS))]
+        for ax, gamma in zip(precision, GAMMAS, strict=True):
+            _work_precision(ax, rows, dependence["tolerances"], gamma)
         for i, what in enumerate(("ordinates", "seconds of motion", "threads")):
             axes = figure.add_subplot(grid[2, i])
             x, y = np.array(dependence[what]).T
             axes.loglog(x, 1e6 * y, "o-", color=COLOURS[0])
-            axes.set_xlabel(what)
-            axes.set_ylabel("fast: µs an ordinate")
+            axes.set_xlabel("seconds of motion (s)" if "seconds" in what else what)
+            axes.set_ylabel("" if i else "fast: µs an ordinate")
             axes.set_ylim(bottom=0.5e6 * y.min(), top=2e6 * y.max())
             if what == "threads":
                 axes.set_xticks(x, [f"{count:g}" for count in x])
-                axes.minorticks_off()
+                axes.xaxis.set_minor_locator(NullLocator())
+            label_plainly(axes.yaxis)
+        legend_below(figure, precision[0], columns=3)
         figures.save(figure, path)
 
 
@@ -62,7 +62,7 @@ def _work_precision(
     ours = [row for row in tolerances if row.gamma == gamma]
     axes.loglog(
         [1e6 * row.seconds for row in ours], [max(row.error, FLOOR) for row in ours], "-",
-        color=COLOURS[0], zorder=1,
+        color=COLOURS[0], zorder=1, label=f"fast, rtol {ours[0].rtol:.0e} to {ours[-1].rtol:.0e}",
     )  # fmt: skip
     names = list(dict.fromkeys(row.program for row in rows))
     for number, name in enumerate(names):
@@ -72,7 +72,6 @@ def _work_precision(
             MARKERS[number % len(MARKERS)], color=COLOURS[number % len(COLOURS)], label=name,
             fillstyle="full" if name in ("fast", *METHODS) else "none",
         )  # fmt: skip
-    axes.set_xlabel(f"µs an ordinate, γ = {gamma:g}")
+    axes.set_title(f"γ = {gamma:g}; filled: methods of the kernel, open: other programs")
+    axes.set_xlabel("µs an ordinate")
     axes.set_ylabel("largest relative error")
-    if gamma == GAMMAS[0]:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")

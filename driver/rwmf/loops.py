@@ -12,7 +12,7 @@ import xarray as xr
 
 from rwmf.case import Case
 from rwmf.errors import InputError
-from rwmf.plotting.style import make_panels
+from rwmf.plotting.style import LEVEL, legend_above, make_panels, series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,6 @@ _DISPLACEMENTS = {
     "cable": "elongation (mm)",
     "fuse": "uplift of its corner (mm)",
 }
-_COLOURS = ("C0", "C1")
 
 
 @dataclass(frozen=True)
@@ -185,14 +184,16 @@ def draw(
     kinds = group_by_kind(find_loops(dataset, case))
     panels = make_panels(axes, len(kinds), across=True)
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
-        for colour, loop in zip(_COLOURS, found, strict=False):
+        for i, loop in enumerate(found):
             label = loop.spring if len(found) > 1 else None
-            ax.plot(1e3 * loop.displacement, loop.force, color=colour, linewidth=0.9, label=label)
-        ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
+            # as wide as the others: a loop is never one inside the other
+            look = series(i, len(found)) | {"linewidth": 0.9, "label": label}
+            ax.plot(1e3 * loop.displacement, loop.force, **look)
+        ax.axhline(0.0, **LEVEL)
         ax.set_xlabel(_DISPLACEMENTS[kind])
         ax.set_ylabel(found[0].label)
-        ax.set_title(kind if len(found) == 1 else f"{kind}s")
         if len(found) > 1:
-            # above the axes: it cannot hide data there
-            ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2, borderpad=0)
+            legend_above(ax, len(found))
+        else:
+            ax.set_title(kind)
     return panels

@@ -5,13 +5,13 @@
 """
 
 from rwmf.plotting.cost import work_precision
+from rwmf.plotting.overturning import draw_overturning
 from rwmf.plotting.response import PANELS, history, spectrum
 from rwmf.plotting.studies import (
     draw_bands,
     draw_equal_response,
     draw_fragility,
     draw_friction,
-    draw_overturning,
     draw_suite,
     draw_wall_effect,
 )

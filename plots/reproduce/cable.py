@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from rwmf.plotting.style import NESTED, legend_below, series
 
 from reproduce import drawing
 from reproduce.formulations import FORMULATIONS, SHIPPED_ETAS, Formulation
@@ -76,14 +77,14 @@ def draw(figure: Figure, cache: ResponseCache) -> None:
     panels[0].set_ylabel(r"$P/(m_w g) - \eta_0$")
     ax = figure.add_subplot(grid[1, :])
     _draw_maxima(ax, cache)
-    drawing.legend_below(figure, ax, columns=2)
+    legend_below(figure, ax, columns=2, title=NESTED)
 
 
 def _style(form: Formulation, gamma: float) -> dict[str, Any]:
-    style = drawing.style_of(form)
-    style["label"] = rf"$\gamma$ = {gamma}, {form.label}"
-    # colour tells the wall, dashes the form
-    return {**style, "color": "#440154" if gamma == _WALLS["heavy"] else "#e69f00"}
+    walls = list(_WALLS.values())
+    i = len(FORMULATIONS) * walls.index(int(gamma)) + FORMULATIONS.index(form)
+    look = series(i, len(FORMULATIONS) * len(walls))
+    return {**look, "label": rf"$\gamma$ = {gamma}, {form.label}"}
 
 
 def _draw_histories(ax: Axes, cache: ResponseCache, frame: str, letter: str) -> None:

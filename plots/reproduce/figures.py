@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
 from rwmf.plotting import files as figures
+from rwmf.plotting.style import new_figure
 
 from reproduce import cable, histories, rotations, spectra
 from reproduce.response_cache import ResponseCache
@@ -32,14 +33,14 @@ class FigureRecipe:
     ----------
     draw : callable
         Draws into an empty figure what it takes from the responses.
-    size : tuple of float
-        Width and height [inch].
+    height : float
+        Height [inch].
     caption : str
         What it shows.
     """
 
     draw: Callable[[Figure, ResponseCache], None]
-    size: tuple[float, float]
+    height: float
     caption: str
 
 
@@ -47,15 +48,15 @@ _PANELS = "uplift of the corners, angular velocity and displacement against cont
 
 
 def _validation(name: str, caption: str, height: float = 7.4) -> FigureRecipe:
-    return FigureRecipe(partial(histories.draw_validation, name=name), (7.0, height), caption)
+    return FigureRecipe(partial(histories.draw_validation, name=name), height, caption)
 
 
 def _pulses(stem: str, caption: str) -> FigureRecipe:
-    return FigureRecipe(partial(histories.draw_pulses, stem=stem), (7.4, 7.2), caption)
+    return FigureRecipe(partial(histories.draw_pulses, stem=stem), 7.2, caption)
 
 
-def _rotations(comparison: rotations.Comparison, caption: str, width: float = 7.4) -> FigureRecipe:
-    return FigureRecipe(partial(rotations.draw, comparison=comparison), (width, 4.6), caption)
+def _rotations(comparison: rotations.Comparison, caption: str) -> FigureRecipe:
+    return FigureRecipe(partial(rotations.draw, comparison=comparison), 4.6, caption)
 
 
 FIGURES: dict[str, FigureRecipe] = {
@@ -72,7 +73,7 @@ FIGURES: dict[str, FigureRecipe] = {
         "fig06_mild_frame", "Fig. 6: mild frame (T_s = 1 s, gamma = 1800) with and without wall"
     ),
     "fig07": _rotations(
-        rotations.FIG07, "Fig. 7: rotation with a stiff and a mild frame, one-cosine pulse", 5.6
+        rotations.FIG07, "Fig. 7: rotation with a stiff and a mild frame, one-cosine pulse"
     ),
     "fig08": _rotations(
         rotations.FIG08, "Fig. 8: rotation for three mass ratios, one-cosine pulse"
@@ -84,24 +85,24 @@ FIGURES: dict[str, FigureRecipe] = {
         rotations.FIG10, "Fig. 10: rotation of two walls, gamma = 1800, one-cosine pulse"
     ),
     "fig11": FigureRecipe(
-        cable.draw, (7.4, 5.8), "Fig. 11: increment of the cable force, one-cosine pulse"
+        cable.draw, 5.8, "Fig. 11: increment of the cable force, one-cosine pulse"
     ),
     "fig12": FigureRecipe(
         spectra.draw_fig12,
-        (7.4, 5.8),
+        5.8,
         "Fig. 12: displacement spectra, one-sine and one-cosine pulse",
     ),
     "fig13": FigureRecipe(
-        spectra.draw_fig13, (7.4, 7.2), "Fig. 13: displacement spectra, El Centro 1940 N-S"
+        spectra.draw_fig13, 7.2, "Fig. 13: displacement spectra, El Centro 1940 N-S"
     ),
     "benefit": FigureRecipe(
         spectra.draw_benefit,
-        (7.4, 7.8),
+        7.8,
         "Does the wall help? Largest displacement over that of the frame alone",
     ),
     "band": FigureRecipe(
         spectra.draw_band,
-        (7.4, 5.8),
+        5.8,
         "What the lost Table 1 may change: spectra over the properties of the cable",
     ),
     "free": _validation("free", "Validation: a wall let go at half of its slenderness angle", 5.8),
@@ -165,7 +166,7 @@ def make(cache: ResponseCache, name: str, folder: Path) -> list[Path]:
     """
     paths = [folder / f"{name}.{kind}" for kind in FORMATS]
     recipe = FIGURES[name]
-    with figures.new_figure(*recipe.size) as figure:
+    with new_figure(recipe.height) as figure:
         recipe.draw(figure, cache)
         figure.align_ylabels()
         for path in paths:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from rwmf._simulation import simulate
 from rwmf.case import Case
+from rwmf.plotting.style import ALONE, COLOURS, DOTS, INK, NESTED, legend_below
 
 from reproduce import drawing
 from reproduce.engines import EngineHistory, read
@@ -25,7 +26,7 @@ ENGINES = {"mujoco": "MuJoCo, rigid contact", "calculix": "CalculiX, deformable 
 VALIDATION = ("free", "block", "g5", "g1800", "disc")
 _MARKERS: dict[str, dict[str, Any]] = {
     "mujoco": {"marker": "o"},
-    "calculix": {"marker": "x", "color": "#009e73", "markersize": 4, "markeredgewidth": 1.0},
+    "calculix": {"marker": "x", "color": COLOURS[2], "markersize": 4, "markeredgewidth": 1.0},
 }
 # interval of an engine's dots and when they begin [s]: sparse enough to leave the lines visible,
 # and those of two engines beside each other
@@ -94,7 +95,7 @@ def draw_validation(figure: Figure, cache: ResponseCache, name: str) -> None:
     has_frame = "u_s" in responses[EXACT]
     panels = figure.subplots(4 if has_frame else 3, 1, sharex=True)
     _draw_panels(panels, cache, name, responses, engines)
-    drawing.legend_below(figure, panels[0], columns=2)
+    legend_below(figure, panels[0], columns=2, title=NESTED)
 
 
 def _draw_panels(
@@ -114,7 +115,7 @@ def _draw_panels(
     for engine, history in engines.items():
         for ax, values in zip(panels, _engine_rows(history), strict=False):
             t = np.arange(_FIRST_DOT[engine], history["t_s"][-1], _DOTS)
-            style = {**drawing.ENGINE, **_MARKERS[engine], "label": ENGINES[engine]}
+            style = {**DOTS, **_MARKERS[engine], "label": ENGINES[engine]}
             ax.plot(t, np.interp(t, history["t_s"], values), **style)
     for ax, letter, title, label in zip(panels, "abcd", titles, labels, strict=False):
         drawing.column_title(ax, letter, title)
@@ -158,7 +159,7 @@ def draw_pulses(figure: Figure, cache: ResponseCache, stem: str) -> None:
     texts = (r"$\ddot u_g/g$", r"$\theta/\alpha$", r"$\dot\theta$ (rad/s)", "$u_s$ (m)")
     for ax, text in zip(panels[:, 0], texts, strict=True):
         ax.set_ylabel(text)
-    drawing.legend_below(figure, panels[3, 0])
+    legend_below(figure, panels[3, 0], title=NESTED)
 
 
 def _draw_pulse(panels: np.ndarray, cache: ResponseCache, stem: str, pulse: str) -> None:
@@ -173,10 +174,10 @@ def _draw_pulse(panels: np.ndarray, cache: ResponseCache, stem: str, pulse: str)
         panels[3].plot(t, response["u_s"], **style)
     _draw_ground(panels[0], response, case.model.g)
     alone = cache.frame_alone(f"{stem}_alone_{pulse}")
-    panels[3].plot(alone["time"], alone["u_s"], **drawing.ALONE, label="frame alone")
+    panels[3].plot(alone["time"], alone["u_s"], **ALONE, label="frame alone")
     panels[3].set_xlabel(drawing.OVER_TIME)
 
 
 def _draw_ground(ax: Axes, response: xr.Dataset, g: float) -> None:
-    ax.plot(response["time"], response["u_g_ddot"] / g, color="black", linewidth=1.0)
+    ax.plot(response["time"], response["u_g_ddot"] / g, color=INK, linewidth=1.0)
     ax.margins(x=0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from rwmf.plotting.style import NESTED, legend_below, series
 
 from reproduce import drawing
 from reproduce.formulations import FORMULATIONS, Formulation
@@ -69,8 +70,6 @@ FIG10 = Comparison(
     _WIDTHS,
     False,
 )
-# lines over each other must all show: wide and dark below, narrow and light above
-_WIDTHS_OF_LINES = (3.4, 1.9, 0.9)
 # of a figure's time axis [s]: later the rotations are too small to see
 _SHOWN = 8.0
 
@@ -98,7 +97,7 @@ def draw(figure: Figure, cache: ResponseCache, comparison: Comparison) -> None:
         panels[1, j].set_xlabel(drawing.OVER_TIME)
     for ax in panels[:, 0]:
         ax.set_ylabel(r"$\theta/\alpha$" if comparison.over_alpha else r"$\theta$ (rad)")
-    drawing.legend_below(figure, panels[0, 0])
+    legend_below(figure, panels[0, 0], title=NESTED)
 
 
 def _draw_panel(
@@ -108,15 +107,14 @@ def _draw_panel(
     comparison: Comparison,
     cases: Sequence[str],
 ) -> None:
-    for k, (name, colour) in enumerate(zip(cases, drawing.shades(len(cases)), strict=True)):
+    for k, name in enumerate(cases):
         response = cache.history(name, form).sel(time=slice(0.0, _SHOWN))
         wall = cache.case(name, form).wall
         scale = float(np.arctan2(wall.b, wall.h)) if comparison.over_alpha else 1.0
         ax.plot(
             response["time"],
             response["theta"] / scale,
-            color=colour,
-            linewidth=_WIDTHS_OF_LINES[k - len(cases)],
+            **series(k, len(cases)),
             label=comparison.labels[k],
         )
     ax.margins(x=0)

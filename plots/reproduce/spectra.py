@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from rwmf.plotting.style import ALONE, INK, LEVEL, NESTED, legend_below
 
 from reproduce import drawing
 from reproduce.formulations import ETAS, FORMULATIONS, PUBLISHED, SHIPPED_ETAS, Formulation
@@ -59,7 +60,7 @@ def draw_fig12(figure: Figure, cache: ResponseCache) -> None:
     """
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     _draw_spectra(panels, cache, _PULSES)
-    drawing.legend_below(figure, panels[0, 0], columns=6)
+    legend_below(figure, panels[0, 0], columns=6, title=NESTED)
 
 
 def draw_fig13(figure: Figure, cache: ResponseCache) -> None:
@@ -82,7 +83,7 @@ def draw_fig13(figure: Figure, cache: ResponseCache) -> None:
     for ax in panels[:, 1]:
         ax.tick_params(labelleft=False)
     _draw_record(figure.add_subplot(grid[2, :]), cache)
-    drawing.legend_below(figure, panels[0, 0], columns=6)
+    legend_below(figure, panels[0, 0], columns=6, title=NESTED)
 
 
 def _draw_spectra(panels: np.ndarray, cache: ResponseCache, names: tuple[str, ...]) -> None:
@@ -92,7 +93,7 @@ def _draw_spectra(panels: np.ndarray, cache: ResponseCache, names: tuple[str, ..
             ax = panels[i, j]
             for style, curve in _curves(cache.spectrum(name, form, T_s=periods(form))):
                 ax.plot(curve["T_s"], curve["u_s_max"], **style)
-            ax.plot(alone["T_s"], alone["u_s_max"], **drawing.ALONE, label="frame alone")
+            ax.plot(alone["T_s"], alone["u_s_max"], **ALONE, label="frame alone")
             ax.margins(x=0)
             if j == 1:
                 drawing.row_label(ax, form.label)
@@ -112,7 +113,7 @@ def _curves(dataset: xr.Dataset) -> Iterator[tuple[dict[str, Any], xr.Dataset]]:
 def _draw_record(ax: Axes, cache: ResponseCache) -> None:
     case = cache.case(_RECORDS[0], PUBLISHED)
     response = cache.history(_RECORDS[0], PUBLISHED)
-    ax.plot(response["time"], response["u_g_ddot"] / case.model.g, color="black", linewidth=0.6)
+    ax.plot(response["time"], response["u_g_ddot"] / case.model.g, color=INK, linewidth=0.6)
     drawing.column_title(ax, "c", "El Centro 1940 N-S, textbook version")
     ax.set_xlabel(drawing.OVER_TIME)
     ax.set_ylabel(r"$\ddot u_g/g$")
@@ -142,7 +143,7 @@ def draw_benefit(figure: Figure, cache: ResponseCache) -> None:
     for ax in panels[-1]:
         ax.set_xlabel(r"$T_s$ (s)")
     known = [lines[gamma] for gamma in sorted(lines)]
-    figure.legend(handles=known, loc="outside lower center", ncols=6)
+    figure.legend(handles=known, loc="outside lower center", ncols=6, title=NESTED)
 
 
 def _draw_ratios(
@@ -155,7 +156,7 @@ def _draw_ratios(
     for style, curve in _curves(response):
         ratio = curve["u_s_max"].values / alone
         (lines[float(curve["gamma"])],) = ax.plot(curve["T_s"], ratio, **style)
-    ax.axhline(1.0, color="black", linestyle=(0, (1, 2)), linewidth=1.0, zorder=6)
+    ax.axhline(1.0, **LEVEL)
     ax.margins(x=0)
     return lines
 
@@ -183,9 +184,9 @@ def draw_band(figure: Figure, cache: ResponseCache) -> None:
     pairs = ", ".join(f"({first:g}, {last:g})" for first, last in ETAS)
     text = (
         f"{PUBLISHED.label}; lines: $(\\eta_0, \\eta_\\alpha)$ = (1, 5); bands: {pairs}\n"
-        "crosses: the wall overturns with one of these cables"
+        "crosses: the wall overturns with one of these cables, the band is that of the others"
     )
-    drawing.legend_below(figure, panels[0, 0], title=text)
+    legend_below(figure, panels[0, 0], title=text)
 
 
 def _draw_bands(ax: Axes, cache: ResponseCache, name: str) -> None:

@@ -12,6 +12,7 @@ from rwmf.cli.output import print_json
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import cost as plot_cost
 from rwmf.plotting import files as figures
+from rwmf.plotting.style import new_figure
 
 __all__ = ["run"]
 
@@ -35,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     with progress_bar(count_tasks()) as report:
         found = cost(case, options.target, report)
     if options.plot:
-        with figures.new_figure(6.4, 4.2) as figure:
+        with new_figure(4.2) as figure:
             plot_cost.work_precision(found, figure.subplots())
             figures.save(figure, options.plot)
     if options.json:

@@ -22,6 +22,8 @@ from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.plotting import files as figures
 from rwmf.plotting import studies as plots
+from rwmf.plotting.overturning import draw_overturning
+from rwmf.plotting.style import new_figure
 
 __all__ = ["run"]
 
@@ -59,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     if options.file:
         _write(dataset, Path(options.file))
     if options.plot:
-        with figures.new_figure(6.4 * study.panels**0.5, 3.8) as figure:
+        with new_figure(3.8) as figure:
             study.draw(dataset, figure.subplots(1, study.panels))
             figures.save(figure, options.plot)
     for path in (options.file, options.plot):
@@ -137,7 +139,7 @@ class _Study(NamedTuple):
 
 
 _STUDIES = {
-    "overturning": _Study(_overturning, plots.draw_overturning),
+    "overturning": _Study(_overturning, draw_overturning),
     "spectra": _Study(_spectra, plots.draw_suite),
     "fragility": _Study(_fragility, plots.draw_fragility),
     "wall": _Study(_wall, plots.draw_wall_effect),

@@ -14,7 +14,7 @@ import xarray as xr
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
-from rwmf.plotting.files import new_figure
+from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
@@ -69,7 +69,7 @@ def animate(
     """
     writer = _writer(path, frames_per_second)
     factor = magnification(dataset["theta"].values)
-    with files.replacing(path, path.suffix) as stream, new_figure(6.4, 5.2) as figure:
+    with files.replacing(path, path.suffix) as stream, new_figure(6.0) as figure:
         # a layout that is found again for every frame would tremble
         figure.set_layout_engine("none")
         draw = _stage(figure, case, dataset, factor)
@@ -178,8 +178,8 @@ def _stage(figure: Figure, case: Case, dataset: xr.Dataset, factor: float) -> Ca
     lower = figure.add_axes((0.12, 0.1, 0.84, 0.2))
     move_scene = _scene(upper, case, dataset, factor, ground)
     shown = dataset["u_s"] if "u_s" in dataset else dataset["theta"]
-    lower.plot(t, shown.values, color="#0072b2", linewidth=1.0)
-    (cursor,) = lower.plot([t[0]], [shown.values[0]], "o", color="#d55e00", markersize=5)
+    lower.plot(t, shown.values, color=COLOURS[0], linewidth=1.0)
+    (cursor,) = lower.plot([t[0]], [shown.values[0]], "o", color=COLOURS[1], markersize=5)
     lower.set_xlabel("$t$ (s)")
     lower.set_ylabel("$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
     lower.margins(x=0)
@@ -201,12 +201,12 @@ def _scene(
     ax.set_ylim(-0.25 * h, 2.7 * h)
     ax.set_aspect("equal")
     ax.set_axis_off()
-    (wall,) = ax.fill([0], [0], facecolor="0.8", edgecolor="black", zorder=3)
-    (soil,) = ax.plot([], [], color="0.4", linewidth=3)
-    (posts,) = ax.plot([], [], color="#0072b2", linewidth=2.5)
-    (link,) = ax.plot([], [], color="black", linewidth=1.0)
-    (cable,) = ax.plot([], [], color="#009e73", linewidth=1.2, zorder=4)
-    (flash,) = ax.plot([], [], "*", color="#d55e00", markersize=16, zorder=5)
+    (wall,) = ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)
+    (soil,) = ax.plot([], [], color=GREY, linewidth=3)
+    (posts,) = ax.plot([], [], color=COLOURS[0], linewidth=2.5)
+    (link,) = ax.plot([], [], color=INK, linewidth=1.0)
+    (cable,) = ax.plot([], [], color=COLOURS[2], linewidth=1.2, zorder=4)
+    (flash,) = ax.plot([], [], "*", color=COLOURS[1], markersize=16, zorder=5)
     label = ax.text(0.01, 0.98, "", transform=ax.transAxes, va="top")
     theta, t = dataset["theta"].values, dataset["time"].values
     impacts = dataset["event_time"].values[dataset["event"].values == "impact"]

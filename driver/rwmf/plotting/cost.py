@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rwmf.plotting.style import style
+from rwmf.plotting.style import (
+    COLOURS,
+    GREY,
+    INK,
+    LEVEL,
+    MARKERS,
+    PAPER,
+    legend_beside,
+    make_panels,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,14 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["work_precision"]
 
-# Okabe and Ito's colours, told apart by colour-blind readers too, with markers for grey print
-_LOOKS = {
-    "adams": ("#0072B2", "o"),
-    "bdf": ("#E69F00", "s"),
-    "erk54": ("#009E73", "^"),
-    "dop853": ("#D55E00", "D"),
-    "extrapolation": ("#CC79A7", "v"),
-}
+_METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
 # today's procedures: marker, and whether it is filled (dt) or open (dt/10)
 _PRACTICES = {
     "ode45, default": ("*", True),
@@ -32,7 +34,6 @@ _PRACTICES = {
     "Newmark, dt": ("X", True),
     "Newmark, dt/10": ("X", False),
 }
-_PRACTICE_COLOUR = "0.25"
 # errors below are round-off and drawn there
 _FLOOR = 1e-16
 
@@ -54,8 +55,8 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
     matplotlib.axes.Axes
         The axes. A ring marks the recommended row.
     """
-    axes = _new_axes() if ax is None else ax
-    for method, (colour, marker) in _LOOKS.items():
+    axes: Axes = make_panels(ax, 1)[0]
+    for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]
         axes.plot(
             [row.seconds for row in rows],
@@ -72,15 +73,8 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
         _mark_recommended(axes, cost.recommended, cost.target)
     _finish(axes, cost)
     if legend:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        legend_beside(axes)
     return axes
-
-
-def _new_axes() -> Axes:
-    import matplotlib.pyplot as plt
-
-    with plt.rc_context(style()):
-        return plt.subplots(figsize=(6.4, 4.2), layout="constrained")[1]
 
 
 def _is_drawn(row: Row) -> bool:
@@ -97,8 +91,8 @@ def _draw_practice(axes: Axes, row: Row) -> None:
         [row.seconds],
         [_height(row)],
         marker,
-        color=_PRACTICE_COLOUR,
-        markerfacecolor=_PRACTICE_COLOUR if filled else "white",
+        color=GREY,
+        markerfacecolor=GREY if filled else PAPER,
         markersize=6,
         label=row.method,
     )
@@ -111,11 +105,11 @@ def _mark_recommended(axes: Axes, row: Row, target: float) -> None:
         "o",
         markersize=10,
         markerfacecolor="none",
-        markeredgecolor="0.1",
+        markeredgecolor=INK,
         linestyle="none",
         label=f"cheapest for {_power(target)}",
     )
-    axes.axhline(target, color="0.6", linewidth=0.7, linestyle=":", zorder=1)
+    axes.axhline(target, **LEVEL)
 
 
 def _power(value: float) -> str:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +13,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting import response as plot
-from rwmf.plotting.style import make_panels, style
+from rwmf.plotting.style import make_panels, new_figure
 from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
@@ -24,36 +22,11 @@ if TYPE_CHECKING:
 __all__ = [
     "check_format",
     "check_formats",
-    "new_figure",
     "save",
     "save_history",
     "save_loops",
     "save_spectrum",
 ]
-
-
-@contextmanager
-def new_figure(width: float, height: float) -> Iterator[Figure]:
-    """Make a figure in the package's style that needs no screen.
-
-    Parameters
-    ----------
-    width, height : float
-        Size [inch].
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(style()):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasAgg(figure)
-        yield figure
 
 
 def check_format(path: str | os.PathLike[str]) -> str:
@@ -141,8 +114,8 @@ def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     InputError, OutputError
         As `save`.
     """
-    names = [name for name in plot.PANELS if name in dataset]
-    with new_figure(6.4, 0.8 + 1.5 * len(names)) as figure:
+    names = [name for name in plot.PANELS if plot.members(dataset, name)]
+    with new_figure(0.8 + 1.4 * len(names)) as figure:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)
         plot.history(dataset, axes[:, 0], names)
         figure.align_ylabels()
@@ -167,7 +140,7 @@ def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) ->
         As `save`, and when no spring has a force in the history.
     """
     n = len(loops.group_by_kind(loops.find_loops(dataset, case)))
-    with new_figure(3.2 * n, 3.0) as figure:
+    with new_figure(3.0) as figure:
         loops.draw(dataset, case, figure.subplots(1, n, squeeze=False)[0])
         save(figure, path)
 
@@ -197,7 +170,7 @@ def save_spectrum(
         As `save`.
     """
     names = list(names_by_key(name for name in dataset.data_vars if name != "status").values())
-    with new_figure(6.4, 3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
+    with new_figure(3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
         panels = make_panels(figure.subplots(len(names)), len(names))
         for ax, name in zip(panels, names, strict=True):
             plot.spectrum(dataset, ax, bare, name)

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count, takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from rwmf.plotting.style import make_panels
+from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["PANELS", "history", "spectrum"]
+__all__ = ["PANELS", "history", "members", "spectrum"]
 
-# what `history` shows when it is not told, from top to bottom
+# what `history` shows when it is not told, from top to bottom; {i} stands for every floor or storey
 PANELS = (
+    "u_g_ddot",
     "theta",
     "theta_dot",
     "u_s",
+    "floor_{i}",
+    "storey_{i}_drift",
     "cable_force_over_m_w_g",
     "frame_force_over_m_s_g",
     "fuse_left_force_over_m_w_g",
@@ -35,6 +39,8 @@ _SYMBOLS = {
     "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
     "theta_dot_max": r"$\dot\theta_{\max}$",
     "u_g_ddot": r"$\ddot u_g$",
+    "floor_{i}": "$u_i$",
+    "storey_{i}_drift": "storey drift",
     "cable_force_over_m_w_g": r"$P/(m_w g)$",
     "cable_force": r"$P$",
     "frame_force_over_m_s_g": r"$F_s/(m_s g)$",
@@ -42,10 +48,6 @@ _SYMBOLS = {
     "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
 }
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
-# the dark end of viridis: the order of the lines is readable in grey and by colour-blind readers
-_DARKEST, _LIGHTEST = 0.0, 0.82
-_WIDEST, _NARROWEST = 2.6, 1.1
-_BARE_COLOUR = "0.45"
 # ordinates whose motion ended before its time
 _FALLEN = ("overturned", "collapsed")
 
@@ -65,8 +67,8 @@ def history(
     axes : matplotlib axes or sequence of axes, optional
         One for each variable; otherwise a new figure.
     variables : sequence of str, optional
-        Names of variables over time; otherwise rotation, angular velocity, displacement and
-        forces of cable, frame and fuses, as far as the dataset has them.
+        Names of variables over time, with ``{i}`` in place of a number for all floors or storeys
+        in one panel; otherwise `PANELS`, as far as the dataset has them.
     **line
         Arguments of ``Axes.plot``, for example ``label``.
 
@@ -78,20 +80,53 @@ def history(
     Raises
     ------
     ValueError
-        When the dataset has no history, or when axes and variables differ in number.
+        When the dataset has no history or no such variable, or when axes and variables differ in
+        number.
     """
     if "time" not in dataset.coords:
         raise ValueError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
-    names = list(variables or [name for name in PANELS if name in dataset])
+    names = list(variables or [name for name in PANELS if members(dataset, name)])
     panels = make_panels(axes, len(names))
     time = dataset["time"].values
     for ax, name in zip(panels, names, strict=True):
-        ax.plot(time, dataset[name].values, **({"color": "C0"} | line))
-        ax.set_ylabel(_axis_label(dataset[name]))
+        found = members(dataset, name)
+        if not found:
+            raise ValueError(f"{name}: is not in the history")
+        for i, member in enumerate(found):
+            look = series(i, len(found)) | {"label": _label_of_member(member, name)}
+            ax.plot(time, dataset[member].values, **(look | line))
+        if len(found) > 1:
+            legend_beside(ax)
+        ax.set_ylabel(_axis_label(dataset[found[0]], name))
         ax.margins(x=0)
         _mark_impacts(ax, dataset)
     panels[-1].set_xlabel("$t$ (s)")
     return panels
+
+
+def members(dataset: xr.Dataset, name: str) -> list[str]:
+    """Find the variables of a panel.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`.
+    name : str
+        Of a variable, or with ``{i}`` in place of the number of a floor or storey.
+
+    Returns
+    -------
+    list of str
+        Names in the dataset, by number; empty when it has none.
+    """
+    numbered = (name.format(i=i) for i in count(1))
+    found = list(takewhile(lambda member: member in dataset, numbered)) if "{i}" in name else [name]
+    return [member for member in found if member in dataset]
+
+
+def _label_of_member(member: str, name: str) -> str | None:
+    """Return 'floor 2' for floor_2; a panel of one variable needs no label."""
+    return " ".join(member.split("_")[:2]) if "{i}" in name else None
 
 
 def spectrum(
@@ -99,6 +134,8 @@ def spectrum(
     ax: Axes | None = None,
     bare: xr.Dataset | None = None,
     quantity: str = "u_s_max",
+    *,
+    legend: bool = True,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> Axes:
     """Draw the largest displacement of the frame, or another quantity, against its period.
@@ -110,9 +147,11 @@ def spectrum(
     ax : matplotlib axes, optional
         Where to draw; otherwise a new figure.
     bare : xarray.Dataset, optional
-        Spectrum of the frame without wall, drawn dashed for comparison.
+        Spectrum of the frame without wall, drawn dotted for comparison.
     quantity : str
         Variable of the dataset.
+    legend : bool
+        With a legend beside the axes, where there are several lines.
     **line
         Arguments of ``Axes.plot``.
 
@@ -131,35 +170,20 @@ def spectrum(
         raise ValueError(f"{quantity}: is not in the spectrum, which has {names}")
     axes: Axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
-    shades = np.linspace(_DARKEST, _LIGHTEST, max(len(curves), 2))
-    # a line under one that coincides with it stays visible when it is wider
-    widths = np.linspace(_WIDEST if len(curves) > 1 else _NARROWEST, _NARROWEST, len(curves))
-    for shade, width, (label, curve) in zip(shades, widths, curves, strict=False):
-        colour = _viridis(float(shade))
-        axes.plot(
-            curve["T_s"],
-            curve[quantity],
-            **({"color": colour, "linewidth": width, "label": label or None} | line),
-        )
+    for i, (label, curve) in enumerate(curves):
+        look = {**series(i, len(curves)), "label": label or None} | line
+        (drawn,) = axes.plot(curve["T_s"], curve[quantity], **look)
         fallen = curve.isel(T_s=np.flatnonzero(np.isin(curve["status"].values, _FALLEN)))
-        axes.plot(fallen["T_s"], fallen[quantity], "x", color=colour, markersize=4)
+        axes.plot(fallen["T_s"], fallen[quantity], "x", color=drawn.get_color(), markersize=4)
     if bare is not None:
-        axes.plot(
-            bare["T_s"],
-            bare[quantity],
-            color=_BARE_COLOUR,
-            linestyle=(0, (4, 2)),
-            label="frame alone",
-            zorder=1,
-        )
+        axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
     axes.set_xlabel("$T_s$ (s)")
     axes.set_ylabel(_axis_label(dataset[quantity]))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
     axes.margins(x=0)
-    if len(curves) > 1 or bare is not None:
-        # beside the axes: it cannot hide data there
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title=_legend_title(dataset))
+    if legend and (len(curves) > 1 or bare is not None):
+        legend_beside(axes, _legend_title(dataset))
     return axes
 
 
@@ -190,7 +214,7 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
         times,
         np.zeros(times.size),
         "|",
-        color="0.5",
+        color=GREY,
         markersize=5,
         markeredgewidth=0.6,
         transform=ax.get_xaxis_transform(),
@@ -199,14 +223,8 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     )
 
 
-def _axis_label(variable: xr.DataArray) -> str:
-    name = str(variable.name)
+def _axis_label(variable: xr.DataArray, name: str | None = None) -> str:
+    name = name or str(variable.name)
     unit = variable.attrs.get("units", "")
     unit = _UNITS.get(unit, unit)
     return _SYMBOLS.get(name, name.replace("_", " ")) + (f" ({unit})" if unit else "")
-
-
-def _viridis(x: float) -> tuple[float, float, float, float]:
-    import matplotlib
-
-    return matplotlib.colormaps["viridis"](x)

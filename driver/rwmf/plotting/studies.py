@@ -8,14 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from rwmf.plotting.style import (
+    DOTS,
+    LEVEL,
+    label_plainly,
+    legend_above,
+    series,
+)
 from rwmf.studies.fragility import exceedance
 from rwmf.studies.friction import CABLE, DEMAND
-from rwmf.studies.overturning import SURVIVES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +31,6 @@ __all__ = [
     "draw_equal_response",
     "draw_fragility",
     "draw_friction",
-    "draw_overturning",
     "draw_suite",
     "draw_wall_effect",
 ]
@@ -37,43 +42,8 @@ _SYMBOLS = {
     "scale": "scale",
     "u_s_max": r"$u_{s,\max}$",
 }
-# regions of an overturning map: stays, then by the number of impacts
-_STAYS = "0.96"
-
-
-def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw an overturning map: regions by the number of impacts, boundaries as dots.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.studies.overturning_map`.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
-    import matplotlib
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-
-    outcome = dataset["outcome"]
-    highest = max(int(outcome.max()), 0)
-    shades = matplotlib.colormaps["viridis"](np.linspace(0.15, 0.95, highest + 1))
-    colours = ListedColormap([_STAYS, *shades])
-    norm = BoundaryNorm(np.arange(SURVIVES - 0.5, highest + 1), colours.N)
-    x, y = dataset["omega_over_p"], dataset["amplitude"]
-    mesh = ax.pcolormesh(x, y, outcome.T, cmap=colours, norm=norm, alpha=0.75, linewidth=0)
-    mesh.set_rasterized(True)
-    ax.plot(dataset["boundary_omega_over_p"], dataset["boundary_amplitude"], ".k", markersize=2.5)
-    ax.set_xlabel(r"$\omega_p/p$")
-    ax.set_ylabel(r"$a_p/(\alpha g)$")
-    bar = ax.figure.colorbar(mesh, ax=ax, ticks=range(SURVIVES, highest + 1))
-    names = ["stays", "no impact", "1 impact", *(f"{i} impacts" for i in range(2, highest + 1))]
-    bar.ax.set_yticklabels(names[: highest + 2])
-    return ax
+# opacity of a band, and of the hatches of one without upper end
+_BAND, _OPEN = 0.25, 0.5
 
 
 def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
@@ -92,11 +62,14 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
         The axes.
     """
     name = next(str(key) for key in dataset if str(key).endswith("_percentiles"))
-    for i, (label, curve) in enumerate(_curves(dataset[name], ("percentile", "T_s"))):
+    values = dataset[name.removesuffix("_percentiles")]
+    bands = []
+    for label, curve in _curves(dataset[name], ("percentile", "T_s")):
         low, middle, high = (curve.isel(percentile=k) for k in (0, curve.percentile.size // 2, -1))
-        _fill_between(ax, curve["T_s"], low, high, i)
-        ax.plot(curve["T_s"], middle, color=f"C{i}", label=label)
-    _finish(ax, dataset[name.removesuffix("_percentiles")])
+        bands.append((label or "median", low, middle, high))
+    first, last = (float(dataset["percentile"][k]) for k in (0, -1))
+    _draw_bands(ax, bands, f"{first:g} to {last:g} % of {values.sizes['record']} records")
+    _finish(ax, values)
     return ax
 
 
@@ -116,9 +89,11 @@ def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
         The axes.
     """
     pairs = [_curves(dataset[name], ("T_s",)) for name in ("lowest", "nominal", "highest")]
-    for i, ((_, low), (label, nominal), (_, high)) in enumerate(zip(*pairs, strict=True)):
-        _fill_between(ax, nominal["T_s"], low, high, i)
-        ax.plot(nominal["T_s"], nominal, color=f"C{i}", label=label)
+    bands = [
+        (label or "nominal", low, nominal, high)
+        for (_, low), (label, nominal), (_, high) in zip(*pairs, strict=True)
+    ]
+    _draw_bands(ax, bands, "range over the uncertain values")
     _finish(ax, dataset["nominal"])
     return ax
 
@@ -141,9 +116,8 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     ratio = dataset["ratio"]
     if "record" in ratio.dims:
         ratio = ratio.median("record", keep_attrs=True)
-    for label, curve in _curves(ratio, ("T_s",)):
-        ax.plot(curve["T_s"], curve, label=label)
-    ax.axhline(1.0, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)))
+    _draw_lines(ax, ratio)
+    ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
     ax.set_ylabel(r"$u_{s,\max}$ with / without wall")
     return ax
@@ -169,9 +143,8 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
         values = dataset[name]
         if "record" in values.dims:
             values = values.median("record", keep_attrs=True)
-        for label, curve in _curves(values, ("T_s",)):
-            ax.plot(curve["T_s"], curve, label=label)
-        _finish(ax, dataset[name])
+        _draw_lines(ax, values)
+        _finish(ax, dataset[name], from_zero=False)
     return axes
 
 
@@ -193,18 +166,16 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
     scale = dataset["scale"].values
     # whole dots where none or all of the records exceed the limit
-    dots: dict[str, Any] = {"color": "C0", "markersize": 3.5, "label": "counted", "clip_on": False}
-    ax.plot(scale, dataset["fraction"], "o", **dots)
+    ax.plot(scale, dataset["fraction"], **DOTS, label="counted", clip_on=False)
     text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
     fine = np.linspace(scale.min(), scale.max(), 400)
-    ax.plot(fine, exceedance(fine, median, dispersion), color="C0", label=text)
+    ax.plot(fine, exceedance(fine, median, dispersion), **series(0, 1), label=text)
     ax.set_xlabel(r"$S_a(T_s)/g$")
     quantity = dataset.attrs["quantity"]
-    limit = f"{float(dataset['limit']):g}"
+    limit = f"{float(dataset['limit']):g}" + _unit(dataset["limit"], " {}")
     ax.set_ylabel(f"P({_SYMBOLS.get(quantity, quantity)} > {limit})")
     ax.set_ylim(0, 1.02)
-    # above the axes: the curve may begin or end in any corner
-    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+    legend_above(ax, columns=2)
     return ax
 
 
@@ -223,10 +194,10 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
-    ax.plot(dataset["T_p"], dataset["a_max_g"])
+    ax.plot(dataset["T_p"], dataset["a_max_g"], **series(0, 1))
     ax.set_yscale("log")
-    for axis_format in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
-        axis_format(lambda value, _: f"{value:g}")
+    label_plainly(ax.yaxis)
+    ax.margins(x=0)
     ax.set_xlabel("$T_p$ (s)")
     ax.set_ylabel(r"$a_{\max}/g$ for $u_{s,\max}$ = " + f"{float(dataset['target']):g} m")
     return ax
@@ -253,16 +224,47 @@ def _text(value: object) -> str:
     return value if isinstance(value, str) else f"{value:g}"
 
 
-def _fill_between(ax: Axes, x: xr.DataArray, low: xr.DataArray, high: xr.DataArray, i: int) -> None:
-    # an overturned wall has no upper end: the band stops there
-    ax.fill_between(x, low, high.where(np.isfinite(high)), color=f"C{i}", alpha=0.2, linewidth=0)
+def _draw_lines(ax: Axes, values: xr.DataArray) -> None:
+    curves = _curves(values, ("T_s",))
+    for i, (label, curve) in enumerate(curves):
+        ax.plot(curve["T_s"], curve, label=label or None, **series(i, len(curves)))
 
 
-def _finish(ax: Axes, values: xr.DataArray) -> None:
+def _draw_bands(
+    ax: Axes, bands: Sequence[tuple[str, xr.DataArray, xr.DataArray, xr.DataArray]], what: str
+) -> None:
+    """Draw lines with their bands: label, lower end, line, upper end."""
+    ends = [values.values[np.isfinite(values.values)] for band in bands for values in band[1:]]
+    top = 1.05 * max((float(values.max()) for values in ends if values.size), default=1.0)
+    is_told = False
+    for i, (label, low, middle, high) in enumerate(bands):
+        look = series(i, len(bands))
+        x, colour = middle["T_s"], look["color"]
+        ax.plot(x, middle, label=label, **look)
+        closed = np.isfinite(high.values)
+        ax.fill_between(x, low, high.where(closed), color=colour, alpha=_BAND, linewidth=0,
+                        label=f"{label}: {what}" if len(bands) > 1 else what)  # fmt: skip
+        # from the last period with an upper end on: the hatched rest reaches beyond the figure
+        rest = ~closed & np.isfinite(low.values)
+        rest[:-1] |= rest[1:] & closed[:-1]
+        if rest.any():
+            ax.fill_between(x, low, top, where=rest, facecolor="none", edgecolor=colour,
+                            alpha=_OPEN, hatch="///", linewidth=0,
+                            label=None if is_told else "no upper end: overturns")  # fmt: skip
+            is_told = True
+    ax.set_ylim(0, top)
+
+
+def _unit(values: xr.DataArray, form: str) -> str:
     unit = values.attrs.get("units", "1")
+    return "" if unit == "1" else form.format(unit)
+
+
+def _finish(ax: Axes, values: xr.DataArray, from_zero: bool = True) -> None:
     ax.set_xlabel("$T_s$ (s)")
-    ax.set_ylabel(values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})"))
-    ax.set_ylim(bottom=0)
+    ax.set_ylabel(values.attrs.get("long_name", "") + _unit(values, " ({})"))
+    if from_zero:
+        ax.set_ylim(bottom=0)
     ax.margins(x=0)
-    if any(str(line.get_label())[:1] != "_" for line in ax.lines):
-        ax.legend()
+    if ax.get_legend_handles_labels()[1]:
+        legend_above(ax, columns=2)

@@ -1,17 +1,71 @@
-"""One style for every figure, and panels to draw in."""
+"""The one style of every figure: colours, lines, sizes, legends, panels. No other module has any.
+
+Lines differ in colour and in a second channel (dashes, width, markers), for grey print and for
+colour-blind readers. Every figure has the same width and no text smaller than 9 pt: at the width of
+a page the text stays readable.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
-__all__ = ["make_panels", "style"]
+__all__ = [
+    "ALONE",
+    "COLOURS",
+    "DOTS",
+    "FAINT",
+    "GREY",
+    "INK",
+    "LEVEL",
+    "MARKERS",
+    "NESTED",
+    "PALE",
+    "PAPER",
+    "WIDTH",
+    "label_plainly",
+    "legend_above",
+    "legend_below",
+    "legend_beside",
+    "make_panels",
+    "new_figure",
+    "series",
+    "style",
+    "tint",
+]
+
+# of every figure [inch]
+WIDTH = 7.4
+# Okabe and Ito's, told apart by every kind of colour vision; yellow is too light for a line
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+INK, GREY, FAINT, PALE, PAPER = "black", "0.4", "0.65", "0.9", "white"
+# the upper ones have the wider gaps, for what lies below to show
+_DASHES = ("-", (0, (5, 1.5)), (0, (6, 3, 1.5, 3)), (0, (3, 2)), (0, (7, 6)), (0, (2, 3)))
+_WIDEST, _NARROWEST, _STEP, _SINGLE = 3.0, 1.1, 0.6, 1.4
+# says so under a figure with such lines
+NESTED = "lines that coincide lie one inside the other, narrow in wide"
+# the response that others are compared with: above them, so that it shows where they coincide
+ALONE: dict[str, Any] = {"color": INK, "linestyle": (0, (1, 2)), "linewidth": 1.3, "zorder": 6}
+# a level such as 0 or 1 behind the lines
+LEVEL: dict[str, Any] = {"color": FAINT, "linestyle": "-", "linewidth": 0.8, "zorder": 1}
+# what other programs or observations give
+DOTS: dict[str, Any] = {
+    "color": INK,
+    "linestyle": "none",
+    "marker": MARKERS[0],
+    "markersize": 2.6,
+    "zorder": 5,
+}
 
 
 def style() -> dict[RcKeyType, Any]:
@@ -22,21 +76,102 @@ def style() -> dict[RcKeyType, Any]:
     dict
         Names and values of matplotlib's settings.
     """
+    from cycler import cycler
+
     return {
         "figure.dpi": 110,
         "savefig.dpi": 200,
         "font.size": 9,
         "axes.titlesize": 9,
+        "axes.labelsize": 9,
+        "xtick.labelsize": 9,
+        "ytick.labelsize": 9,
+        "legend.fontsize": 9,
+        "legend.title_fontsize": 9,
+        "legend.handlelength": 2.8,
         "axes.titlelocation": "left",
         "axes.spines.top": False,
         "axes.spines.right": False,
         "axes.grid": True,
-        "grid.color": "0.9",
+        "axes.axisbelow": True,
+        "axes.prop_cycle": cycler(color=COLOURS),
+        "grid.color": PALE,
         "grid.linewidth": 0.6,
-        "lines.linewidth": 1.3,
+        "lines.linewidth": _SINGLE,
         "legend.frameon": False,
         "svg.hashsalt": "rwmf",
     }
+
+
+@contextmanager
+def new_figure(height: float) -> Iterator[Figure]:
+    """Make a figure in the package's style that needs no screen.
+
+    Parameters
+    ----------
+    height : float
+        Height [inch]; the width is `WIDTH`.
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(style()):
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure
+
+
+def series(i: int, n: int) -> dict[str, Any]:
+    """Give the look of a line among several: colour, dashes and width.
+
+    Parameters
+    ----------
+    i : int
+        Which line, from 0.
+    n : int
+        How many there are.
+
+    Returns
+    -------
+    dict
+        Arguments of ``Axes.plot``. Wide solid lines lie below narrow dashed ones: lines that
+        coincide all show, one inside the other.
+    """
+    step = min(_STEP, (_WIDEST - _NARROWEST) / max(n - 1, 1))
+    width = _SINGLE if n < 2 else _NARROWEST + step * (n - 1 - i)
+    return {
+        "color": COLOURS[i % len(COLOURS)],
+        "linestyle": _DASHES[i % len(_DASHES)],
+        "linewidth": width,
+        "zorder": 2 + i / max(n, 1),
+    }
+
+
+def tint(colour: str, strength: float) -> tuple[float, float, float]:
+    """Mix a colour with white: areas that meet show no seam, as transparent ones would.
+
+    Parameters
+    ----------
+    colour : str
+        One of `COLOURS`.
+    strength : float
+        Its share, 0 to 1 [-].
+
+    Returns
+    -------
+    tuple of float
+        Red, green and blue [-].
+    """
+    from matplotlib.colors import to_rgb
+
+    red, green, blue = (1 - strength * (1 - part) for part in to_rgb(colour))
+    return red, green, blue
 
 
 def make_panels(
@@ -66,15 +201,75 @@ def make_panels(
     if axes is None:
         import matplotlib.pyplot as plt
 
-        size = (6.4, 3.4) if n == 1 else (6.4, 0.6 + 1.5 * n)
+        height = 3.0 if across else 3.6 if n == 1 else 0.8 + 1.5 * n
         rows, columns = (1, n) if across else (n, 1)
-        if across:
-            size = (3.2 * n, 3.0)
         with plt.rc_context(style()):
             _, axes = plt.subplots(
-                rows, columns, sharex=not across, figsize=size, layout="constrained"
+                rows, columns, sharex=not across, figsize=(WIDTH, height), layout="constrained"
             )
     panels = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if panels.size != n:
         raise ValueError(f"{panels.size} axes for {n} panels: there must be as many")
     return panels
+
+
+def label_plainly(axis: Axis) -> None:
+    """Label a logarithmic axis of one or two decades with numbers as they are spoken.
+
+    Parameters
+    ----------
+    axis : matplotlib.axis.Axis
+        The axis.
+    """
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def legend_beside(ax: Axes, title: str | None = None) -> None:
+    """Put the legend at the right of the axes, where it hides nothing.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Whose lines are named.
+    title : str, optional
+        Its title.
+    """
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title=title)
+
+
+def legend_above(ax: Axes, columns: int) -> None:
+    """Put the legend above the axes, where it hides nothing.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Whose lines are named.
+    columns : int
+        Columns of the legend.
+    """
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderpad=0.2)
+
+
+def legend_below(figure: Figure, axes: Axes, columns: int = 4, title: str | None = None) -> None:
+    """Put the legend of one of the axes below all of them, where it hides nothing.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    axes : matplotlib.axes.Axes
+        Whose lines are named.
+    columns : int
+        Columns of the legend.
+    title : str, optional
+        Its title.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    figure.legend(
+        list(unique.values()), list(unique), loc="outside lower center", ncols=columns, title=title
+    )

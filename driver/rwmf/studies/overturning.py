@@ -116,7 +116,8 @@ def overturning_map(
     xarray.Dataset
         ``outcome`` over (omega_over_p, amplitude): impacts before overturning or collapse, -1
         where the wall stays; and over ``boundary``: its frequency, its amplitude (also over
-        g tan(alpha)), and the outcomes below and above.
+        g tan(alpha)), and the outcomes below and above. ``alpha``, ``p`` and, where one number
+        says it, ``e`` are those of the wall; the attribute ``pulse`` is the kind of the motion.
 
     Raises
     ------
@@ -152,7 +153,15 @@ def overturning_map(
     outcomes = [outcome for outcome, _ in results]
     boundaries = [item for _, found in results for item in found]
     found = _to_dataset(wall, frequencies, levels, outcomes, boundaries)
-    return found.assign_attrs(origin_of(case))
+    return found.assign(_factor(pulse, wall)).assign_attrs(origin_of(case), pulse=case.motion.kind)
+
+
+def _factor(pulse: Pulse, wall: Wall) -> dict[str, tuple[tuple[()], float, dict[str, str]]]:
+    """Give the velocity factor at impact, where one number says it."""
+    with simulation.start(pulse.resized(wall.alpha, 1 / wall.p, 0.0)) as run:
+        e = run.summary().get("e")
+    text = {"units": "1", "long_name": "velocity factor at impact"}
+    return {} if e is None else {"e": ((), float(e), text)}
 
 
 def _scan(

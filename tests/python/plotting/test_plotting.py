@@ -1,0 +1,133 @@
+"""What figures show: all lines inside of the axes, told apart; nothing of it simulates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from checkout import ROOT
+
+pytest.importorskip("matplotlib")
+
+import shipped_spectra
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from rwmf.plotting.response import members
+from rwmf.plotting.style import make_panels, new_figure, series
+
+
+def test_coinciding_lines_differ_twice() -> None:
+    for n in range(2, 7):
+        looks = [series(i, n) for i in range(n)]
+        assert len({look["color"] for look in looks}) == n
+        assert len({str(look["linestyle"]) for look in looks}) == n
+        widths = [look["linewidth"] for look in looks]
+        assert widths == sorted(widths, reverse=True)
+        assert min(-np.diff(widths)) > 0.3
+        assert [look["zorder"] for look in looks] == sorted(look["zorder"] for look in looks)
+
+
+def test_a_history_shows_the_ground_and_every_storey() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "storeys_full.nml")
+    run = rwmf.simulate(case, dt=0.05)
+    assert members(run, "floor_{i}") == [f"floor_{i}" for i in range(1, 5)]
+    assert members(run, "storey_{i}_drift") == [f"storey_{i}_drift" for i in range(1, 6)]
+    assert members(run, "floor") == []
+    panels = rwmf.plot.history(run)
+    labels = [ax.get_ylabel() for ax in panels]
+    assert labels[0] == r"$\ddot u_g$ (m/s²)"
+    assert "$u_i$ (m)" in labels
+    drifts = panels[labels.index("storey drift")]
+    texts = [text.get_text() for text in drifts.get_legend().get_texts()]
+    assert texts == [f"storey {i}" for i in range(1, 6)]
+    with pytest.raises(ValueError, match="nowhere: is not in the history"):
+        rwmf.plot.history(run, variables=["nowhere"])
+
+
+def _areas(ax: Axes) -> dict[tuple[float, ...], float]:
+    """Area of the regions of a map by their colour."""
+    found: dict[tuple[float, ...], float] = {}
+    for region in ax.collections:
+        assert isinstance(region, PolyCollection)
+        colour = tuple(np.round(region.get_facecolor()[0][:3], 6))
+        for path in region.get_paths():
+            x, y = path.vertices.T
+            area = 0.5 * abs(float(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))))
+            found[colour] = found.get(colour, 0.0) + area
+    return found
+
+
+def test_regions_of_a_map_fill_it() -> None:
+    """No gap and no overlap, whatever begins and ends between two frequencies."""
+    outcomes = ((-1, 0), (-1, 1, -1, 0), (-1, 1, -1), (-1, 1, -1), (-1,))
+    edges = ((2.0,), (1.5, 2.5, 3.0), (2.0, 3.5), (2.5, 3.8), ())
+    omegas = np.arange(1.0, 6.0)
+    scanned = np.array([[row[0], row[-1]] for row in outcomes])
+    dataset = xr.Dataset(
+        {
+            "outcome": (("omega_over_p", "amplitude"), scanned),
+            "boundary_omega_over_p": ("boundary", np.repeat(omegas, [len(row) for row in edges])),
+            "boundary_amplitude": ("boundary", [y for row in edges for y in row]),
+            "above": ("boundary", [x for row in outcomes for x in row[1:]]),
+            "alpha": 0.25,
+            "p": 1.9,
+        },
+        {"omega_over_p": omegas, "amplitude": [1.0, 4.0]},
+        {"pulse": "one_sine"},
+    )
+    with new_figure(3.0) as figure:
+        ax = rwmf.plot.draw_overturning(dataset, figure.subplots())
+        areas = _areas(ax)
+        assert ax.get_title(loc="left") == r"$\alpha$ = 0.25 rad, $p$ = 1.9 rad/s, one-sine"
+    assert len(areas) == 3
+    assert sum(areas.values()) == pytest.approx(4.0 * 3.0)
+
+
+def test_a_map_says_its_wall_and_its_pulse() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "study_ricker.nml")
+    found = rwmf.studies.overturning_map(case, [3.0], [0.5, 1.0], tolerance=0.1)
+    assert float(found["e"]) == float(rwmf.simulate(case)["e"])
+    assert found.attrs["pulse"] == "ricker"
+
+
+def test_bands_without_upper_end_reach_the_top() -> None:
+    T_s = np.array([0.5, 1.0, 1.5, 2.0])
+    values = {"lowest": [0.1] * 4, "nominal": [0.2] * 4, "highest": [0.3, 0.4, np.inf, np.inf]}
+    dataset = xr.Dataset({name: ("T_s", row) for name, row in values.items()}, {"T_s": T_s})
+    with new_figure(3.0) as figure:
+        ax = rwmf.plot.draw_bands(dataset, figure.subplots())
+        labels = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert labels == ["nominal", "range over the uncertain values", "no upper end: overturns"]
+        x, y = ax.collections[1].get_paths()[0].vertices.T
+        # from the last period with an upper end on
+        assert (x.min(), x.max(), y.max()) == (1.0, 2.0, ax.get_ylim()[1])
+
+
+def test_both_forms_lie_inside_of_the_same_axes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = "fig12_one_cosine"
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / f"{name}.nml")
+    case.replace(spectrum={"n": 4, "T_s_min": 1.0}).to_namelist(tmp_path / f"{name}.nml")
+    drawn: list[Axes] = []
+    keep = shipped_spectra.legend_below
+    monkeypatch.setattr(
+        shipped_spectra, "legend_below",
+        lambda figure, *rest, **words: (drawn.extend(figure.axes), keep(figure, *rest, **words)),
+    )  # fmt: skip
+    status = shipped_spectra.main([name, "--inputs", str(tmp_path), "--plots", str(tmp_path)])
+    assert status == 0
+    files = {path.name for path in tmp_path.iterdir()} - {f"{name}.nml"}
+    assert files == {f"{name}{end}" for end in (".csv", "_exact.csv", ".png", ".svg")}
+    for ax in drawn:
+        highest = max(np.max(line.get_ydata(), initial=0.0) for line in ax.lines)
+        assert highest < ax.get_ylim()[1]
+    assert drawn[0].get_ylim() == drawn[1].get_ylim()
+
+
+def test_panels_are_as_many_as_axes() -> None:
+    with new_figure(3.0) as figure, pytest.raises(ValueError, match="2 axes for 3 panels"):
+        make_panels(figure.subplots(1, 2), 3)
