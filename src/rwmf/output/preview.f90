@@ -140,26 +140,28 @@ contains
       is_shared = has_group(values, 'frame') .or. has_group(values, 'cable')
       if (has_group(values, 'wall') .and. is_shared &
           .and. text_of(values, 'wall', 'base') == 'rocking') then
-         call add_note(values, 'model', 'formulation', 'published', notes)
+         call add_note(values, 'model', 'formulation', 'exact', "it was 'published'", notes)
       end if
       if (has_group(values, 'impact')) then
-         call add_note(values, 'impact', 'rule', 'constant', notes)
+         call add_note(values, 'impact', 'rule', 'coupled', 'that was refused', notes)
       end if
    end subroutine list_notes
 
-   !> Add a sentence on a choice that is not given, unless it is what it was before.
-   subroutine add_note(values, group, key, before, notes)
+   !> Add a sentence on a choice that is not given, where it is the one that an earlier version had
+   !> otherwise.
+   subroutine add_note(values, group, key, choice, before, notes)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
       character(*), intent(in) :: key
+      character(*), intent(in) :: choice
+      !! what it is without the key
       character(*), intent(in) :: before
-      !! its default in an earlier version
+      !! what an earlier version did
       character(note_length), allocatable, intent(inout) :: notes(:)
 
-      if (has_key(values, group, key) .or. text_of(values, group, key) == before) return
-      notes = [character(note_length) :: notes, '&'//group//' '//key//" = '" &
-         //text_of(values, group, key)//"', because the case does not give it; before version " &
-         //"0.2 it was '"//before//"'"]
+      if (has_key(values, group, key) .or. text_of(values, group, key) /= choice) return
+      notes = [character(note_length) :: notes, '&'//group//' '//key//" = '"//choice &
+         //"', because the case does not give it; before version 0.2 "//before]
    end subroutine add_note
 
 end module rwmf_output_preview

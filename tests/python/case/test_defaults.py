@@ -215,7 +215,7 @@ def test_check_notes_what_was_otherwise(command: Runner, tmp_path: Path) -> None
     assert "formulation = 'exact'" in notes[0]
     assert "before version 0.2 it was 'published'" in notes[0]
     assert "rule = 'coupled'" in notes[1]
-    assert "before version 0.2 it was 'constant'" in notes[1]
+    assert "before version 0.2 that was refused" in notes[1]
     for changes in (TRUE, PAPER):
         coupled(solver=SHORT, **changes).to_namelist(tmp_path / "told.nml")
         assert "note:" not in command("check", "told.nml").stdout
