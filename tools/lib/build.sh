@@ -15,6 +15,7 @@ build_in() {
          env PATH="$venv/bin:$PATH" "$venv/bin/meson" setup "$folder" "$root" \
          -Dsundials_prefix="$sundials_prefix" "$@"
       printf '%s\n' "$key" >"$folder/setup.stamp"
+      say "compiling (some minutes)"
    fi
    quietly "$cache/$(basename "$folder")-compile.log" \
       env PATH="$venv/bin:$PATH" "$venv/bin/ninja" -C "$folder"

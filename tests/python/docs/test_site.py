@@ -6,25 +6,23 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from checkout import ROOT
 
-sys.path.append(str(ROOT / "tools"))
-
-from pages import check
+if TYPE_CHECKING:
+    from pages import check
 
 SITE = ROOT / "build" / "site"
-
-needs_site = pytest.mark.skipif(
-    not (ROOT / ".venv" / "docs.stamp").is_file(),
-    reason="the packages of the documentation are not installed: tools/docs installs them",
-)
+sys.path.append(str(ROOT / "tools"))
 
 
 @pytest.fixture(scope="module")
 def site() -> check.Site:
-    """Build what has changed since tools/docs."""
+    """Build what has changed since tools/docs; tools/test installs what that needs."""
+    from pages import check
+
     done = subprocess.run(
         [sys.executable, "-m", "pages"],
         cwd=ROOT,
@@ -38,12 +36,10 @@ def site() -> check.Site:
     return check.Site(SITE)
 
 
-@needs_site
 def test_no_page_is_at_fault(site: check.Site) -> None:
     assert not site.faults()
 
 
-@needs_site
 def test_every_source_is_a_page(site: check.Site) -> None:
     sources = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
     assert {path.with_suffix(".html") for path in sources} <= {
@@ -51,7 +47,6 @@ def test_every_source_is_a_page(site: check.Site) -> None:
     }
 
 
-@needs_site
 @pytest.mark.usefixtures("site")
 def test_searches_find_a_tendon() -> None:
     assert '"tendon"' in (SITE / "searchindex.js").read_text(encoding="utf-8")
