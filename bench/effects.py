@@ -48,7 +48,7 @@ SMOOTH_LAWS = [(n, hand, SMOOTH.format(n)) for n, hand in EXPONENTS]
 SAMPLES = "2.00, 0.1\n2.02, 0.2\n2.04, 0.3\n"  # t (s), a (g): a short record is soon read
 RECORD = "&motion kind = 'record', file = 'record.csv', unit = 'g' /"
 PULSE = "&motion kind = 'one_sine', a_max_g = 0.4, omega_p = 6.283185307179586 /"
-SOLVER = "&solver t_end = 10.0 /"
+SOLVER = "&solver t_end = 10.0, method = 'adams' /"
 
 
 def _rwmf(

@@ -17,14 +17,15 @@ module rwmf_integrator_factory
 
 contains
 
-   !> The method of a single run: what 'auto' means there.
+   !> The method of a single run: what 'auto' means there, the most accurate for its time
+   !> (docs/developer/decisions.md).
    pure function run_method(method) result(name)
       character(*), intent(in) :: method
       !! as the case gives it
       character(16) :: name
 
       name = method
-      if (method == 'auto') name = 'adams'
+      if (method == 'auto') name = 'dop853'
    end function run_method
 
    !> The method of a spectrum: what 'auto' means there.

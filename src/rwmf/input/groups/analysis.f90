@@ -45,7 +45,7 @@ contains
       group%is_of_scene = .false.
       group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
-            'integrator; auto: fast for the ordinates of a spectrum, adams for other runs'), &
+            'integrator; auto: fast for the ordinates of a spectrum, dop853 for other runs'), &
          optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '(0, 0.1]', 'relative tolerance'), &
          optional_key('solver', 'accuracy', 'real', '-', '', '(0, 0.1]', &
             'relative error of u_s_max (no frame: theta_max) asked instead of rtol'), &
@@ -104,10 +104,6 @@ contains
       case%solver%max_steps = integer_of(case%values, 'solver', 'max_steps')
       case%solver%verify = logical_of(case%values, 'solver', 'verify')
       call get_real(case%values, 'solver', 'accuracy', case%solver%accuracy)
-      ! A multistep method cannot deliver every accuracy; a one-step method of order 8 can.
-      if (allocated(case%solver%accuracy) .and. .not. has_key(case%values, 'solver', 'method')) then
-         case%solver%method = 'dop853'
-      end if
       call get_real(case%values, 'solver', 'atol', case%solver%atol)
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
    end subroutine fill_solver

@@ -109,9 +109,12 @@ contains
       span = piece
       do i = 1, n
          span%t_b = end_of_part(piece, i, n)
+         nullify (span%y_b)
+         if (i == n) span%y_b => piece%y_b
          call search_span(forces, span, error)
          if (allocated(error)) return
          span%t_a = span%t_b
+         nullify (span%y_a)
       end do
    end subroutine observe_moving
 
@@ -269,6 +272,7 @@ contains
          i = findloc(found(q, :) > forces%limit, .true., dim=1)
          if (i > 0) t_peak = min(t_peak, t(i))
          part = span
+         nullify (part%y_a, part%y_b)
          part%t_a = max(maxval(t, mask=t < t_peak .and. found(q, :) <= forces%limit), span%t_a)
          part%t_b = t_peak
          call find_exceedance(forces, part, error)
@@ -330,9 +334,11 @@ contains
       forces%t_exceeded = bracket%high
    end subroutine find_exceedance
 
-   !> What is to be maximised, at one instant.
+   !> What is to be maximised, at one instant. An event at an end of the span has been placed more
+   !> exactly than the integrator knows.
    subroutine sample(span, t, found, error)
       type(step_view_t), intent(in) :: span
+      !! with the states at its ends as far as they are known
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(n_quantities)
       type(error_t), allocatable, intent(out) :: error
@@ -342,7 +348,13 @@ contains
       y = 0
       y_ddot = 0
       if (associated(span%integrator)) then
-         call span%integrator%state_at(t, y, error)
+         if (associated(span%y_a) .and. t <= span%t_a) then
+            y = span%y_a
+         else if (associated(span%y_b) .and. t >= span%t_b) then
+            y = span%y_b
+         else
+            call span%integrator%state_at(t, y, error)
+         end if
          if (allocated(error)) return
          y_ddot = second_derivative(span%equation, t, y)
       end if
