@@ -13,7 +13,7 @@ module rwmf_model_reactions
    private
 
    public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
-   public :: plastic_part
+   public :: plastic_part, roof_acceleration, link_tilt
 
    !> Forces of the foundation at one instant.
    type :: reactions_t
@@ -105,8 +105,6 @@ contains
       real(wp) :: on_frame(2)
       !! forces of effects on the frame [m/s2]
       real(wp) :: u_ddot
-      real(wp) :: side_of_frame
-      !! 1, or -1 where the frame stands to the right of the wall
 
       force = 0
       if (.not. equation%has_frame) return
@@ -127,11 +125,24 @@ contains
       end associate
       on_frame = effects_frame_force(equation, y)
       force(1) = force(1) - on_frame(1)
+      force(2) = link_tilt(equation, kin)*force(1)
+   end function link_force
+
+   !> Vertical over horizontal force of the links on the wall; all links have the tilt of the
+   !> roof's [-].
+   pure real(wp) function link_tilt(equation, kin) result(tilt)
+      type(equation_t), intent(in) :: equation
+      type(kinematics_t), intent(in) :: kin
+      !! at this rotation
+      real(wp) :: side_of_frame
+      !! 1, or -1 where the frame stands to the right of the wall
+
+      tilt = 0
       if (equation%geometry%link <= 0) return
       ! `symmetric` is a wall whose frame changes its place with the side
       side_of_frame = equation%state%side*equation%geometry%tilt(equation%state%side)
-      force(2) = side_of_frame*force(1)*kin%rise/sqrt(equation%geometry%link**2 - kin%rise**2)
-   end function link_force
+      tilt = side_of_frame*kin%rise/sqrt(equation%geometry%link**2 - kin%rise**2)
+   end function link_tilt
 
    !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
    real(wp) function plastic_part(equation, y)
@@ -214,8 +225,11 @@ contains
    pure real(wp) function roof_acceleration(equation, kin, y, y_ddot) result(u_ddot)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
+      !! at this rotation
       real(wp), intent(in) :: y(:)
+      !! (states)
       real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
 
       u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
    end function roof_acceleration

@@ -198,6 +198,8 @@ module rwmf_problem_case
       !! keep the energy ledger
       logical :: reactions = .false.
       !! of the base: pivot, base shear, drifts
+      logical :: demands = .false.
+      !! drifts, accelerations and shears of floors, storeys and wall
       real(wp), allocatable :: friction_limit
       !! coefficient of friction that the demand is compared with [-]
    end type output_t

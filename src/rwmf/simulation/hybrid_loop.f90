@@ -30,9 +30,9 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
-   use rwmf_simulation_recorder_reaction_extremes, only: observe_instant
    use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_grazing, &
-      observe_impact, observe_piece, observe_rest, observe_state, recorder_t
+      observe_impact, observe_piece, observe_rest, observe_state, observe_still, recorder_t, &
+      sees_rest
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
    use rwmf_text_strings, only: real_to_text
@@ -178,11 +178,10 @@ contains
          t_begin = hybrid%t
          t_limit = t_target
          ! One interval at a time, where history and reactions show the ground motion as well.
-         if (recorder%keeps_history .or. allocated(recorder%forces)) t_limit = min(t_target, &
-            interval_end(equation%motion, interval))
+         if (sees_rest(recorder)) t_limit = min(t_target, interval_end(equation%motion, interval))
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
          ! A motion that begins with a jump lifts the wall at once: that is no rest.
-         if (hybrid%t > t_begin) call observe_rest(recorder, equation, t_begin, hybrid%t)
+         if (hybrid%t > t_begin) call observe_rest(recorder, equation, hybrid%y, t_begin, hybrid%t)
          call enter_interval(equation%model_t, equation%state, interval)
       end do
       if (side /= 0) call leave_rest(hybrid, equation, recorder, side, error)
@@ -520,7 +519,9 @@ contains
             negligible*hybrid%rtol*recorder%theta_dot_ends)
       end if
       if (rests) then
-         if (allocated(recorder%forces)) call observe_end_of_chatter(hybrid, equation, recorder)
+         if (allocated(recorder%forces) .or. allocated(recorder%demands)) then
+            call observe_end_of_chatter(hybrid, equation, recorder)
+         end if
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
          call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
@@ -555,7 +556,7 @@ contains
       t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
       t = min(t, interval_end(equation%motion, interval_of(equation)))
       do i = 1, 2
-         call observe_instant(recorder%forces, equation, t, y, second_derivative(equation, t, y))
+         call observe_still(recorder, equation, t, y)
          call enter_side(equation%model_t, equation%state, -equation%state%side)
       end do
    end subroutine observe_end_of_chatter

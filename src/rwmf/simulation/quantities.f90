@@ -6,7 +6,8 @@ module rwmf_simulation_quantities
    implicit none
    private
 
-   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, quantities_text
+   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, is_demand
+   public :: quantities_text
 
    !> One quantity.
    type :: quantity_t
@@ -65,10 +66,10 @@ module rwmf_simulation_quantities
       quantity_t('floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', 'storeys', '', &
       '`coupling = ''full''`', 'displacement of floor {i}'), &
       quantity_t('storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', 'history', 'storeys', &
-      '', '`coupling = ''full''`', 'drift of storey {i} over its height'), &
+      '', '`coupling = ''full''` or `reactions`', 'drift of storey {i} over its height'), &
       quantity_t('storey_{i}_shear_over_m_w_g', 'storey_{i}_shear_over_m_w_g', '1', 'real', 'row', &
-      'history', 'yielding', '', '`storey_u_y` and `coupling = ''full''`', &
-      'shear of storey {i} over the weight that its mass is over'), &
+      'history', 'storeys', '', '`reactions`, or `storey_u_y` with `full`', &
+      'shear of the columns of storey {i} over the weight that its mass is over'), &
       quantity_t('base_shear_over_weight', 'base_shear_over_weight', '1', 'real', 'row', &
       'history', '', 'reactions', '', 'base shear over weight of wall and frame'), &
       quantity_t('pivot_normal_over_m_w_g', 'pivot_normal_over_m_w_g', '1', 'real', 'row', &
@@ -85,7 +86,16 @@ module rwmf_simulation_quantities
       quantity_t('pivot_normal_N', 'pivot_normal_N', 'N', 'real', 'row', 'history', 'wall', &
       'reactions', '`m_w`', 'vertical reaction of the pivot'), &
       quantity_t('pivot_horizontal_N', 'pivot_horizontal_N', 'N', 'real', 'row', 'history', &
-      'wall', 'reactions', '`m_w`', 'horizontal reaction of the pivot')]
+      'wall', 'reactions', '`m_w`', 'horizontal reaction of the pivot'), &
+      quantity_t('floor_{i}_acceleration_g', 'floor_{i}_acceleration_g', '1', 'real', 'row', &
+      'history', 'frame', 'reactions', '', 'absolute acceleration of floor {i} over g'), &
+      quantity_t('overturning_moment_over_weight_m', 'overturning_moment_over_weight', 'm', &
+      'real', 'row', 'history', '', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'moment of all horizontal inertia about the ground over the weight'), &
+      quantity_t('wall_shear_over_m_w_g', 'wall_shear_over_m_w_g', '1', 'real', 'row', 'history', &
+      'wall', 'reactions', '', 'largest shear along the wall over its weight'), &
+      quantity_t('wall_moment_over_m_w_g_m', 'wall_moment_over_m_w_g', 'm', 'real', 'row', &
+      'history', 'wall', 'reactions', '', 'largest bending moment along the wall over its weight')]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
@@ -196,6 +206,43 @@ module rwmf_simulation_quantities
       quantity_t('warnings', '', '', 'list', 'end', 'run spectrum', '', '', '', &
       'what the user should know')]
 
+   !> Demands of a run: what a building is designed for.
+   type(quantity_t), parameter :: demands(*) = [ &
+      quantity_t('storey_{i}_drift_max', 'storey_{i}_drift_max', '1', 'real', 'peak', &
+      'run ordinate', 'storeys', 'reactions', '', 'largest drift of storey {i} over its height'), &
+      quantity_t('storey_drift_max', 'storey_drift_max', '1', 'real', 'peak', 'run ordinate', &
+      'storeys', 'reactions', '', 'the largest of them'), &
+      quantity_t('roof_drift_max', 'roof_drift_max', '1', 'real', 'peak', 'run ordinate', 'frame', &
+      'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'largest displacement of the roof over its height'), &
+      quantity_t('storey_residual_drift_max', 'storey_residual_drift_max', '1', 'real', 'end', &
+      'run ordinate', 'yielding', 'reactions', '`&storeys`', &
+      'largest drift of a storey that unloading would leave in the end'), &
+      quantity_t('roof_residual_drift', 'roof_residual_drift', '1', 'real', 'end', &
+      'run ordinate', 'yielding', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'displacement of the roof that unloading would leave over its height'), &
+      quantity_t('floor_{i}_acceleration_max_g', 'floor_{i}_acceleration_max_g', '1', 'real', &
+      'peak', 'run ordinate', 'frame', 'reactions', '', &
+      'largest absolute acceleration of floor {i} over g'), &
+      quantity_t('floor_acceleration_max_g', 'floor_acceleration_max_g', '1', 'real', 'peak', &
+      'run ordinate', 'frame', 'reactions', '', 'the largest of them'), &
+      quantity_t('storey_{i}_shear_max_over_m_w_g', 'storey_{i}_shear_max_over_m_w_g', '1', &
+      'real', 'peak', 'run ordinate', 'storeys', 'reactions', '', &
+      'largest shear of the columns of storey {i} over the weight that its mass is over'), &
+      quantity_t('overturning_moment_max_over_weight_m', 'overturning_moment_max_over_weight', &
+      'm', 'real', 'peak', 'run ordinate', '', 'reactions', &
+      'a height: `&wall`, `&storeys` or `h_f`', &
+      'largest moment of all horizontal inertia about the ground over the weight'), &
+      quantity_t('wall_shear_max_over_m_w_g', 'wall_shear_max_over_m_w_g', '1', 'real', 'peak', &
+      'run ordinate', 'wall', 'reactions', '', 'largest shear inside the wall over its weight'), &
+      quantity_t('wall_shear_max_height_m', 'wall_shear_max_height', 'm', 'real', 'peak', &
+      'run ordinate', 'wall', 'reactions', '', 'where, above the base'), &
+      quantity_t('wall_moment_max_over_m_w_g_m', 'wall_moment_max_over_m_w_g', 'm', 'real', &
+      'peak', 'run ordinate', 'wall', 'reactions', '', &
+      'largest bending moment inside the wall over its weight'), &
+      quantity_t('wall_moment_max_height_m', 'wall_moment_max_height', 'm', 'real', 'peak', &
+      'run ordinate', 'wall', 'reactions', '', 'where, above the base')]
+
    !> Parts of the energy ledger, and its residual.
    type(quantity_t), parameter :: energies(*) = [ &
       quantity_t('energy_input_J_per_kg', 'energy_input_J_per_kg', 'J/kg', 'real', 'end', &
@@ -259,7 +306,8 @@ module rwmf_simulation_quantities
       'whether the reference is two digits better than the best method')]
 
    !> All of them. A summary and the columns of a history have this order.
-   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, energies, others]
+   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, energies, &
+      others]
 
 contains
 
@@ -302,6 +350,15 @@ contains
 
       is_of_ordinate = index(quantity%outputs, 'ordinate') > 0
    end function is_of_ordinate
+
+   !> Is it one of the demands, which are followed only where they are asked for?
+   pure logical function is_demand(place)
+      integer, intent(in) :: place
+      !! in the table
+
+      is_demand = place > size(columns) + size(scalars) &
+         .and. place <= size(columns) + size(scalars) + size(demands)
+   end function is_demand
 
    !> The table as text: its components in their order, separated by tabs, one quantity a line.
    pure subroutine quantities_text(text)

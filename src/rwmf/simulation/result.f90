@@ -4,7 +4,7 @@ module rwmf_simulation_result
    implicit none
    private
 
-   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t
+   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
@@ -94,6 +94,33 @@ module rwmf_simulation_result
       !! displacement of the frame over the same height [-]
    end type reaction_extremes_t
 
+   !> The largest demands. A component that is not allocated does not apply.
+   type :: demand_extremes_t
+      real(wp), allocatable :: drift_max(:)
+      !! (storeys) over their heights [-]
+      real(wp), allocatable :: acceleration_max(:)
+      !! (floors) absolute, over g [-]
+      real(wp), allocatable :: shear_max(:)
+      !! (storeys) of columns without dampers, over g and the unit of the floors' masses [-]
+      real(wp), allocatable :: roof_drift_max
+      !! displacement of the roof over its height [-]; absent where that is unknown
+      real(wp), allocatable :: overturning_max
+      !! moment of the horizontal forces of inertia about the ground over the weight [m]; likewise
+      real(wp), allocatable :: residual_drift(:)
+      !! (storeys) what unloading would leave in the end over the height of each [-]; absent unless
+      !! the frame yields
+      real(wp), allocatable :: roof_residual_drift
+      !! the same of the roof over its height [-]
+      real(wp), allocatable :: wall_shear_max
+      !! inside the wall over m_w g [-]; absent without a wall, as the following
+      real(wp), allocatable :: wall_shear_height
+      !! where, above the base [m]
+      real(wp), allocatable :: wall_moment_max
+      !! bending moment inside the wall over m_w g [m]
+      real(wp), allocatable :: wall_moment_height
+      !! where, above the base [m]
+   end type demand_extremes_t
+
    !> Result of one simulation. A component that is not allocated does not apply to the scene.
    type :: result_t
       real(wp), allocatable :: u_s_max
@@ -164,6 +191,8 @@ module rwmf_simulation_result
       type(energy_t), allocatable :: energy
       type(reaction_extremes_t), allocatable :: reactions
       !! only when they were asked for, as the energy
+      type(demand_extremes_t), allocatable :: demands
+      !! likewise
       type(history_t), allocatable :: history
       type(event_t), allocatable :: events(:)
       !! in order of time; kept only together with a history

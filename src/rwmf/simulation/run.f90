@@ -8,6 +8,7 @@ module rwmf_simulation_run
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: state_sizes
+   use rwmf_model_demands, only: building_t
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
    use rwmf_model_equation, only: frame_travel
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
@@ -22,6 +23,7 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest, &
       start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
@@ -277,6 +279,11 @@ contains
          result%reactions = force_extremes(recorder%forces, equation, recorder%theta_min, &
             recorder%theta_max, recorder%u_max)
       end if
+      if (allocated(recorder%demands)) then
+         if (.not. allocated(result%demands)) allocate (result%demands)
+         call demand_extremes(recorder%demands, equation, recorder%u_max, result%demands)
+         if (allocated(case%yielding)) call fill_residuals(recorder%demands%building, result)
+      end if
       if (recorder%keeps_history) then
          call move_alloc(recorder%events, result%events)
          call move_alloc(recorder%history, result%history)
@@ -305,6 +312,22 @@ contains
          end if
       end if
    end subroutine fill_hysteresis
+
+   !> Residual drifts of roof and storeys. Storeys that yield together keep their shares.
+   subroutine fill_residuals(building, result)
+      type(building_t), intent(in) :: building
+      type(result_t), intent(inout) :: result
+      !! with the demands
+
+      associate (demands => result%demands, u => result%residual_displacement)
+         if (building%roof_height > 0) demands%roof_residual_drift = u/building%roof_height
+         if (allocated(result%storey_residual_drift)) then
+            demands%residual_drift = result%storey_residual_drift
+         else if (building%storeys > 0) then
+            demands%residual_drift = u*building%bend/building%height
+         end if
+      end associate
+   end subroutine fill_residuals
 
    !> What yielding of the single storeys leaves behind. Where a straight line links them all to the
    !> roof, they have their shares of its displacement.

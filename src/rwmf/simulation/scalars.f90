@@ -4,7 +4,7 @@ module rwmf_simulation_scalars
    use rwmf_core_kinds, only: i8, wp
    use rwmf_problem_case, only: case_t, storeys_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
-   use rwmf_simulation_result, only: energy_t, reaction_extremes_t, result_t
+   use rwmf_simulation_result, only: demand_extremes_t, energy_t, reaction_extremes_t, result_t
    implicit none
    private
 
@@ -36,6 +36,9 @@ contains
       if (.not. scalar%is_present) scalar = effort_of(result, key)
       if (allocated(result%reactions) .and. .not. scalar%is_present) then
          scalar = reaction_of(result%reactions, key)
+      end if
+      if (allocated(result%demands) .and. .not. scalar%is_present) then
+         scalar = demand_of(result%demands, key, storey)
       end if
       if (allocated(result%energy) .and. .not. scalar%is_present) then
          scalar = energy_of(result%energy, key)
@@ -167,6 +170,44 @@ contains
       end select
    end function reaction_of
 
+   !> What the building is designed for.
+   pure type(scalar_t) function demand_of(demands, key, storey) result(scalar)
+      type(demand_extremes_t), intent(in) :: demands
+      character(*), intent(in) :: key
+      integer, intent(in) :: storey
+
+      select case (key)
+      case ('storey_{i}_drift_max')
+         scalar = of_list(demands%drift_max, storey)
+      case ('storey_drift_max')
+         scalar = of_largest(demands%drift_max)
+      case ('roof_drift_max')
+         scalar = of_real(demands%roof_drift_max)
+      case ('storey_residual_drift_max')
+         scalar = of_largest(demands%residual_drift)
+      case ('roof_residual_drift')
+         scalar = of_real(demands%roof_residual_drift)
+      case ('floor_{i}_acceleration_max_g')
+         scalar = of_list(demands%acceleration_max, storey)
+      case ('floor_acceleration_max_g')
+         scalar = of_largest(demands%acceleration_max)
+      case ('storey_{i}_shear_max_over_m_w_g')
+         scalar = of_list(demands%shear_max, storey)
+      case ('overturning_moment_max_over_weight_m')
+         scalar = of_real(demands%overturning_max)
+      case ('wall_shear_max_over_m_w_g')
+         scalar = of_real(demands%wall_shear_max)
+      case ('wall_shear_max_height_m')
+         scalar = of_real(demands%wall_shear_height)
+      case ('wall_moment_max_over_m_w_g_m')
+         scalar = of_real(demands%wall_moment_max)
+      case ('wall_moment_max_height_m')
+         scalar = of_real(demands%wall_moment_height)
+      case default
+         ! not here
+      end select
+   end function demand_of
+
    !> The ledger: its parts in the end, and what they miss.
    pure type(scalar_t) function energy_of(energy, key) result(scalar)
       type(energy_t), intent(in) :: energy
@@ -230,6 +271,13 @@ contains
       if (.not. present(numbers)) return
       if (i >= 1 .and. i <= size(numbers)) scalar = scalar_t(.true., number=numbers(i))
    end function of_list
+
+   !> The largest magnitude in a list of reals, unless it is absent.
+   pure type(scalar_t) function of_largest(numbers) result(scalar)
+      real(wp), intent(in), optional :: numbers(:)
+
+      if (present(numbers)) scalar = scalar_t(.true., number=maxval(abs(numbers)))
+   end function of_largest
 
    !> A counter.
    pure type(scalar_t) function of_count(count) result(scalar)

@@ -12,7 +12,7 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_hybrid_loop, only: hybrid_t
-   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_simulation_quantities, only: all_quantities, is_demand, is_of_ordinate, look_up
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size
@@ -63,16 +63,20 @@ contains
       allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
       do i = 1, size(asked%keys)
          call look_up(trim(asked%keys(i)), asked%place(i), asked%storey(i))
-         output%reactions = output%reactions .or. all_quantities(asked%place(i))%asked_by &
-            == 'reactions'
+         if (is_demand(asked%place(i))) then
+            output%demands = .true.
+         else
+            output%reactions = output%reactions .or. all_quantities(asked%place(i))%asked_by &
+               == 'reactions'
+         end if
          output%energy = output%energy .or. all_quantities(asked%place(i))%asked_by == 'energy'
       end do
       asked%is_displacement = all(asked%keys == displacement)
       asked%is_watched = any(asked%keys == 'theta_dot_max_rad_s' .or. asked%storey > 0) &
-         .or. output%reactions
+         .or. output%reactions .or. output%demands
       asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
          .or. asked%keys == 'estimated_relative_error')
-      if (.not. (output%reactions .or. output%energy)) return
+      if (.not. (output%reactions .or. output%demands .or. output%energy)) return
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &
             case%output%friction_limit
@@ -125,7 +129,7 @@ contains
       asking%solver = case%solver
       ! the cheapest to begin with
       asking%solver%method = 'dop853'
-      asking%output = output_t(energy=.true., reactions=.true.)
+      asking%output = output_t(energy=.true., reactions=.true., demands=.true.)
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) asking%output%friction_limit = &
             case%output%friction_limit

@@ -118,7 +118,7 @@ contains
          optional_key('output', 'energy', 'logical', '', '.false.', '', &
             'energy ledger: its parts in the end, with dt in every row'), &
          optional_key('output', 'reactions', 'logical', '', '.false.', '', &
-            'reactions of the base, friction demand, base shear, drifts: extrema, with dt rows'), &
+            'reactions of the base, demands of building and wall: extrema, with dt rows'), &
          optional_key('output', 'friction_limit', 'real', '-', '', positive, &
             'coefficient of friction: whether and when the friction demand exceeds it')]
       group%check => check_output
@@ -145,7 +145,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       case%output = output_t(energy=logical_of(case%values, 'output', 'energy'), &
-         reactions=logical_of(case%values, 'output', 'reactions'))
+         reactions=logical_of(case%values, 'output', 'reactions'), &
+         demands=logical_of(case%values, 'output', 'reactions'))
       call get_real(case%values, 'output', 'friction_limit', case%output%friction_limit)
       call get_real(case%values, 'output', 'dt', case%output%dt)
    end subroutine fill_output

@@ -16,7 +16,7 @@ module rwmf_model_effects_p_delta
    implicit none
    private
 
-   public :: p_delta_group, prepare_p_delta
+   public :: p_delta_group, prepare_p_delta, leaning_height, leaning_loads
 
    integer, parameter :: of_mass = 1
    integer, parameter :: of_height = 2
@@ -77,6 +77,34 @@ contains
       has_p_delta = has_numbers(case, 'p_delta')
    end function has_p_delta
 
+   !> Height of the frame that a case gives; 0 for none [m].
+   pure real(wp) function leaning_height(case) result(height)
+      type(case_t), intent(in) :: case
+      real(wp) :: numbers(3)
+
+      height = 0
+      if (.not. has_p_delta(case)) return
+      numbers = numbers_of(case, 'p_delta')
+      height = numbers(of_height)
+   end function leaning_height
+
+   !> Push of the weights above each storey over what it is displaced by, over the unit of the
+   !> floors' masses; zero without `&p_delta` [1/s2].
+   pure function leaning_loads(case) result(loads)
+      type(case_t), intent(in) :: case
+      !! with `&storeys`
+      real(wp) :: loads(size(case%storeys%frame%m))
+      real(wp) :: numbers(3)
+      integer :: i
+
+      loads = 0
+      if (.not. has_p_delta(case)) return
+      numbers = numbers_of(case, 'p_delta')
+      associate (frame => case%storeys%frame)
+         loads = [(numbers(of_mass)*case%model%g*sum(frame%m(i:)), i=1, size(loads))]/frame%height
+      end associate
+   end function leaning_loads
+
    pure subroutine add_collapse(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
@@ -108,7 +136,7 @@ contains
       effect%put_drifts => p_delta_drifts
       associate (g => numbers(of_mass)*equation%p%g, limit => numbers(of_limit))
          if (allocated(case%storeys)) then
-            call prepare_storeys(case, equation, g, limit, effect)
+            call prepare_storeys(case, equation, limit, effect)
          else
             if (numbers(of_height) <= 0) numbers(of_height) = 2*case%wall%h
             effect%drifts = 1
@@ -122,21 +150,18 @@ contains
    !> The constants, push over m_w (without wall over the mass of frame or roof) per displacement of
    !> each storey that moves by itself, or of the roof [1/s2]; where only the roof does, that of it
    !> which the links do not bear [1/s2]; drifts over the limit per displacement [1/m].
-   subroutine prepare_storeys(case, equation, g, limit, effect)
+   subroutine prepare_storeys(case, equation, limit, effect)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: g
-      !! times the share of the masses that lean [m/s2]
       real(wp), intent(in) :: limit
       !! of the drifts [-]
       type(contribution_t), intent(inout) :: effect
       real(wp), allocatable :: load(:), bend(:)
       real(wp) :: push
-      integer :: i
 
       associate (frame => case%storeys%frame, n => size(case%storeys%frame%m))
          effect%drifts = n
-         load = [(g*sum(frame%m(i:)), i=1, n)]/frame%height
+         load = leaning_loads(case)
          if (equation%floors%n > 0) then
             effect%n = n
             effect%first = equation%floors%first

@@ -6,7 +6,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
-      second_derivative
+      rates_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_storeys_shear_building, only: put_floors
    use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
@@ -19,18 +19,21 @@ module rwmf_simulation_recorder_recorder
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, from, &
       is_short, sample_state, step_view_t, until
+   use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
+      observe_demands, observe_demands_at, observe_demands_at_rest, put_demands, &
+      put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
-   use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, observe_last, &
-      observe_moving, observe_resting, reaction_extremes_recorder_t
+   use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
+      observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
    implicit none
    private
 
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
-   public :: needs_all_steps
-   public :: observe_rest
+   public :: needs_all_steps, sees_rest
+   public :: observe_rest, observe_still
    public :: observe_impact, observe_branch, observe_event, observe_grazing, finish_recorder
 
    !> What has been counted, and the largest values so far.
@@ -63,6 +66,8 @@ module rwmf_simulation_recorder_recorder
       !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without
       type(reaction_extremes_recorder_t), allocatable :: forces
       !! only when reactions were asked for
+      type(demand_recorder_t), allocatable :: demands
+      !! only when demands were asked for
       logical :: keeps_history
       logical :: keeps_events
       !! with a history, or for a host that steps
@@ -112,6 +117,7 @@ contains
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case)
+      call create_demands(recorder%demands, case, equation)
       if (allocated(case%output%dt)) then
          call create_history(recorder, case, equation, t_end, y, error)
       end if
@@ -187,8 +193,16 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts)
+         .or. allocated(recorder%drifts) .or. allocated(recorder%demands)
    end function needs_all_steps
+
+   !> Does what is asked for show the ground motion while the wall rests?
+   pure logical function sees_rest(recorder)
+      type(recorder_t), intent(in) :: recorder
+
+      sees_rest = recorder%keeps_history .or. allocated(recorder%forces) &
+         .or. allocated(recorder%demands)
+   end function sees_rest
 
    !> A piece of smooth motion inside the last step of the integrator.
    subroutine observe_piece(recorder, piece, error)
@@ -200,6 +214,8 @@ contains
       call observe_peaks(recorder, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
+      if (allocated(error)) return
+      if (allocated(recorder%demands)) call observe_demands(recorder%demands, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
@@ -312,25 +328,57 @@ contains
    end subroutine sample_piece
 
    !> The wall rests from t_a to t_b, inside the interval in force.
-   subroutine observe_rest(recorder, equation, t_a, t_b)
+   subroutine observe_rest(recorder, equation, y, t_a, t_b)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states), of which the first two are zero
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: t_b
       !! [s]
       real(wp) :: t
-      real(wp) :: y(equation%n)
 
       if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, t_a, t_b)
+      if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, equation, y, &
+         t_a, t_b)
       if (.not. recorder%keeps_history) return
-      y = 0
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt
          if (t > t_b) exit
          call write_row(recorder, equation, t, y, 0.0_wp, recorder%energy)
       end do
    end subroutine observe_rest
+
+   !> A wall on its base without velocity.
+   subroutine observe_still(recorder, equation, t, y)
+      type(recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: y_dot(size(y))
+
+      call rates_at(equation, t, y, y_dot)
+      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, y_dot(2))
+      if (allocated(recorder%demands)) call observe_demands_at(recorder%demands, equation, t, y, &
+         y_dot)
+   end subroutine observe_still
+
+   !> Rates of all states, where that of the velocity is known.
+   subroutine complete_rates(equation, t, y, y_ddot, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' or u''
+      real(wp), intent(out) :: y_dot(:)
+
+      y_dot = 0
+      if (equation%floors%n > 1) call rates_at(equation, t, y, y_dot)
+      y_dot(2) = y_ddot
+   end subroutine complete_rates
 
    !> The next row of the history.
    subroutine write_row(recorder, equation, t, y, y_ddot, energy)
@@ -364,6 +412,7 @@ contains
       !! [m]
       real(wp) :: u_s_dot
       !! [m/s]
+      real(wp) :: y_dot(size(y))
 
       u_s = 0
       associate (row => recorder%row, m_w_g => recorder%m_w_g)
@@ -391,9 +440,14 @@ contains
          if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
          if (allocated(equation%floors%m)) call put_floors(row, equation, y)
          if (equation%floors%yields) call put_shears(row, equation, y)
+         if (allocated(recorder%demands)) then
+            call complete_rates(equation, t, y, y_ddot, y_dot)
+            call put_storeys(row, recorder%demands, equation, t, y, y_dot)
+         end if
          if (allocated(recorder%forces)) then
             call put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
          end if
+         if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
       end associate
    end subroutine put_columns
@@ -474,12 +528,16 @@ contains
       !! the wall rests then, so that its acceleration is 0
       type(history_row_t) :: parts
       !! of the energy
-      real(wp) :: y_ddot
+      real(wp) :: y_ddot, y_dot(size(y))
 
       call observe_state(recorder, equation, t, y)
       y_ddot = 0
       if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
       if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
+      if (allocated(recorder%demands)) then
+         call complete_rates(equation, t, y, y_ddot, y_dot)
+         call observe_demands_at(recorder%demands, equation, t, y, y_dot)
+      end if
       if (recorder%keeps_energy) then
          recorder%energy%final = mechanical_energy(equation, y)
          recorder%energy%hysteretic = recorder%energy%flow + yielding_loss(equation, y)

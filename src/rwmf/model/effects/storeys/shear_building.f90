@@ -11,7 +11,7 @@
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
-      frame_mass, frame_motion, frame_travel, ground, model_t
+      frame_displacement, frame_mass, frame_motion, frame_travel, ground, model_t
    use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy
@@ -22,7 +22,7 @@ module rwmf_model_effects_storeys_shear_building
 
    public :: set_storeys, storey_coefficients, excited_mass_coefficients
    public :: storey_sizes, storey_energy, resistance, floor_inertia
-   public :: put_floors
+   public :: put_floors, column_shears
 
 contains
 
@@ -115,7 +115,42 @@ contains
       force = resistance_to(equation%floors, equation%state%storeys, y, u_roof, v_roof)
    end function resistance
 
-   !> The same for a motion of the roof that is known.
+   !> Shears of the storeys' columns, without dampers [m/s2].
+   pure function column_shears(equation, y) result(shear)
+      type(equation_t), intent(in) :: equation
+      !! with all modes of the frame
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: shear(equation%floors%n)
+
+      shear = shears_at(equation%floors, equation%state%storeys, y, frame_displacement(equation, &
+         equation%state%side, y(1)))
+   end function column_shears
+
+   !> The same for a displacement of the roof that is known.
+   pure function shears_at(floors, branches, y, u_roof) result(shear)
+      type(floors_t), intent(in) :: floors
+      type(branch_t), intent(in) :: branches(:)
+      !! (floors)
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: u_roof
+      !! [m]
+      real(wp) :: shear(floors%n)
+      real(wp) :: u(0:floors%n)
+
+      associate (n => floors%n, first => floors%first)
+         u = [0.0_wp, y(first:first + n - 2), u_roof]
+         shear = branches%slope*(u(1:) - u(:n - 1))
+         if (allocated(floors%laws)) then
+            shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
+         else if (floors%yields) then
+            shear = shear + branches%offset
+         end if
+      end associate
+   end function shears_at
+
+   !> Resistance for a motion of the roof that is known.
    pure function resistance_to(floors, branches, y, u_roof, v_roof) result(force)
       type(floors_t), intent(in) :: floors
       type(branch_t), intent(in) :: branches(:)
@@ -127,18 +162,10 @@ contains
       real(wp), intent(in) :: v_roof
       !! [m/s]
       real(wp) :: force(floors%n)
-      real(wp) :: u(0:floors%n)
       real(wp) :: shear(floors%n)
-      !! of each storey's columns
 
+      shear = shears_at(floors, branches, y, u_roof)
       associate (n => floors%n, first => floors%first)
-         u = [0.0_wp, y(first:first + n - 2), u_roof]
-         shear = branches%slope*(u(1:) - u(:n - 1))
-         if (allocated(floors%laws)) then
-            shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
-         else if (floors%yields) then
-            shear = shear + branches%offset
-         end if
          force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
          force(:n - 1) = force(:n - 1) - shear(2:)
       end associate

@@ -1,0 +1,221 @@
+!> Forces inside the rigid wall, from the balance of the part above a section: its weight and
+!> inertia, the links to the frame and the cable at its top. What acts at the base is below every
+!> section and does not enter (docs/theory/theory.md, "Demands").
+module rwmf_model_wall_sections
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_equation, only: equation_t, ground, vertical_ground
+   use rwmf_model_reactions, only: cable_force
+   implicit none
+   private
+
+   public :: links_t, section_extremes_t, link_places, find_section_extremes, section_forces
+
+   !> Forces of the links on the wall, from the lowest to that at the roof.
+   type :: links_t
+      real(wp), allocatable :: place(:, :)
+      !! (2, links) from the middle of the base, along it to the right and up the axis [m]
+      real(wp), allocatable :: force(:, :)
+      !! (2, links) horizontal and upward, over m_w [m/s2]
+   end type links_t
+
+   !> The largest forces along the height, and where.
+   type :: section_extremes_t
+      real(wp) :: shear = -1
+      !! magnitude, over m_w [m/s2]
+      real(wp) :: moment = -1
+      !! magnitude about the axis, over m_w [m2/s2]
+      real(wp) :: z_shear = 0
+      !! height above the base [m]
+      real(wp) :: z_moment = 0
+      !! height above the base [m]
+   end type section_extremes_t
+
+   !> What acts on the wall at an instant, along its own axes.
+   type :: loads_t
+      real(wp) :: h, b
+      !! half height and half width [m]
+      real(wp) :: push
+      !! acceleration across the axis at the base, gravity included [m/s2]
+      real(wp) :: turn
+      !! theta'' [rad/s2]
+      real(wp), allocatable :: z(:)
+      !! (links) height of each [m]
+      real(wp), allocatable :: across(:), about(:)
+      !! (links) force across the axis [m/s2] and moment about it at its own height [m2/s2]
+   end type loads_t
+
+contains
+
+   !> Where the links hold the wall: on the way from the pivot to the top corner that the roof is
+   !> linked to, as high as their floors; of a hinged wall on its axis.
+   pure function link_places(equation, share) result(place)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: share(:)
+      !! (links) of their heights in that of the wall [-]
+      real(wp) :: place(2, size(share))
+      !! [m]
+      real(wp) :: to_corner
+      !! along the base from the pivot [m]
+
+      associate (p => equation%p, side => equation%state%side)
+         to_corner = 0
+         if (equation%geometry%sine_wall > 0) to_corner = -2*side*p%R*equation%geometry &
+            %sine_lever(side)
+         place(1, :) = side*p%R*equation%geometry%sine_wall + share*to_corner
+         place(2, :) = 2*p%R*p%cos_alpha*share
+      end associate
+   end function link_places
+
+   !> The largest shear and the largest bending moment along the height at an instant.
+   subroutine find_section_extremes(equation, t, y, y_ddot, links, extremes)
+      type(equation_t), intent(in) :: equation
+      !! with a wall
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
+      type(links_t), intent(in) :: links
+      type(section_extremes_t), intent(out) :: extremes
+      type(loads_t) :: loads
+      real(wp) :: z(2)
+      !! ends of a piece without a link inside [m]
+      real(wp) :: s(3)
+      !! distances from the top of where a force may be largest inside [m]
+      integer :: n, i, j
+
+      loads = loads_on(equation, t, y, y_ddot, links)
+      n = size(links%place, 2)
+      z(1) = 2*loads%h
+      do i = n, 0, -1
+         ! links from i + 1 up act above the piece
+         z(2) = z(1)
+         z(1) = 0
+         if (i > 0) z(1) = loads%z(i)
+         s = stationary_places(loads, i + 1)
+         call look_at(z(1))
+         call look_at(z(2))
+         do j = 1, size(s)
+            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) call look_at(2*loads%h &
+               - s(j))
+         end do
+      end do
+
+   contains
+
+      !> Let a section of the piece take part.
+      subroutine look_at(at)
+         real(wp), intent(in) :: at
+         real(wp) :: force(2)
+
+         force = abs(forces_at(loads, at, i + 1))
+         if (force(1) > extremes%shear) then
+            extremes%shear = force(1)
+            extremes%z_shear = at
+         end if
+         if (force(2) > extremes%moment) then
+            extremes%moment = force(2)
+            extremes%z_moment = at
+         end if
+      end subroutine look_at
+   end subroutine find_section_extremes
+
+   !> Shear and bending moment that the part below a section exerts on that above it.
+   function section_forces(equation, t, y, y_ddot, links, z) result(force)
+      type(equation_t), intent(in) :: equation
+      !! with a wall
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
+      type(links_t), intent(in) :: links
+      real(wp), intent(in) :: z
+      !! height above the base, below any link there [m]
+      real(wp) :: force(2)
+      !! across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2], over m_w
+      type(loads_t) :: loads
+
+      loads = loads_on(equation, t, y, y_ddot, links)
+      force = forces_at(loads, z, count(loads%z < z) + 1)
+   end function section_forces
+
+   !> All that acts above the base.
+   type(loads_t) function loads_on(equation, t, y, y_ddot, links) result(loads)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      type(links_t), intent(in) :: links
+      real(wp) :: sine, cosine
+      real(wp) :: g
+      !! with the vertical motion of the ground [m/s2]
+      real(wp) :: cable(2), pull
+      integer :: n
+
+      n = size(links%place, 2)
+      loads%h = equation%p%R*equation%p%cos_alpha
+      loads%b = equation%p%R*equation%sin_alpha
+      loads%turn = y_ddot
+      sine = sin(y(1))
+      cosine = cos(y(1))
+      g = equation%p%g
+      if (equation%has_vertical) g = g + vertical_ground(equation, t)
+      loads%push = ground(equation, t)*cosine - g*sine &
+         + equation%state%side*equation%p%R*equation%geometry%sine_wall*y(2)**2
+      loads%z = links%place(2, :)
+      loads%across = cosine*links%force(1, :) - sine*links%force(2, :)
+      loads%about = -links%place(1, :)*(sine*links%force(1, :) + cosine*links%force(2, :))
+      cable = cable_force(equation, y(1))
+      pull = cosine*cable(1) - sine*cable(2)
+      ! the cable is anchored on the axis
+      loads%z = [loads%z, 2*loads%h]
+      loads%across = [loads%across, pull]
+      loads%about = [loads%about, 0.0_wp]
+   end function loads_on
+
+   !> Shear and moment at a height below the links from `first` up.
+   pure function forces_at(loads, z, first) result(force)
+      type(loads_t), intent(in) :: loads
+      real(wp), intent(in) :: z
+      integer, intent(in) :: first
+      real(wp) :: force(2)
+      real(wp) :: s
+
+      s = 2*loads%h - z
+      associate (push => loads%push + loads%turn*z, per_length => 1/(2*loads%h))
+         force(1) = per_length*s*(push + loads%turn*s/2) - sum(loads%across(first:))
+         force(2) = per_length*s*(push*s/2 + loads%turn*(s**2 + loads%b**2)/3) &
+            - sum(loads%about(first:) + (loads%z(first:) - z)*loads%across(first:))
+      end associate
+   end function forces_at
+
+   !> Distances from the top at which shear or moment below the links from `first` up is stationary;
+   !> negative where there is none [m].
+   pure function stationary_places(loads, first) result(s)
+      type(loads_t), intent(in) :: loads
+      integer, intent(in) :: first
+      real(wp) :: s(3)
+      real(wp) :: bend, slope, rest, root
+
+      s = -1
+      if (abs(loads%turn) <= 0) then
+         ! the moment is a parabola
+         if (abs(loads%push) > 0) s(2) = 2*loads%h*sum(loads%across(first:))/loads%push
+         return
+      end if
+      s(1) = 2*loads%h + loads%push/loads%turn
+      ! rest + slope s + bend s**2 = 0, the shear and what turns each slice
+      bend = -loads%turn/2
+      slope = loads%push + 2*loads%h*loads%turn
+      rest = loads%turn*loads%b**2/3 - 2*loads%h*sum(loads%across(first:))
+      root = slope**2 - 4*bend*rest
+      if (root < 0) return
+      root = -(slope + sign(sqrt(root), slope))/2
+      s(2) = root/bend
+      if (abs(root) > 0) s(3) = rest/root
+   end function stationary_places
+
+end module rwmf_model_wall_sections
