@@ -8,6 +8,7 @@ program test_balance
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       kinematics_at, second_derivative
+   use rwmf_model_demands, only: building_of, building_t, links_of
    use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
@@ -18,6 +19,7 @@ program test_balance
       reactions_t
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
       reaction_count, shear_of_base => shear
+   use rwmf_model_wall_sections, only: links_t, section_forces
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: damping_matrix
@@ -113,9 +115,44 @@ contains
             call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
                atol=round_off*equation%p%g*(1 + equation%p%gamma))
             if (equation%parts%is_complete) call check_loop(equation, y, reactions, name)
+            call check_base(equation, case, y, reactions, damper, name)
          end do
       end do
    end subroutine check_balance
+
+   !> Shear and moment inside the wall just above its base, which come from all that is above, are
+   !> those of the foundation's forces, which come from below.
+   subroutine check_base(equation, case, y, reactions, damper, name)
+      type(equation_t), intent(in) :: equation
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: y(:)
+      type(reactions_t), intent(in) :: reactions
+      real(wp), intent(in) :: damper(2)
+      character(*), intent(in) :: name
+      type(building_t) :: building
+      type(links_t) :: links
+      real(wp) :: base(2), arm(2), inside(2), outside(2), y_ddot
+      character(:), allocatable :: words
+
+      y_ddot = second_derivative(equation, t, y)
+      call building_of(case, equation, building)
+      call links_of(building, equation, t, y, y_ddot, links)
+      inside = section_forces(equation, t, y, y_ddot, links, 0.0_wp)
+      base = place(equation, y(1), [0.0_wp, -case%wall%h])
+      outside(1) = dot_product([cos(y(1)), -sin(y(1))], [reactions%horizontal, reactions%normal] &
+         + damper)
+      arm = pivot(equation) - base
+      words = 'shear above the base, '//name
+      call checks%close_to(inside(1), outside(1), words, atol=round_off*equation%p%g*(1 &
+         + equation%p%gamma))
+      outside(2) = arm(2)*reactions%horizontal - arm(1)*reactions%normal
+      arm = lifting_corner(equation, y) - base
+      outside(2) = outside(2) + arm(2)*damper(1) - arm(1)*damper(2) + couple(equation, case, y, &
+         y_ddot)
+      words = 'moment above the base, '//name
+      call checks%close_to(inside(2), outside(2), words, atol=round_off*equation%p%g &
+         *equation%p%R*(1 + equation%p%gamma))
+   end subroutine check_base
 
    !> The loop over lanes finds the same from the moments alone.
    subroutine check_loop(equation, y, reactions, name)

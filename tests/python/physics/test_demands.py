@@ -1,0 +1,315 @@
+"""Demands of frames without a wall against modal superposition, and against their own histories.
+
+Every mode of a linear frame is an oscillator of its own, and under a record, a straight line from
+sample to sample, its state follows exactly from a matrix exponential. Displacements and absolute
+accelerations of the floors are sums over the modes; drifts, shears and the overturning moment
+follow from them. The largest of each is looked for between the samples of that solution. Nothing is
+shared with the kernel.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from scenes import bare_frame, coupled, record
+from scipy.linalg import eigh, expm
+from scipy.optimize import minimize_scalar
+
+G = 9.81
+DT = 0.02
+XI = 0.04
+EXACT = 1e-8
+STOREYS = {
+    2: ([2.0, 1.0], [900.0, 500.0], [4.0, 3.0]),
+    3: ([1.0, 1.2, 0.8], [700.0, 900.0, 400.0], [3.0, 3.5, 3.0]),
+    6: ([3.0, 3.0, 3.0, 2.5, 2.5, 2.0], [6e3, 6e3, 5e3, 4e3, 3e3, 2e3], [4.0, *[3.2] * 5]),
+    9: ([1.0] * 9, list(np.linspace(4e3, 1e3, 9)), [5.0, *[3.0] * 8]),
+}
+
+
+def _shaking(seed: int, n: int = 250) -> np.ndarray:
+    """Samples of a motion that grows and dies out [g]; it begins at zero."""
+    t = np.arange(n) * DT
+    noise = np.random.default_rng(seed).standard_normal(n)
+    return 0.6 * noise * (t / 1.5) * np.exp(1 - t / 1.5)
+
+
+def _written(path: Path, a: np.ndarray) -> dict[str, object]:
+    rows = "\n".join(f"{i * DT!r},{value!r}" for i, value in enumerate(a.tolist()))
+    path.write_text(rows + "\n", encoding="utf-8")
+    return record(path)
+
+
+class Modes:
+    """A shear frame, floors from the ground up, damped alike in every mode."""
+
+    def __init__(self, m: list[float], k: list[float], height: list[float], xi: float) -> None:
+        self.m, self.k, self.height = np.array(m), np.array(k), np.array(height)
+        matrix = np.diag(k) + np.diag([*k[1:], 0.0]) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+        squares, self.shape = eigh(matrix, np.diag(m))
+        self.pushed = self.shape.T @ self.m
+        self.systems = []
+        for w in np.sqrt(squares):
+            rates = [[0, 1, 0, 0], [-(w**2), -2 * xi * w, -1, 0], [0, 0, 0, 1], [0, 0, 0, 0]]
+            self.systems.append(np.array(rates, dtype=float))
+
+    def demands(self, states: np.ndarray) -> np.ndarray:
+        """Drifts, shears and accelerations from the ground up, and the overturning moment.
+
+        Shears over g, accelerations over g, the moment over the weight [m]; `states` has q and q'
+        of each mode in two columns.
+        """
+        u = self.shape @ (self.pushed * states[:, 0])
+        force = [-(system[1, :2] @ state) for system, state in zip(self.systems, states, strict=True)]
+        absolute = -self.shape @ (self.pushed * np.array(force))
+        drift = np.diff(u, prepend=0.0)
+        overturning = self.m * np.cumsum(self.height) @ absolute / (G * self.m.sum())
+        return np.concatenate(
+            [drift / self.height, self.k * drift / G, absolute / G, [overturning]]
+        )
+
+    def flow(self, states: np.ndarray, a: float, slope: float, t: float) -> np.ndarray:
+        """Return the states after a time on a straight line of the ground acceleration [m/s2]."""
+        start = [[*state, a, slope] for state in states]
+        ends = [expm(system * t) @ at for system, at in zip(self.systems, start, strict=True)]
+        return np.array(ends)[:, :2]
+
+    def largest(self, a: np.ndarray, n: int | None = None) -> np.ndarray:
+        """Return the largest magnitude of the first n demands under samples [m/s2]."""
+        parts = 16
+        steps = [expm(system * DT / parts) for system in self.systems]
+        states = np.zeros((self.m.size, 2))
+        begins, seen = [], []
+        for first, second in zip(a[:-1], a[1:], strict=True):
+            slope = (second - first) / DT
+            for part in range(parts):
+                at = first + slope * part * DT / parts
+                begins.append((states, at, slope))
+                seen.append(np.abs(self.demands(states)))
+                rows = np.column_stack([states, np.full(len(states), at), np.full(len(states), slope)])
+                states = np.array(
+                    [step @ row for step, row in zip(steps, rows, strict=True)]
+                )[:, :2]
+        seen.append(np.abs(self.demands(states)))
+        values = np.array(seen)[:, :n]
+        found = values.max(axis=0)
+        for q in range(found.size):
+            # more than the samples may miss of a peak between them, at 130 rad/s and 1.25 ms
+            near = np.flatnonzero(values[:, q] > 0.995 * found[q])
+            for i in {j for k in near for j in (k - 1, k) if 0 <= j < len(begins)}:
+                begin = begins[i]
+
+                def height(t: float, begin: tuple = begin, q: int = q) -> float:
+                    return -abs(self.demands(self.flow(*begin, t))[q])
+
+                best = minimize_scalar(
+                    height, bounds=(0.0, DT / parts), method="bounded", options={"xatol": 1e-9}
+                )
+                found[q] = max(found[q], -best.fun)
+        return found
+
+
+def _keys(n: int) -> list[str]:
+    numbers = range(1, n + 1)
+    return [
+        *(f"storey_{i}_drift_max" for i in numbers),
+        *(f"storey_{i}_shear_max_over_m_w_g" for i in numbers),
+        *(f"floor_{i}_acceleration_max_g" for i in numbers),
+        "overturning_moment_max_over_weight",
+    ]
+
+
+def _frame(
+    n: int, motion: dict[str, object], coupling: str = "full", rtol: float = 1e-12
+) -> rwmf.Case:
+    m, k, height = STOREYS[n]
+    return bare_frame(
+        frame={"T_s": None, "gamma": None, "xi_s": XI},
+        storeys={"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": coupling},
+        motion=motion,
+        model={"formulation": None},
+        solver={"t_end": None, "rtol": rtol, "method": "dop853"},
+        output={"reactions": True},
+    )
+
+
+@pytest.mark.parametrize("n", sorted(STOREYS))
+def test_linear_frames(n: int, tmp_path: Path) -> None:
+    """Every demand of frames of two to nine storeys."""
+    a = _shaking(n)
+    run = rwmf.simulate(_frame(n, _written(tmp_path / "record.csv", a)))
+    expected = Modes(*STOREYS[n], XI).largest(G * a)
+    found = [float(run[key]) for key in _keys(n)]
+    assert found == pytest.approx(expected, rel=EXACT)
+    assert float(run["storey_drift_max"]) == max(found[:n])
+    assert float(run["floor_acceleration_max_g"]) == max(found[2 * n : 3 * n])
+    height = sum(STOREYS[n][2])
+    assert float(run["roof_drift_max"]) == pytest.approx(float(run["u_s_max"]) / height, rel=1e-14)
+
+
+def test_one_mode(tmp_path: Path) -> None:
+    """`reduced` says what the first mode does: the others follow the ground."""
+    n = 6
+    a = _shaking(1)
+    run = rwmf.simulate(_frame(n, _written(tmp_path / "record.csv", a), "reduced"))
+    modes = Modes(*STOREYS[n], XI)
+    modes.pushed[1:] = 0
+    found = [float(run[key]) for key in _keys(n)]
+    assert found[: 2 * n] == pytest.approx(modes.largest(G * a, 2 * n), rel=EXACT)
+    # a floor has its share of the mode's acceleration, beside the whole of the ground's
+    one = Modes([1.0], [modes.systems[0][1, 0] * -1], [1.0], XI)
+    roof = rwmf.simulate(
+        bare_frame(
+            frame={"T_s": 2 * math.pi / math.sqrt(one.k[0]), "gamma": None, "xi_s": XI},
+            motion=record(tmp_path / "record.csv"),
+            model={"formulation": None},
+            solver={"t_end": None, "rtol": 1e-12, "method": "dop853"},
+            output={"reactions": True},
+        ),
+        dt=1e-4,
+    )
+    relative = roof["floor_1_acceleration_g"].values - roof["u_g_ddot"].values / G
+    share = modes.shape[:, 0] * modes.pushed[0]
+    for i in range(n):
+        absolute = share[i] * relative + roof["u_g_ddot"].values / G
+        assert found[2 * n + i] == pytest.approx(np.abs(absolute).max(), rel=1e-5)
+        assert found[2 * n + i] >= np.abs(absolute).max() * (1 - 1e-9)
+
+
+def test_single_degree_of_freedom(tmp_path: Path) -> None:
+    """It is floor 1, and has no storey; the height is the one that gravity acts over."""
+    a = _shaking(3)
+    case = bare_frame(
+        frame={"T_s": 0.7, "gamma": None, "xi_s": XI},
+        motion=_written(tmp_path / "record.csv", a),
+        model={"formulation": None},
+        solver={"t_end": None, "rtol": 1e-12, "method": "dop853"},
+        output={"reactions": True},
+    )
+    run = rwmf.simulate(case)
+    expected = Modes([1.0], [(2 * math.pi / 0.7) ** 2], [1.0], XI).largest(G * a)
+    assert float(run["floor_1_acceleration_max_g"]) == pytest.approx(expected[2], rel=EXACT)
+    assert float(run["floor_acceleration_max_g"]) == float(run["floor_1_acceleration_max_g"])
+    assert not [name for name in run if "storey" in str(name) or "roof_drift" in str(name)]
+    high = rwmf.simulate(case.replace(p_delta={"h_f": 4.0, "m_g_over_m_s": 0.0}))
+    assert float(high["roof_drift_max"]) == pytest.approx(expected[0] / 4.0, rel=EXACT)
+    assert float(high["overturning_moment_max_over_weight"]) == pytest.approx(
+        4.0 * expected[2], rel=EXACT
+    )
+
+
+_LOCATED = {
+    "storey_{}_drift": "storey_{}_drift_max",
+    "storey_{}_shear_over_m_w_g": "storey_{}_shear_max_over_m_w_g",
+    "floor_{}_acceleration_g": "floor_{}_acceleration_max_g",
+    "overturning_moment_over_weight": "overturning_moment_max_over_weight",
+    "wall_shear_over_m_w_g": "wall_shear_max_over_m_w_g",
+    "wall_moment_over_m_w_g": "wall_moment_max_over_m_w_g",
+}
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-8])
+@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor", "", "yielding", "bouc_wen"])
+def test_no_row_exceeds_what_is_located(coupling: str, rtol: float, tmp_path: Path) -> None:
+    """Rows of 0.1 ms, under a pulse and under a record, with and without a wall."""
+    m, k, height = [1.0, 1.0, 0.7], [900.0, 600.0, 500.0], [4.0, 4.0, 4.0]
+    storeys = {"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": coupling}
+    law = {"storey_u_y": 0.02, "hardening": 0.05}
+    if coupling == "bouc_wen":
+        law |= {"law": coupling}
+    yields = coupling in ("yielding", "bouc_wen")
+    if yields:
+        storeys["coupling"] = "full"
+    frame: dict[str, dict[str, object] | None] = {
+        "frame": {"T_s": None, "gamma": None, "xi_s": XI},
+        "storeys": storeys,
+        "yielding": law if yields else None,
+    }
+    if not coupling:
+        frame = {}
+    written = _written(tmp_path / "record.csv", _shaking(5))
+    for motion in ({"kind": "one_sine", "a_max_g": 0.5, "omega_p": 7.0}, written):
+        if motion is not written:
+            motion = {"file": None, "unit": None} | motion
+        for wall in (True, False):
+            if coupling == "every_floor" and not wall:
+                continue
+            scene = coupled(wall={"h": 6.0, "b": 1.2}) if wall else bare_frame()
+            case = scene.replace(
+                **frame,
+                motion=motion,
+                solver={"t_end": 4.0, "rtol": rtol},
+                output={"reactions": True},
+            )
+            run = rwmf.simulate(case, dt=1e-4)
+            pairs = 0
+            for column, key in _LOCATED.items():
+                for i in range(1, 4):
+                    if column.format(i) not in run:
+                        continue
+                    pairs += 1
+                    highest = np.abs(run[column.format(i)].values).max()
+                    assert highest <= float(run[key.format(i)]) * (1 + 1e-12), (column, i)
+            assert pairs >= (1 if not coupling else 10)
+
+
+_METHODS = ("adams", "bdf", "erk54", "extrapolation")
+
+
+@pytest.mark.parametrize("method", _METHODS)
+def test_other_methods_find_the_same(method: str) -> None:
+    """A wall with all modes, which rests, rocks and comes to rest again."""
+    m, k, height = STOREYS[2]
+    case = coupled(
+        wall={"h": sum(height) / 2, "b": 0.8},
+        frame={"T_s": None, "gamma": None},
+        storeys={"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": "full"},
+        solver={"t_end": 2.5, "rtol": 1e-10, "method": "dop853"},
+        output={"reactions": True},
+    )
+    expected = rwmf.simulate(case)
+    found = rwmf.simulate(case.replace(solver={"method": method}))
+    keys = [*_keys(2), "wall_shear_max_over_m_w_g", "wall_moment_max_over_m_w_g"]
+    for key in keys:
+        assert float(found[key]) == pytest.approx(float(expected[key]), rel=2e-6), key
+
+
+@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor", ""])
+def test_an_ordinate_is_the_run(coupling: str) -> None:
+    """Asked for by name, in lanes, whatever the company: the numbers of a run, to the last bit."""
+    m, k, height = STOREYS[2]
+    storeys: dict[str, dict[str, object] | None] = {
+        "wall": {"h": sum(height) / 2, "b": 0.8},
+        "frame": {"T_s": None, "gamma": None},
+        "storeys": {"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": coupling},
+    }
+    case = coupled(
+        **(storeys if coupling else {}),
+        solver={"t_end": 4.0, "rtol": 1e-9, "method": "dop853"},
+    )
+    asked = [
+        "floor_1_acceleration_max_g",
+        "floor_acceleration_max_g",
+        "roof_drift_max",
+        "overturning_moment_max_over_weight",
+        "wall_moment_max_over_m_w_g",
+        "wall_moment_max_height",
+    ]
+    if coupling:
+        asked += ["storey_2_drift_max", "storey_drift_max", "storey_1_shear_max_over_m_w_g"]
+    periods = [0.2 + 0.05 * i for i in range(20)]
+    found = rwmf.spectrum(case, T_s=periods, quantities=asked).squeeze()
+    alone = rwmf.spectrum(case, T_s=periods[7:8], quantities=asked[:1])
+    assert float(alone[asked[0]].squeeze()) == float(found[asked[0]][7])
+    frame: dict[str, dict[str, object]] = {"frame": {"T_s": periods[7]}}
+    if coupling:
+        scale = (float(rwmf.simulate(case)["T_s"]) / periods[7]) ** 2
+        frame = {"storeys": {"k_over_m_w": [scale * value for value in k]}}
+    run = rwmf.simulate(case.replace(output={"reactions": True}, **frame))
+    for name in asked:
+        rel = 1e-8 if coupling else 0.0
+        assert float(found[name][7]) == pytest.approx(float(run[name]), rel=rel, abs=0), name
