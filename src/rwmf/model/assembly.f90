@@ -60,6 +60,7 @@ contains
       equation%parts = force_parts_of(equation%scene)
       equation%parts%is_complete = equation%parts%is_complete .and. (equation%has_impacts &
          .or. .not. equation%has_wall)
+      if (equation%has_wall) equation%parts%has_shear_key = case%wall%shear_key
       allocate (equation%state%coef(1, equation%scene%n_coef))
       equation%state%coef(1, 1) = 1
       call renew_coefficients(equation%model_t, equation%state)

@@ -19,7 +19,7 @@ module rwmf_model_reactions_loop
    integer, parameter :: demand = 2
    integer, parameter :: shear = 3
    integer, parameter :: reaction_count = 3
-   !! -N [m/s2], |H|/N [-] and |V| [m/s2], each to be maximised
+   !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2], each to be maximised
 
 contains
 
@@ -34,7 +34,8 @@ contains
       real(wp), intent(in) :: ground(lane_count, 2)
       !! acceleration of the ground, horizontal and vertical [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
-      !! -N [m/s2], |H|/N [-] and |V| [m/s2] in the columns `low_normal`, `demand` and `shear`;
+      !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2] in the columns
+      !! `low_normal`, `demand` and `shear`;
       !! without wall the shear alone, and the others below everything
       type(lane_motion_t) :: motion
       real(wp), dimension(lane_count, 2) :: link, corner, cable
@@ -70,6 +71,13 @@ contains
       do i = 1, lane_count
          found(i, shear) = abs(found(i, shear))
          found(i, low_normal) = -force(i, 2)
+      end do
+      if (parts%has_shear_key) then
+         found(:, demand) = abs(force(:, 1))
+         return
+      end if
+      !$omp simd
+      do i = 1, lane_count
          found(i, demand) = merge(abs(force(i, 1))/max(force(i, 2), tiny(1.0_wp)), huge(1.0_wp), &
             abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
       end do

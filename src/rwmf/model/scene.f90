@@ -55,6 +55,8 @@ module rwmf_model_scene
    type :: force_parts_t
       logical :: is_complete = .false.
       !! nothing else exerts a force on the wall or on the ground
+      logical :: has_shear_key = .false.
+      !! which bears the horizontal force on the base, in the place of friction
       type(scene_t) :: through_link
       type(scene_t) :: under_corner
       !! along the chord of the corner that lifts

@@ -25,6 +25,8 @@ module rwmf_problem_case
       !! mass [kg]; given: forces are reported in N as well
       character(7) :: base = 'rocking'
       !! 'rocking' or 'pinned'
+      logical :: shear_key = .false.
+      !! keeps the base from sliding, in the place of friction
    end type wall_t
 
    !> Link of finite length between wall and frame, `&link`, Eqs (2), (3).

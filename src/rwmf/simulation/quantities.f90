@@ -77,7 +77,7 @@ module rwmf_simulation_quantities
       quantity_t('pivot_horizontal_over_m_w_g', 'pivot_horizontal_over_m_w_g', '1', 'real', 'row', &
       'history', 'wall', 'reactions', '', 'horizontal reaction of the pivot over weight of wall'), &
       quantity_t('friction_demand', 'friction_demand', '1', 'real', 'row', 'history', 'wall', &
-      'reactions', '', 'horizontal over vertical reaction of the pivot'), &
+      'reactions', 'no `shear_key`', 'horizontal over vertical reaction of the pivot'), &
       quantity_t('wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', 'reactions', &
       '', 'displacement of the wall''s top over its height'), &
       quantity_t('frame_drift', 'frame_drift', '1', 'real', 'row', 'history', 'frame', &
@@ -167,10 +167,15 @@ module rwmf_simulation_quantities
       quantity_t('pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', 'run ordinate', 'wall', &
       'reactions', '', 'whether the pivot reaction was not positive at some time'), &
       quantity_t('friction_demand_max', 'friction_demand_max', '1', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', '', 'required coefficient of friction'), &
+      'run ordinate', 'wall', 'reactions', 'no `shear_key`', 'required coefficient of friction'), &
       quantity_t('t_friction_demand_max_s', 't_friction_demand_max', 's', 'real', 'time', &
-      'run ordinate', 'wall', 'reactions', 'no lift of the pivot', &
+      'run ordinate', 'wall', 'reactions', 'no lift of the pivot, no `shear_key`', &
       'time of the largest friction demand'), &
+      quantity_t('shear_key_force_max_over_m_w_g', 'shear_key_force_max_over_m_w_g', '1', 'real', &
+      'peak', 'run ordinate', 'wall', 'reactions', '`shear_key`', &
+      'largest force of the shear key over weight of wall'), &
+      quantity_t('t_shear_key_force_max_s', 't_shear_key_force_max', 's', 'real', 'time', &
+      'run ordinate', 'wall', 'reactions', '`shear_key`', 'time of that force'), &
       quantity_t('friction_exceeded', 'friction_exceeded', '1', 'logical', 'whether', &
       'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`', &
       'whether the friction demand exceeded the limit'), &

@@ -81,9 +81,13 @@ module rwmf_simulation_result
       logical, allocatable :: pivot_lifts
       !! N was not positive at some time: the model no longer holds
       real(wp), allocatable :: demand_max
-      !! largest |H|/N [-]; infinite when the pivot lifts
+      !! largest |H|/N [-]; infinite when the pivot lifts; absent with a shear key, as the next
       real(wp), allocatable :: t_demand_max
       !! [s]; absent when the pivot lifts
+      real(wp), allocatable :: shear_key_max
+      !! largest |H| over m_w g [-]; absent without a shear key, as the next
+      real(wp), allocatable :: t_shear_key_max
+      !! [s]
       logical, allocatable :: is_exceeded
       !! the demand exceeded the limit; absent without one
       real(wp), allocatable :: t_exceeded

@@ -28,6 +28,7 @@ _KINDS = {"real": float, "int": int, "logical": bool, "text": str, "list": list}
 _FURTHER: list[pairs.Groups] = [
     {"wall": {"h": 2.0, "b": 0.5, "m_w": 1000.0}, "cable": pairs.CABLE},
     {"output": {"reactions": True, "friction_limit": 0.01}},
+    {"wall": {"h": 2.0, "b": 0.5, "shear_key": True}},
     {"solver": {"t_end": 1.0, "verify": True}},
 ]
 Report = tuple[dict[str, Any], list[str]]

@@ -137,6 +137,9 @@ contains
       else if (.not. has_group(values, 'wall')) then
          call fail_key(values, 'output', 'friction_limit', 'must not be given without &wall ' &
             //'(friction holds the wall)', error)
+      else if (logical_of(values, 'wall', 'shear_key')) then
+         call fail_key(values, 'output', 'friction_limit', 'must not be given with &wall ' &
+            //'shear_key = .true., which holds the wall in the place of friction', error)
       end if
    end subroutine check_output
 

@@ -5,7 +5,7 @@ module rwmf_input_groups_structure
    use rwmf_problem_case, only: cable_t, case_t, frame_t, initial_t, wall_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
-      real_of, text_of
+      logical_of, real_of, text_of
    use rwmf_problem_key, only: any_real, not_negative, optional_key, positive, required
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_text_strings, only: real_to_text
@@ -23,7 +23,9 @@ contains
          required('wall', 'h', 'real', 'm', positive, 'half height of the wall'), &
          required('wall', 'b', 'real', 'm', positive, 'half width of the wall'), &
          optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
-            'mass of the wall; given: forces are reported in N as well')]
+            'mass of the wall; given: forces are reported in N as well'), &
+         optional_key('wall', 'shear_key', 'logical', '', '.false.', '', &
+            'a key keeps the base from sliding: its force is reported, not the friction demand')]
       group%fill => fill_wall
       group%is_present => has_wall
    end function wall_group
@@ -34,6 +36,7 @@ contains
 
       case%wall = wall_t(real_of(case%values, 'wall', 'h'), real_of(case%values, 'wall', 'b'))
       call get_real(case%values, 'wall', 'm_w', case%wall%m_w)
+      case%wall%shear_key = logical_of(case%values, 'wall', 'shear_key')
    end subroutine fill_wall
 
    pure logical function has_wall(case)

@@ -127,11 +127,11 @@ contains
       type(demand_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       logical, intent(out) :: is_plain
-      real(wp), parameter :: short = 0.8_wp
+      real(wp), parameter :: short = 1
       !! angle of the fastest vibration in a step that may be plain [rad]
-      real(wp), parameter :: rise = 0.3_wp
-      !! of the range so far over the angle squared; a vibration rises by an eighth, its second
-      !! harmonic by a half [-]
+      real(wp), parameter :: rise = 0.5_wp
+      !! of the range so far over the angle squared: by so much a second harmonic rises above both
+      !! ends, a vibration by a quarter of it [-]
       real(wp), parameter :: least_rise = 0.02_wp
       real(wp), dimension(size(recorder%largest), 2) :: found
       real(wp) :: margin

@@ -37,7 +37,8 @@ contains
       associate (g => equation%p%g)
          call put(row, 'pivot_normal_over_m_w_g', reactions%normal/g)
          call put(row, 'pivot_horizontal_over_m_w_g', reactions%horizontal/g)
-         call put(row, 'friction_demand', infinite_where_lifted(friction_demand(reactions)))
+         if (.not. equation%parts%has_shear_key) call put(row, 'friction_demand', &
+            infinite_where_lifted(friction_demand(reactions)))
          call put(row, 'wall_drift', wall_drift(equation, y(1)))
          if (equation%has_frame) call put(row, 'frame_drift', u_s/roof_height(equation))
          if (m_w_g > 0) then
@@ -66,10 +67,15 @@ contains
       extremes%normal_min = -forces%largest(low_normal)/equation%p%g
       extremes%t_normal_min = forces%t_largest(low_normal)
       extremes%pivot_lifts = extremes%normal_min <= 0
-      largest_demand = forces%largest(demand)
-      if (extremes%pivot_lifts) largest_demand = huge(largest_demand)
-      extremes%demand_max = infinite_where_lifted(largest_demand)
-      if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_largest(demand)
+      if (equation%parts%has_shear_key) then
+         extremes%shear_key_max = forces%largest(demand)/equation%p%g
+         extremes%t_shear_key_max = forces%t_largest(demand)
+      else
+         largest_demand = forces%largest(demand)
+         if (extremes%pivot_lifts) largest_demand = huge(largest_demand)
+         extremes%demand_max = infinite_where_lifted(largest_demand)
+         if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_largest(demand)
+      end if
       if (allocated(forces%limit)) then
          extremes%is_exceeded = allocated(forces%t_exceeded)
          if (extremes%is_exceeded) extremes%t_exceeded = forces%t_exceeded

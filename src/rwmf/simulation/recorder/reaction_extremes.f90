@@ -32,7 +32,7 @@ module rwmf_simulation_recorder_reaction_extremes
    !> Running maxima.
    type :: reaction_extremes_recorder_t
       real(wp) :: largest(n_quantities) = -huge(1.0_wp)
-      !! [m/s2], [-], [m/s2]
+      !! [m/s2], [-] (with a shear key [m/s2]), [m/s2]
       real(wp) :: t_largest(n_quantities) = 0
       !! [s]
       real(wp) :: smallest(n_quantities) = huge(1.0_wp)
@@ -86,7 +86,7 @@ contains
       real(wp), intent(in) :: y_ddot
       !! theta'' [rad/s2]; without wall u'' [m/s2]
 
-      call keep_largest(forces, t, quantities(reactions_at(equation, t, y, y_ddot)))
+      call keep_largest(forces, t, quantities(equation, reactions_at(equation, t, y, y_ddot)))
    end subroutine observe_instant
 
    !> Smooth motion inside the last step of the integrator.
@@ -127,7 +127,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      call keep_largest(forces, t, quantities(reactions_at(piece%equation, t, y, &
+      call keep_largest(forces, t, quantities(piece%equation, reactions_at(piece%equation, t, y, &
          second_derivative(piece%equation, t, y))))
    end subroutine observe_end
 
@@ -183,9 +183,10 @@ contains
          is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
          y_ddot = accelerations(piece)
-         values(1, :, at_begin) = quantities(reactions_at(equation, piece%t_a, piece%y_a, &
+         values(1, :, at_begin) = quantities(equation, reactions_at(equation, piece%t_a, piece%y_a, &
             y_ddot(1)))
-         values(1, :, at_end) = quantities(reactions_at(equation, piece%t_b, piece%y_b, y_ddot(2)))
+         values(1, :, at_end) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
+            y_ddot(2)))
          values(1, :, so_far) = forces%largest
          values(1, :, least_so_far) = forces%smallest
          call find_plain_steps([(piece%t_b - piece%t_a)*fastest_of(equation)], values, found)
@@ -358,15 +359,20 @@ contains
          if (allocated(error)) return
          y_ddot = second_derivative(span%equation, t, y)
       end if
-      found = quantities(reactions_at(span%equation, t, y, y_ddot))
+      found = quantities(span%equation, reactions_at(span%equation, t, y, y_ddot))
    end subroutine sample
 
-   pure function quantities(reactions) result(found)
+   pure function quantities(equation, reactions) result(found)
+      type(equation_t), intent(in) :: equation
       type(reactions_t), intent(in) :: reactions
       real(wp) :: found(n_quantities)
 
       found(low_normal) = -reactions%normal
-      found(demand) = friction_demand(reactions)
+      if (equation%parts%has_shear_key) then
+         found(demand) = abs(reactions%horizontal)
+      else
+         found(demand) = friction_demand(reactions)
+      end if
       found(shear) = abs(reactions%base_shear)
    end function quantities
 
