@@ -23,7 +23,7 @@ module rwmf
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
    ! one simulation: maxima, counts, history and events
-   use rwmf_simulation_result, only: energy_t, event_collapsed, event_impact, event_lift_off, &
+   use rwmf_simulation_result, only: demand_extremes_t, energy_t, event_collapsed, event_impact, event_lift_off, &
       event_name, event_overturned, event_peak, event_rest, event_branch, event_rupture, event_t, &
       history_t, &
       reaction_extremes_t, result_t
@@ -53,7 +53,8 @@ module rwmf
    private
 
    public :: case_t, read_case_file, read_case_text
-   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, event_name, simulate
+   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
+   public :: event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
       event_branch, event_rupture, event_collapsed
    public :: stepping_t, snapshot_t, ground_t, create_stepping, destroy_stepping

@@ -10,6 +10,7 @@ shared with the kernel.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ STOREYS = {
 
 
 def _shaking(seed: int, n: int = 250) -> np.ndarray:
-    """Samples of a motion that grows and dies out [g]; it begins at zero."""
+    """Draw samples of a motion that grows and dies out [g]; it begins at zero."""
     t = np.arange(n) * DT
     noise = np.random.default_rng(seed).standard_normal(n)
     return 0.6 * noise * (t / 1.5) * np.exp(1 - t / 1.5)
@@ -64,7 +65,9 @@ class Modes:
         of each mode in two columns.
         """
         u = self.shape @ (self.pushed * states[:, 0])
-        force = [-(system[1, :2] @ state) for system, state in zip(self.systems, states, strict=True)]
+        force = [
+            -(system[1, :2] @ state) for system, state in zip(self.systems, states, strict=True)
+        ]
         absolute = -self.shape @ (self.pushed * np.array(force))
         drift = np.diff(u, prepend=0.0)
         overturning = self.m * np.cumsum(self.height) @ absolute / (G * self.m.sum())
@@ -84,16 +87,18 @@ class Modes:
         steps = [expm(system * DT / parts) for system in self.systems]
         states = np.zeros((self.m.size, 2))
         begins, seen = [], []
-        for first, second in zip(a[:-1], a[1:], strict=True):
+        for first, second in pairwise(a):
             slope = (second - first) / DT
             for part in range(parts):
                 at = first + slope * part * DT / parts
                 begins.append((states, at, slope))
                 seen.append(np.abs(self.demands(states)))
-                rows = np.column_stack([states, np.full(len(states), at), np.full(len(states), slope)])
-                states = np.array(
-                    [step @ row for step, row in zip(steps, rows, strict=True)]
-                )[:, :2]
+                rows = np.column_stack(
+                    [states, np.full(len(states), at), np.full(len(states), slope)]
+                )
+                states = np.array([step @ row for step, row in zip(steps, rows, strict=True)])[
+                    :, :2
+                ]
         seen.append(np.abs(self.demands(states)))
         values = np.array(seen)[:, :n]
         found = values.max(axis=0)
@@ -313,3 +318,21 @@ def test_an_ordinate_is_the_run(coupling: str) -> None:
     for name in asked:
         rel = 1e-8 if coupling else 0.0
         assert float(found[name][7]) == pytest.approx(float(run[name]), rel=rel, abs=0), name
+
+
+def test_smooth_frame_beside_a_wall_at_rest() -> None:
+    """What has yielded goes on pushing: rows, reactions and demands of the wall at rest have it."""
+    case = coupled(
+        frame={"xi_s": 0.2},
+        yielding={"u_y": 0.01, "law": "bouc_wen"},
+        motion={"a_max_g": 0.4, "omega_p": 6.28},
+        impact={"e": 0.5},
+        solver={"t_end": 20.0},
+        output={"reactions": True},
+    )
+    end = rwmf.simulate(case, dt=0.01).isel(time=-1)
+    assert float(end["theta"]) == 0
+    force = float(end["frame_force_over_m_s_g"])
+    assert abs(force) > 1e-3
+    for name in ("pivot_horizontal_over_m_w_g", "wall_shear_over_m_w_g"):
+        assert abs(float(end[name])) == pytest.approx(5.0 * abs(force), rel=1e-12), name

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -140,7 +141,7 @@ class Building:
         """Momentum of the wall and moments about its centroid; unknown theta'', H, N, links."""
         turn = turned(y[0])
         centre = turn @ [-side * B, H]
-        arms = turn @ (self.attached(side).T + [[-side * B], [0.0]]) - centre[:, None]
+        arms = turn @ (self.attached(side) - np.array([side * B, 0.0])).T - centre[:, None]
         pull = self.pull(y[0], side)
         top = turn @ [0.0, H]
         a, b = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
@@ -154,7 +155,7 @@ class Building:
         return a, b
 
     def attached(self, side: int) -> np.ndarray:
-        """Points of the links from the middle of the base, on the way from the pivot to the corner."""
+        """Return the places of the links, from the middle of the base."""
         pivot, corner = np.array([side * B, 0.0]), np.array([-B, 2 * H])
         return pivot + self.places[:, None] * (corner - pivot)
 
@@ -187,7 +188,7 @@ class Building:
         """Return the largest shear and moment over the height."""
         found = [0.0, 0.0]
         ends = np.concatenate([[0.0], 2 * H * self.places])
-        for low, high in zip(ends[:-1], ends[1:], strict=True):
+        for low, high in pairwise(ends):
             at = low + (high - low) * np.linspace(0.1, 0.9, 4)
             values = np.array([self.section(z, t, y, side, now) for z in at])
             for q in range(2):
@@ -259,10 +260,10 @@ class Building:
         found = np.zeros(3 * self.n + 3)
         sampled = []
         for piece, side, rests in pieces:
-            times = np.linspace(piece.t[0], piece.t[-1], 2 + int((piece.t[-1] - piece.t[0]) / 0.004))
-            values = np.array(
-                [self.demands(t, piece.sol(t), side, rests=rests) for t in times]
+            times = np.linspace(
+                piece.t[0], piece.t[-1], 2 + int((piece.t[-1] - piece.t[0]) / 0.004)
             )
+            values = np.array([self.demands(t, piece.sol(t), side, rests=rests) for t in times])
             sampled.append((times, values))
             found = np.maximum(found, values.max(axis=0))
         coarse = found.copy()
@@ -271,8 +272,9 @@ class Building:
                 for i in np.flatnonzero(values[:, q] > 0.99 * coarse[q]):
                     low, high = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
 
-                    def height(t: float, p: Any = piece, s: int = side, r: bool = rests) -> float:
-                        return -self.demands(t, p.sol(t), s, rests=r)[q]  # noqa: B023
+                    def height(t: float, now: tuple = (piece, side, rests, q)) -> float:
+                        p, s, r, k = now
+                        return -self.demands(t, p.sol(t), s, rests=r)[k]
 
                     if values[i, q] < values[max(i - 1, 0) : i + 2, q].max():
                         continue
@@ -321,3 +323,65 @@ def test_demands_of_all_bodies(
     ]
     found = [float(run[key]) for key in keys]
     assert found == pytest.approx(expected, rel=1e-7)
+
+
+def test_wall_that_stands() -> None:
+    """It moves with the ground: closed forms, largest at the base."""
+    peak, gamma = 0.1, 0.5
+    case = coupled(
+        wall={"h": H, "b": B},
+        frame={"gamma": gamma},
+        motion={"kind": "one_sine", "a_max_g": peak, "omega_p": OMEGA},
+        model={"formulation": "exact"},
+        solver={"t_end": T_END},
+        output={"reactions": True},
+    )
+    run = rwmf.simulate(case)
+    assert int(run["lift_offs"]) == 0
+    expected = {
+        "floor_1_acceleration_max_g": peak,
+        "wall_shear_max_over_m_w_g": peak * (1 + gamma),
+        "wall_moment_max_over_m_w_g": peak * H * (1 + 2 * gamma),
+        "overturning_moment_max_over_weight": peak * H * (1 + 2 * gamma) / (1 + gamma),
+    }
+    # the wall's own part of the overturning moment is that of its slices: m_w u_g'' h
+    for name, value in expected.items():
+        assert float(run[name]) == pytest.approx(value, rel=1e-14), name
+    assert float(run["wall_shear_max_height"]) == 0
+    assert float(run["wall_moment_max_height"]) == 0
+    assert float(run["roof_drift_max"]) == 0
+
+
+def test_residual_drifts() -> None:
+    """Of a frame that yields as one spring the storeys keep their shares, which add up."""
+    m, k, height = [2.0, 2.0, 1.5], [700.0, 600.0, 400.0], [4.0, 4.0, 4.0]
+    for coupling, strength in (
+        ("reduced", {"u_y": 0.05}),
+        ("every_floor", {"u_y": 0.05}),
+        ("every_floor", {"storey_u_y": 0.02}),
+        ("full", {"storey_u_y": 0.02}),
+    ):
+        case = coupled(
+            wall={"h": H, "b": B},
+            frame={"T_s": None, "gamma": None, "xi_s": XI},
+            storeys={"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": coupling},
+            yielding=strength | {"hardening": 0.1},
+            motion={"kind": "one_sine", "a_max_g": PEAK, "omega_p": OMEGA},
+            model={"formulation": "exact"},
+            solver={"t_end": T_END},
+            output={"reactions": True},
+        )
+        run = rwmf.simulate(case)
+        residual = float(run["residual_displacement"])
+        assert abs(residual) > 1e-4
+        assert float(run["roof_residual_drift"]) == pytest.approx(residual / (2 * H), rel=1e-14)
+        largest = float(run["storey_residual_drift_max"])
+        assert largest >= abs(residual) / (2 * H) * (1 - 1e-12)
+        if "storey_u_y" in strength:
+            drifts = [float(run[f"storey_{i}_residual_drift"]) for i in (1, 2, 3)]
+            assert largest == max(map(abs, drifts))
+        # the columns that yield bear no more than strength and hardening allow
+        for i in (1, 2, 3):
+            shear = float(run[f"storey_{i}_shear_max_over_m_w_g"])
+            elastic = k[i - 1] * float(run[f"storey_{i}_drift_max"]) * height[i - 1] / G
+            assert shear < elastic

@@ -1,4 +1,4 @@
-"""A shear key bears the horizontal force on the base: its force in the place of a friction demand."""
+"""A shear key bears the horizontal force on the base, in the place of friction."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def test_ordinates_are_runs(effect: str, folder: Path) -> None:
     """All quantities at once, and those that follow events alone, against runs at a tight rtol."""
     case = _case(effect, folder)
     keys = case.kernel.applicable()
-    smooth = [key for key in keys if not QUANTITIES[key].asked_by]
+    smooth = [key for key in keys if not find(key).asked_by]
     everything = rwmf.spectrum(case, quantities=keys).squeeze(drop=True)
     events = rwmf.spectrum(case, quantities=smooth).squeeze(drop=True)
     tight = case.replace(solver={"method": "dop853", "rtol": 1e-12}, spectrum=None)

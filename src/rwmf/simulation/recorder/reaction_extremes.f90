@@ -183,8 +183,8 @@ contains
          is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
          y_ddot = accelerations(piece)
-         values(1, :, at_begin) = quantities(equation, reactions_at(equation, piece%t_a, piece%y_a, &
-            y_ddot(1)))
+         values(1, :, at_begin) = quantities(equation, reactions_at(equation, piece%t_a, &
+            piece%y_a, y_ddot(1)))
          values(1, :, at_end) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
             y_ddot(2)))
          values(1, :, so_far) = forces%largest
@@ -195,9 +195,11 @@ contains
    end function is_plain
 
    !> The wall stays at rest while the motion goes through the interval in force.
-   subroutine observe_resting(forces, equation, t_a, t_b)
+   subroutine observe_resting(forces, equation, y, t_a, t_b)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in), target :: equation
+      real(wp), intent(in), contiguous, target :: y(:)
+      !! (states), of which the first two are zero
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: t_b
@@ -211,6 +213,7 @@ contains
       type(step_view_t) :: span
 
       span%equation => equation
+      span%y_a => y
       span%t_a = t_a
       do while (span%t_a < t_b)
          span%t_b = min(turning_point(equation%motion, interval_of(equation), span%t_a), t_b)
@@ -273,7 +276,7 @@ contains
          i = findloc(found(q, :) > forces%limit, .true., dim=1)
          if (i > 0) t_peak = min(t_peak, t(i))
          part = span
-         nullify (part%y_a, part%y_b)
+         if (associated(span%integrator)) nullify (part%y_a, part%y_b)
          part%t_a = max(maxval(t, mask=t < t_peak .and. found(q, :) <= forces%limit), span%t_a)
          part%t_b = t_peak
          call find_exceedance(forces, part, error)
@@ -339,16 +342,17 @@ contains
    !> exactly than the integrator knows.
    subroutine sample(span, t, found, error)
       type(step_view_t), intent(in) :: span
-      !! with the states at its ends as far as they are known
+      !! with the states at its ends as far as they are known; at rest with those that stay
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(n_quantities)
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: y(span%equation%n)
       real(wp) :: y_ddot
 
-      y = 0
       y_ddot = 0
-      if (associated(span%integrator)) then
+      if (.not. associated(span%integrator)) then
+         y = span%y_a
+      else
          if (associated(span%y_a) .and. t <= span%t_a) then
             y = span%y_a
          else if (associated(span%y_b) .and. t >= span%t_b) then

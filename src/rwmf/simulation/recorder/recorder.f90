@@ -331,7 +331,7 @@ contains
    subroutine observe_rest(recorder, equation, y, t_a, t_b)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in), contiguous, target :: y(:)
       !! (states), of which the first two are zero
       real(wp), intent(in) :: t_a
       !! [s]
@@ -339,7 +339,7 @@ contains
       !! [s]
       real(wp) :: t
 
-      if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, t_a, t_b)
+      if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t_a, t_b)
       if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, equation, y, &
          t_a, t_b)
       if (.not. recorder%keeps_history) return
@@ -361,7 +361,8 @@ contains
       real(wp) :: y_dot(size(y))
 
       call rates_at(equation, t, y, y_dot)
-      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, y_dot(2))
+      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, &
+         y_dot(2))
       if (allocated(recorder%demands)) call observe_demands_at(recorder%demands, equation, t, y, &
          y_dot)
    end subroutine observe_still
