@@ -23,10 +23,9 @@ module rwmf
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
    ! one simulation: maxima, counts, history and events
-   use rwmf_simulation_result, only: demand_extremes_t, energy_t, event_collapsed, event_impact, event_lift_off, &
-      event_name, event_overturned, event_peak, event_rest, event_branch, event_rupture, event_t, &
-      history_t, &
-      reaction_extremes_t, result_t
+   use rwmf_simulation_result, only: demand_extremes_t, energy_t, event_collapsed, event_impact, &
+      event_lift_off, event_name, event_overturned, event_peak, event_rest, event_branch, &
+      event_rupture, event_t, history_t, reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
