@@ -13,7 +13,7 @@ from checkout import ROOT
 from rwmf.case.namelist import compose
 from rwmf.cli.main import main
 from rwmf.errors import InputError
-from rwmf.quantities import QUANTITIES, find
+from rwmf.quantities import find
 
 sys.path.append(str(ROOT / "bench"))
 
