@@ -12,6 +12,7 @@ module rwmf_spectrum_lanes
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_scene_axes, only: set_axes
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_lanes_loop, only: join_team, step_team
    use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
@@ -183,11 +184,7 @@ contains
       run%case%solver = case%solver
       if (ordinates(number)%rtol > 0) run%case%solver%rtol = ordinates(number)%rtol
       if (allocated(asked%output)) run%case%output = asked%output
-      run%case%frame%T_s = ordinates(number)%T_s
-      if (allocated(run%case%wall)) then
-         run%case%frame%gamma = ordinates(number)%gamma
-         run%case%wall%b = ordinates(number)%b
-      end if
+      call set_axes(run%case, ordinates(number)%T_s, ordinates(number)%gamma, ordinates(number)%b)
       lane%equation => run%equation
       lane%hybrid => run%hybrid
       lane%recorder => run%recorder

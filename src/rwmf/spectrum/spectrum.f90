@@ -8,6 +8,7 @@ module rwmf_spectrum_spectrum
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, spectrum_spec_t
+   use rwmf_problem_scene_axes, only: set_axes
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws
@@ -244,10 +245,8 @@ contains
 
       column%structure_t = case%structure_t
       column%solver = case%solver
-      column%frame%T_s = spectrum%T_s(1)
-      if (.not. allocated(column%wall)) return
-      column%frame%gamma = spectrum%gamma(j)
-      column%wall%b = spectrum%b(k)
+      call set_axes(column, T_s=spectrum%T_s(1))
+      if (allocated(column%wall)) call set_axes(column, gamma=spectrum%gamma(j), b=spectrum%b(k))
    end subroutine begin_column
 
    !> Compute the ordinates that are still to be done in general lanes, the shortest periods first.
@@ -317,7 +316,7 @@ contains
       if (spectrum%status(i, j, k) == 'ok') return
       call begin_column(case, spectrum, j, k, ordinate)
       ordinate%solver%method = trim(spectrum_method(case%solver%method))
-      ordinate%frame%T_s = spectrum%T_s(i)
+      call set_axes(ordinate, T_s=spectrum%T_s(i))
       if (allocated(asked%output)) ordinate%output = asked%output
       call simulate_with_motion(ordinate, motion, control, result, error)
       call count_done(control)

@@ -8,6 +8,7 @@ module rwmf_spectrum_fast_driver
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_scene_axes, only: set_axes
    use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
    use rwmf_spectrum_fast_schedule, only: order_by_cost
    use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
@@ -82,10 +83,9 @@ contains
       allocate (pair_case(size(gamma)*size(b)))
       do pair = 1, size(pair_case)
          pair_case(pair)%structure_t = case%structure_t
-         ! any: the equations do not depend on it
-         pair_case(pair)%frame%T_s = 1
-         pair_case(pair)%wall%b = b((pair - 1)/size(gamma) + 1)
-         pair_case(pair)%frame%gamma = gamma(mod(pair - 1, size(gamma)) + 1)
+         ! any period: the equations do not depend on it
+         call set_axes(pair_case(pair), T_s=1.0_wp, gamma=gamma(mod(pair - 1, size(gamma)) + 1), &
+            b=b((pair - 1)/size(gamma) + 1))
       end do
       shared%control = control
       shared%kernels = kernels_of(best_level())
