@@ -16,6 +16,7 @@ module rwmf_motion_ground_motion
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
+   public :: unit_motion, motion_unit
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
    public :: is_curved
@@ -79,6 +80,9 @@ contains
       type(motion_t) :: motion
 
       motion = horizontal_motion(case, record)
+      motion%curve%amplitude = motion_unit(case)*motion%curve%amplitude
+      motion%a = motion_unit(case)*motion%a
+      motion%slope = motion_unit(case)*motion%slope
       if (allocated(case%vertical)) then
          if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
       end if
@@ -119,7 +123,34 @@ contains
       motion%last_turning = motion%curve%last - 1
    end subroutine join_curve
 
-   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
+   !> The horizontal ground motion of a case in its own unit: a record as it stands in the file, a
+   !> pulse over its amplitude. Cases that differ in this unit alone have the same.
+   pure function unit_motion(case) result(motion)
+      type(case_t), intent(in) :: case
+      !! with its samples
+      type(motion_t) :: motion
+
+      ! a record that a case does not have arrives as an absent argument
+      motion = horizontal_motion(case, case%record)
+   end function unit_motion
+
+   !> The unit of the horizontal motion of a case, with its sign [m/s2].
+   pure real(wp) function motion_unit(case) result(unit)
+      type(case_t), intent(in) :: case
+      type(curve_t) :: curve
+
+      unit = 1
+      if (.not. allocated(case%motion)) return
+      if (case%motion%kind == 'record') then
+         unit = case%record%factor
+      else if (case%motion%kind /= 'none') then
+         curve = build_curve(case%motion, case%model%g)
+         unit = curve%amplitude
+      end if
+   end function motion_unit
+
+   !> The horizontal ground motion that a case describes, over its unit; none when it has no
+   !> `&motion`.
    pure function horizontal_motion(case, record) result(motion)
       type(case_t), intent(in) :: case
       type(record_t), intent(in), optional :: record
@@ -130,10 +161,11 @@ contains
       if (.not. allocated(case%motion)) return
       select case (case%motion%kind)
       case ('record')
-         motion = piecewise_linear_motion(record%t, case%record%factor*record%a)
+         motion = piecewise_linear_motion(record%t, record%a)
       case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
+         motion%curve%amplitude = 1
       case default
          continue
       end select
