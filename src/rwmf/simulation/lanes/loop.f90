@@ -10,9 +10,9 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_explicit_pair, only: explicit_pair_t, extend_work
    use rwmf_integrator_integrator, only: step_too_small
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
-      of_bottom, of_factor, of_fastest, of_goal, of_high, of_interval, of_least, &
-      of_length, of_limit, of_line, of_longest, of_low, of_most, of_ratio, of_rejected, of_steps, &
-      of_time, of_pace, of_top, of_trial, of_vertical_line, of_watch
+      of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
+      of_pace, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
       plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
@@ -184,8 +184,6 @@ contains
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = lane%recorder%theta_dot_ends
          table(i, of_rejected) = 0
-         table(i, of_factor) = lane%factor
-         table(i, of_ratio) = lane%ratio
          table(i, of_pace) = 0
          if (equation%has_loading_direction) table(i, of_pace) = stable_pace(equation)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest), &

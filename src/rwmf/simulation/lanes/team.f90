@@ -36,10 +36,6 @@ module rwmf_simulation_lanes_team
       !! the last step of the lane, for whoever looks into it
       real(wp) :: t_end = 0
       !! until when it runs [s]
-      real(wp) :: factor = 1
-      !! of its motion over that of the team's lines; 0: it follows its own [-]
-      real(wp) :: ratio = 1
-      !! of its vertical motion over that of the lines, beside the factor [-]
       type(error_t), allocatable :: error
       logical :: is_smooth = .false.
       !! between its events all is seen in the rotation
