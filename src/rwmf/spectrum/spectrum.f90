@@ -28,7 +28,7 @@ module rwmf_spectrum_spectrum
 
    public :: spectrum_t, compute_spectrum, compute_rows, spectrum_periods, status_of
 
-   integer, parameter :: block_size = 16384
+   integer, parameter :: block_size = 8192
    !! rows that are in work at a time: what a row needs while it runs is not kept for millions
    character(*), parameter :: interrupted = 'interrupted'
 
@@ -244,6 +244,7 @@ contains
       call set_axes(row, T_s=1.0_wp, gamma=1.0_wp)
       call build_equation(row, fast%motion, equation)
       fast%is_used = follow_from_displacement(queue%asked, equation)
+      fast%keeps_rows = fast%is_used
    end subroutine begin_lanes
 
    !> Compute the rows of a block that method 'fast' covers; the others keep their status.
@@ -258,8 +259,6 @@ contains
       !! (rows)
       real(wp) :: u_s_max(size(status))
       logical :: is_done(size(status))
-      type(case_t) :: row
-      type(error_t), allocatable :: error
       integer :: i
 
       call run_fast(fast, first, u_s_max, is_done)
@@ -270,12 +269,10 @@ contains
          end do
          return
       end if
-      !$omp parallel do num_threads(fast%threads) schedule(dynamic, 16) default(shared) &
-      !$omp private(row, error)
+      !$omp parallel do num_threads(fast%threads) schedule(dynamic, 16) default(shared)
       do i = 1, size(status)
-         if (.not. is_done(i)) cycle
-         call take_row(queue%rows, first + i - 1, row, error)
-         call values_from_displacement(queue%asked, row, fast%motion, u_s_max(i), values(i, :))
+         if (is_done(i)) call values_from_displacement(queue%asked, fast%row(i), fast%motion, &
+            u_s_max(i), values(i, :))
       end do
       !$omp end parallel do
    end subroutine run_lanes

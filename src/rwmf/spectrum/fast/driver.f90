@@ -57,6 +57,10 @@ module rwmf_spectrum_fast_driver
       real(wp), allocatable :: h(:)
       !! (grids) their longest steps [s]
       type(shared_data_t) :: shared
+      logical :: keeps_rows = .false.
+      !! the following is wanted
+      type(case_t), allocatable :: row(:)
+      !! (rows of the block) their structures and solvers, where they are not refused
    end type exponential_t
 
    !> An ordinate to be computed, and the step for it.
@@ -128,6 +132,8 @@ contains
          allocate (is_fitted(scenes, size(fit_range)), source=.false.)
          if (allocated(shared%equation)) deallocate (shared%equation)
          allocate (shared%equation(size(is_fitted)), attempt(size(is_done)))
+         if (allocated(fast%row)) deallocate (fast%row)
+         if (fast%keeps_rows) allocate (fast%row(size(is_done)))
          call first_attempts(fast, first, is_fitted(:, 1), attempt)
          if (.not. allocated(rows%case%wall)) then
             call run_frames(rows%case, fast%motion, fast%threads, shared%control, attempt%T_s, &
@@ -167,6 +173,10 @@ contains
          attempt(i)%T_s = 1
          call take_row(fast%rows, first + i - 1, row, error)
          if (allocated(error)) cycle
+         if (fast%keeps_rows) then
+            fast%row(i)%structure_t = row%structure_t
+            fast%row(i)%solver = row%solver
+         end if
          attempt(i)%T_s = row%frame%T_s
          attempt(i)%xi_s = row%frame%xi_s
          attempt(i)%unit = unit_of(fast%rows, row)
