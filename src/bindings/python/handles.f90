@@ -12,7 +12,7 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: kept_t, keep, find, put_text, put_error, join_status, read_source, make_control
+   public :: kept_t, keep, find, put_text, put_error, read_source, split_names, make_control
 
    !> What a handle stands for: a case, or the result or the spectrum computed of one.
    type :: kept_t
@@ -83,26 +83,21 @@ contains
       end if
    end subroutine put_error
 
-   !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   pure subroutine join_status(spectrum, text)
-      type(spectrum_t), intent(in) :: spectrum
-      character(:), allocatable, intent(out) :: text
-      !! each line ends with a line feed
-      character(len(spectrum%status)) :: status(size(spectrum%status))
-      integer :: length
-      integer :: i
-      integer :: n
+   !> Names that tabs separate.
+   pure subroutine split_names(text, names)
+      character(*), intent(in) :: text
+      !! '' for none
+      character(40), allocatable, intent(out) :: names(:)
+      integer :: first, n
 
-      status = reshape(spectrum%status, shape(status))
-      ! the room is taken once: a text that grows a line at a time is copied as often
-      allocate (character(sum(len_trim(status) + 1)) :: text)
-      length = 0
-      do i = 1, size(status)
-         n = len_trim(status(i)) + 1
-         text(length + 1:length + n) = trim(status(i))//new_line('a')
-         length = length + n
+      allocate (names(0))
+      first = 1
+      do while (first <= len(text))
+         n = index(text(first:)//achar(9), achar(9))
+         names = [character(40) :: names, text(first:first + n - 2)]
+         first = first + n
       end do
-   end subroutine join_status
+   end subroutine split_names
 
    !> Read and validate a case; messages begin with the name of its file.
    subroutine read_source(text, source, case, error, known)
