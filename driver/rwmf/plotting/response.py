@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import count, takewhile
+from itertools import count, product, takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, series
+from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, period_label, series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,12 +133,12 @@ def spectrum(
     dataset: xr.Dataset,
     ax: Axes | None = None,
     bare: xr.Dataset | None = None,
-    quantity: str = "u_s_max",
+    quantity: str | None = None,
     *,
     legend: bool = True,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> Axes:
-    """Draw the largest displacement of the frame, or another quantity, against its period.
+    """Draw the largest displacement of the frame, or another quantity, against the period.
 
     Parameters
     ----------
@@ -148,8 +148,8 @@ def spectrum(
         Where to draw; otherwise a new figure.
     bare : xarray.Dataset, optional
         Spectrum of the frame without wall, drawn dotted for comparison.
-    quantity : str
-        Variable of the dataset.
+    quantity : str, optional
+        Variable of the dataset; otherwise ``u_s_max``, or its first where it has none.
     legend : bool
         With a legend beside the axes, where there are several lines.
     **line
@@ -165,6 +165,8 @@ def spectrum(
     ValueError
         When the dataset has no such quantity.
     """
+    if quantity is None:
+        quantity = "u_s_max" if "u_s_max" in dataset else str(next(iter(dataset.data_vars)))
     if quantity not in dataset:
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
         raise ValueError(f"{quantity}: is not in the spectrum, which has {names}")
@@ -177,7 +179,7 @@ def spectrum(
         axes.plot(fallen["T_s"], fallen[quantity], "x", color=drawn.get_color(), markersize=4)
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
-    axes.set_xlabel("$T_s$ (s)")
+    axes.set_xlabel(period_label(dataset["T_s"]))
     axes.set_ylabel(_axis_label(dataset[quantity]))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
@@ -189,16 +191,14 @@ def spectrum(
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
     """Lines of a spectrum with their labels; a parameter with one value needs none."""
-    if "gamma" not in dataset.dims:
-        return [("", dataset)]
-    several_b = dataset.sizes["b"] > 1
-    several_gamma = dataset.sizes["gamma"] > 1
+    dims = [name for name in ("b", "gamma") if name in dataset.dims]
     curves = []
-    for i, b in enumerate(dataset["b"].values):
-        for j, gamma in enumerate(dataset["gamma"].values):
-            parts = [f"{gamma:g}"] if several_gamma else []
-            parts += [f"b = {b:g} m"] if several_b else []
-            curves.append((", ".join(parts), dataset.isel(b=i, gamma=j)))
+    for place in product(*(range(dataset.sizes[name]) for name in dims)):
+        curve = dataset.isel(dict(zip(dims, place, strict=True)))
+        several = {name: float(curve[name]) for name in dims if dataset.sizes[name] > 1}
+        parts = [f"{several['gamma']:g}"] if "gamma" in several else []
+        parts += [f"b = {several['b']:g} m"] if "b" in several else []
+        curves.append((", ".join(parts), curve))
     return curves
 
 

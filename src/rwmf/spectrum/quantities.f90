@@ -9,7 +9,7 @@ module rwmf_spectrum_quantities
    use rwmf_model_equation, only: frame_motion
    use rwmf_model_history_row, only: numbered
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_hybrid_loop, only: hybrid_t
    use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
@@ -21,11 +21,10 @@ module rwmf_spectrum_quantities
    implicit none
    private
 
-   public :: asked_t, asked_of, check_asked, list_applicable, take_values
+   public :: asked_t, asked_of, check_asked, default_quantity, list_applicable, take_values
    public :: follow_from_displacement, values_from_displacement
 
    character(*), parameter :: displacement = 'u_s_max_m'
-   !! what is reported where nothing is asked for
 
    !> What is asked for.
    type :: asked_t
@@ -47,6 +46,16 @@ module rwmf_spectrum_quantities
 
 contains
 
+   !> What is reported where nothing is asked for: the largest displacement of the frame, and without
+   !> one the largest rotation of the wall.
+   pure function default_quantity(case) result(key)
+      class(structure_t), intent(in) :: case
+      character(20) :: key
+
+      key = 'theta_max_over_alpha'
+      if (allocated(case%frame)) key = displacement
+   end function default_quantity
+
    !> What a case asks for.
    pure type(asked_t) function asked_of(case) result(asked)
       type(case_t), intent(in) :: case
@@ -58,7 +67,7 @@ contains
       if (allocated(case%spectrum%quantities)) then
          asked%keys = case%spectrum%quantities
       else
-         asked%keys = [character(40) :: displacement]
+         asked%keys = [character(40) :: default_quantity(case)]
       end if
       allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
       do i = 1, size(asked%keys)
@@ -93,7 +102,7 @@ contains
       integer :: i, j
 
       asked = asked_of(case)
-      if (asked%is_displacement) return
+      if (asked%is_displacement .and. allocated(case%frame)) return
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
       do i = 1, size(asked%keys)

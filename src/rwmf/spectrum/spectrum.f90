@@ -31,11 +31,11 @@ module rwmf_spectrum_spectrum
       real(wp), allocatable :: T_s(:)
       !! (n_T) periods [s]
       real(wp), allocatable :: gamma(:)
-      !! (n_gamma) mass ratios [-]; absent for the bare frame
+      !! (n_gamma) mass ratios [-]; absent for the bare frame and for a block
       real(wp), allocatable :: b(:)
       !! (n_b) half widths [m]; absent for the bare frame
       real(wp), allocatable :: u_s_max(:, :, :)
-      !! (n_T, n_gamma, n_b) [m]; NaN where the simulation failed
+      !! (n_T, n_gamma, n_b) [m]; NaN where the simulation failed, and without a frame
       character(40), allocatable :: quantities(:)
       !! (n_quantities) keys of what was asked for
       real(wp), allocatable :: values(:, :, :, :)
@@ -115,14 +115,11 @@ contains
       n_gamma = 1
       n_b = 1
       if (allocated(case%wall)) then
-         if (allocated(case%spectrum%gamma)) then
-            spectrum%gamma = case%spectrum%gamma
-         else
-            spectrum%gamma = [case%frame%gamma]
-         end if
+         if (allocated(case%frame)) spectrum%gamma = [case%frame%gamma]
+         if (allocated(case%spectrum%gamma)) spectrum%gamma = case%spectrum%gamma
+         if (allocated(spectrum%gamma)) n_gamma = size(spectrum%gamma)
          spectrum%b = [case%wall%b]
          if (allocated(case%spectrum%b)) spectrum%b = case%spectrum%b
-         n_gamma = size(spectrum%gamma)
          n_b = size(spectrum%b)
       end if
       allocate (spectrum%u_s_max(size(spectrum%T_s), n_gamma, n_b), stat=status)
@@ -211,7 +208,7 @@ contains
 
       is_done = .false.
       if (.not. is_supported(case, motion)) return
-      call begin_column(case, spectrum, 1, 1, column)
+      call begin_ordinate(case, spectrum, 1, 1, 1, column)
       call build_equation(column, motion, equation)
       if (.not. follow_from_displacement(asked, equation)) return
       if (allocated(case%wall)) then
@@ -225,7 +222,7 @@ contains
       if (asked%is_displacement) return
       do k = 1, size(is_done, 3)
          do j = 1, size(is_done, 2)
-            call begin_column(case, spectrum, j, k, column)
+            call begin_ordinate(case, spectrum, 1, j, k, column)
             done = pack([(i, i=1, size(is_done, 1))], is_done(:, j, k))
             allocate (values(size(done), size(asked%keys)))
             call values_from_displacement(asked, column, motion, spectrum%u_s_max(done, j, k), &
@@ -236,18 +233,20 @@ contains
       end do
    end subroutine run_lanes
 
-   !> The case of the first ordinate of one mass ratio and width.
-   subroutine begin_column(case, spectrum, j, k, column)
+   !> The case of an ordinate.
+   subroutine begin_ordinate(case, spectrum, i, j, k, ordinate)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
-      integer, intent(in) :: j, k
-      type(case_t), intent(out) :: column
+      integer, intent(in) :: i, j, k
+      type(case_t), intent(out) :: ordinate
 
-      column%structure_t = case%structure_t
-      column%solver = case%solver
-      call set_axes(column, T_s=spectrum%T_s(1))
-      if (allocated(column%wall)) call set_axes(column, gamma=spectrum%gamma(j), b=spectrum%b(k))
-   end subroutine begin_column
+      ordinate%structure_t = case%structure_t
+      ordinate%solver = case%solver
+      ! the size of a block follows its width
+      if (allocated(spectrum%b)) call set_axes(ordinate, b=spectrum%b(k))
+      if (allocated(spectrum%gamma)) call set_axes(ordinate, gamma=spectrum%gamma(j))
+      call set_axes(ordinate, T_s=spectrum%T_s(i))
+   end subroutine begin_ordinate
 
    !> Compute the ordinates that are still to be done in general lanes, the shortest periods first.
    subroutine run_general_lanes(case, asked, motion, control, spectrum)
@@ -285,7 +284,7 @@ contains
          k = (place(m) - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
          spectrum%status(i, j, k) = ordinates(m)%failure
          if (ordinates(m)%failure /= '') cycle
-         spectrum%u_s_max(i, j, k) = ordinates(m)%u_s_max
+         if (allocated(case%frame)) spectrum%u_s_max(i, j, k) = ordinates(m)%peak
          if (allocated(ordinates(m)%values)) spectrum%values(i, j, k, :) = ordinates(m)%values
          spectrum%status(i, j, k) = merge('overturned', 'ok        ', ordinates(m)%overturned)
          if (ordinates(m)%collapsed) spectrum%status(i, j, k) = 'collapsed'
@@ -314,9 +313,8 @@ contains
       j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
       k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
       if (spectrum%status(i, j, k) == 'ok') return
-      call begin_column(case, spectrum, j, k, ordinate)
+      call begin_ordinate(case, spectrum, i, j, k, ordinate)
       ordinate%solver%method = trim(spectrum_method(case%solver%method))
-      call set_axes(ordinate, T_s=spectrum%T_s(i))
       if (allocated(asked%output)) ordinate%output = asked%output
       call simulate_with_motion(ordinate, motion, control, result, error)
       call count_done(control)
@@ -324,7 +322,7 @@ contains
          spectrum%status(i, j, k) = error%name
          return
       end if
-      spectrum%u_s_max(i, j, k) = result%u_s_max
+      if (allocated(result%u_s_max)) spectrum%u_s_max(i, j, k) = result%u_s_max
       call take_values(asked, ordinate, result, spectrum%values(i, j, k, :))
       spectrum%status(i, j, k) = ending_name(result)
       evaluations = evaluations + result%rhs_evaluations
