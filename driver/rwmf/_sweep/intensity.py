@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rwmf import _library
-from rwmf._sweep.axes import RecordAxis
+from rwmf._sweep.axes import Entries, RecordAxis
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError
 
-__all__ = ["MEASURES", "PEAK", "PSEUDO", "choose_measure", "scale_to_one_g"]
+__all__ = ["MEASURES", "choose_measure", "scale_to_one_g"]
 
-PSEUDO, PEAK = "pseudo_acceleration", "peak_acceleration"
+_PSEUDO, _PEAK = "pseudo_acceleration", "peak_acceleration"
 # what a level of intensity is, as the label of its axis
 MEASURES = {
-    PSEUDO: "pseudo-spectral acceleration over g of an oscillator with the frame's T_s and xi_s",
-    PEAK: "peak ground acceleration over g",
+    _PSEUDO: "pseudo-spectral acceleration over g of an oscillator with the frame's T_s and xi_s",
+    _PEAK: "peak ground acceleration over g",
 }
+# what an oscillator under a record keeps of a case
+_OSCILLATOR = ("frame", "motion", "model", "solver")
 
 
 def choose_measure(case: Case, measure: str | None = None) -> str:
@@ -46,11 +48,11 @@ def choose_measure(case: Case, measure: str | None = None) -> str:
         When there is no such measure, or when the scene has no period that it needs.
     """
     if measure is None:
-        measure = PEAK if case.frame is None else PSEUDO
+        measure = _PEAK if case.frame is None else _PSEUDO
     if measure not in MEASURES:
         raise InputError(f"intensity = {measure!r}: must be one of {', '.join(MEASURES)}")
-    if measure == PSEUDO and _period(case) is None:
-        raise InputError(f"intensity = {PSEUDO!r}: the case needs &frame T_s; or take {PEAK!r}")
+    if measure == _PSEUDO and _period(case) is None:
+        raise InputError(f"intensity = {_PSEUDO!r}: the case needs &frame T_s; or take {_PEAK!r}")
     return measure
 
 
@@ -83,25 +85,23 @@ def scale_to_one_g(
     InputError
         When a record cannot be read, or has no intensity that could be scaled.
     """
-    T_s = _period(case) if measure == PSEUDO else None
-    changes: dict[str, object] = {"output": None, "spectrum": None}
+    T_s = _period(case) if measure == _PSEUDO else None
+    changes: dict[str, Mapping[str, object] | None] = {"output": None}
     if T_s is not None:
-        changes |= dict.fromkeys(name for name in case.groups if name not in _OSCILLATOR)
-        changes |= {"frame": {"T_s": T_s, "gamma": None}, "spectrum": {"T_s": [T_s]}}
-    probe = case.replace(**{name: keys for name, keys in changes.items() if _is_asked(case, name)})
+        # without storeys and wall the frame has one period and no mass ratio
+        changes = dict.fromkeys(set(case.groups) - set(_OSCILLATOR))
+        changes["frame"] = {"T_s": T_s, "gamma": None}
+    probe = case.replace(**changes)
     return tuple(_scaled(probe, T_s, record) for record in records)
 
 
-# what an oscillator under a record keeps of a case
-_OSCILLATOR = ("frame", "motion", "model", "solver")
-
-
-def _is_asked(case: Case, group: str) -> bool:
-    return group in case.groups or group == "spectrum"
-
-
 def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
-    entries = {name: {k: g[k] for k in g if k in g.given} for name, g in probe.groups.items()}
+    entries: Entries = {
+        name: {key: group[key] for key in group if key in group.given}
+        for name, group in probe.groups.items()
+    }
+    if T_s is not None:
+        entries["spectrum"] = {"T_s": (T_s,)}
     RecordAxis((record,)).apply(entries, 0)
     case = _library.read_case(compose(entries), probe.kernel_source())
     if T_s is None:

@@ -245,7 +245,7 @@ def period_label(period: xr.DataArray) -> str:
     str
         The label with its unit.
     """
-    meaning = period.attrs.get("long_name", AXES["T_s"].meaning)
+    meaning = str(period.attrs.get("long_name", AXES["T_s"].meaning))
     if meaning == AXES["T_s"].meaning:
         return "$T_s$ (s)"
     return meaning.replace("2 pi/p", r"$2\pi/p$") + " (s)"

@@ -112,9 +112,9 @@ def wall_effect(
         )
     both = sweep(case, grid, records, quantities=("u_s_max",), **how)
     frame = without_wall(case)
-    periods = [case.kernel.axes()["T_s"].value, frame.kernel.axes()["T_s"].value]
+    joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
     # a period that the grid gives is that of the frame as the wall lets it move
-    factor = periods[1] / periods[0] if all(periods) else 1.0
+    factor = free / joined if free and joined else 1.0
     shared = _shared_axes(grid) | {"T_s": factor * both["T_s"].values}
     alone = sweep(frame, shared, records, quantities=("u_s_max",), **how)["u_s_max"]
     alone = alone.assign_coords(T_s=both["T_s"])

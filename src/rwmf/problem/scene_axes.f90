@@ -1,5 +1,5 @@
-!> The axes of a spectrum as changes of a scene: period, mass ratio, width of the wall; and what each
-!> of them is in that scene.
+!> The axes of a spectrum as changes of a scene: period, mass ratio, width of the wall; and what
+!> each of them is in that scene.
 module rwmf_problem_scene_axes
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: structure_t
@@ -34,7 +34,8 @@ contains
    !> structure does not have, stays as it is.
    !>
    !> Of storeys T_s scales all stiffnesses, gamma all masses with the stiffnesses, so that the
-   !> period stays. A block, whose width is set first, gets the size of its 2 pi/p at its slenderness.
+   !> period stays. A block, whose width is set first, gets the size of its 2 pi/p at its
+   !> slenderness.
    pure subroutine set_axes(structure, T_s, gamma, b)
       class(structure_t), intent(inout) :: structure
       real(wp), intent(in), optional :: T_s

@@ -1,4 +1,5 @@
-!> Size of a wall: its half diagonal, and the period 2 pi/p that says it when the wall stands freely.
+!> Size of a wall: its half diagonal, and the period 2 pi/p that says it when the wall stands
+!> freely.
 module rwmf_problem_wall_size
    use, intrinsic :: iso_fortran_env, only: real128
    use rwmf_core_kinds, only: pi, wp

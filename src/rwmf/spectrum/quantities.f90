@@ -46,8 +46,8 @@ module rwmf_spectrum_quantities
 
 contains
 
-   !> What is reported where nothing is asked for: the largest displacement of the frame, and without
-   !> one the largest rotation of the wall.
+   !> What is reported where nothing is asked for: the largest displacement of the frame, and
+   !> without one the largest rotation of the wall.
    pure function default_quantity(case) result(key)
       class(structure_t), intent(in) :: case
       character(20) :: key

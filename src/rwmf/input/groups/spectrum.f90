@@ -23,7 +23,7 @@ contains
       group%is_of_scene = .false.
       group%keys = [ &
          optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
-            'periods one by one (a block: 2 pi/p); otherwise T_s_min, T_s_max and n are required'), &
+            'periods one by one (block: 2 pi/p); otherwise T_s_min, T_s_max and n are required'), &
          optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &
          optional_key('spectrum', 'T_s_max', 'real', 's', '', positive, 'longest period'), &
          optional_key('spectrum', 'n', 'integer', '', '', '[1, 1000000]', &
