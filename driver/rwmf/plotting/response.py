@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, period_label, series
+from rwmf.quantities import AXES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,6 +50,7 @@ _SYMBOLS = {
 }
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
 # ordinates whose motion ended before its time
+_ROTATION = "theta_max_over_alpha"
 _FALLEN = ("overturned", "collapsed")
 
 
@@ -158,7 +160,8 @@ def spectrum(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. Ordinates that overturned or collapsed are crosses; failed ones are gaps.
+        The axes. Ordinates that overturned or collapsed are crosses, rotations of walls that
+        overturned at the upper edge; failed ones are gaps.
 
     Raises
     ------
@@ -174,9 +177,15 @@ def spectrum(
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
         look = {**series(i, len(curves)), "label": label or None} | line
-        (drawn,) = axes.plot(curve["T_s"], curve[quantity], **look)
-        fallen = curve.isel(T_s=np.flatnonzero(np.isin(curve["status"].values, _FALLEN)))
-        axes.plot(fallen["T_s"], fallen[quantity], "x", color=drawn.get_color(), markersize=4)
+        has_fallen = np.isin(curve["status"].values, _FALLEN)
+        periods, values = curve["T_s"].values, curve[quantity].values
+        # the rotation of a wall that lies on its side says nothing more: crosses at the upper edge
+        on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
+        (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **look)
+        cross = {"color": drawn.get_color(), "markersize": 4, "linestyle": "none", "marker": "x"}
+        axes.plot(periods[has_fallen & ~on_side], values[has_fallen & ~on_side], **cross)
+        edge = axes.get_xaxis_transform()
+        axes.plot(periods[on_side], np.ones(on_side.sum()), transform=edge, clip_on=False, **cross)
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
     axes.set_xlabel(period_label(dataset["T_s"]))
@@ -203,7 +212,10 @@ def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 
 def _legend_title(dataset: xr.Dataset) -> str | None:
-    return r"$\gamma = m_s/m_w$" if dataset.sizes.get("gamma", 0) > 1 else None
+    if dataset.sizes.get("gamma", 0) < 2:
+        return None
+    is_plain = dataset["gamma"].attrs.get("long_name") in (None, AXES["gamma"].meaning)
+    return r"$\gamma = m_s/m_w$" if is_plain else r"$\gamma$"
 
 
 def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:

@@ -46,7 +46,7 @@ def incremental_dynamic_analysis(
     Parameters
     ----------
     case : Case
-        The structure; its frame, if it has one, has a period.
+        The structure; its frame, if it has one, has a period. Its `&spectrum` is not looped over.
     levels : sequence of float
         Intensities over g [-].
     records : sequence of str or RecordFile
@@ -81,6 +81,9 @@ def incremental_dynamic_analysis(
         if period is None:
             raise InputError("incremental dynamic analysis: the case needs &frame T_s")
         axes["T_s"] = [period]
+    if "spectrum" in case.groups:
+        # one structure is analysed; others are further axes
+        case = case.without("spectrum")
     asked = (quantity,) if isinstance(quantity, str) else quantity
     found = sweep(
         case,
