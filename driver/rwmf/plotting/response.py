@@ -182,7 +182,12 @@ def spectrum(
         # the rotation of a wall that lies on its side says nothing more: crosses at the upper edge
         on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
         (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **look)
-        cross = {"color": drawn.get_color(), "markersize": 4, "linestyle": "none", "marker": "x"}
+        cross: dict[str, Any] = {
+            "color": drawn.get_color(),
+            "markersize": 4,
+            "linestyle": "none",
+            "marker": "x",
+        }
         axes.plot(periods[has_fallen & ~on_side], values[has_fallen & ~on_side], **cross)
         edge = axes.get_xaxis_transform()
         axes.plot(periods[on_side], np.ones(on_side.sum()), transform=edge, clip_on=False, **cross)
