@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,25 @@ from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, split_table
 from rwmf._library.memory import Memory
 
-__all__ = ["KernelCase", "read_case"]
+__all__ = ["KernelCase", "SceneAxis", "read_case"]
+
+
+class SceneAxis(NamedTuple):
+    """What an axis of a spectrum is in a scene.
+
+    Attributes
+    ----------
+    value : float, optional
+        What the scene has without the axis; None for nothing.
+    unit : str
+        Its unit, '1' for none.
+    meaning : str
+        What it is, and what follows it.
+    """
+
+    value: float | None
+    unit: str
+    meaning: str
 
 
 class KernelCase:
@@ -73,6 +92,30 @@ class KernelCase:
         """
         return self._ask(_kernel.applicable).split("\t")
 
+    def axes(self) -> dict[str, SceneAxis]:
+        """Say which axes the scene has in a spectrum, and what they are in it.
+
+        Returns
+        -------
+        dict of str to SceneAxis
+            ``b``, ``gamma`` and ``T_s`` as far as the scene has them, the slowest first.
+        """
+        rows = split_table(fetch_text(_kernel.axes_of_case, self.handle))[:-1]
+        return {
+            name: SceneAxis(float(value) if value else None, unit, meaning)
+            for name, value, unit, meaning in rows
+        }
+
+    def default_quantity(self) -> str:
+        """Key of what is reported of the scene where nothing else is asked for.
+
+        Returns
+        -------
+        str
+            That of the displacement of the frame, without one of the rotation.
+        """
+        return fetch_text(_kernel.axes_of_case, self.handle).splitlines()[-1]
+
     def broken_laws(self) -> int:
         """Laws of conservation that the case asks to break.
 
@@ -103,6 +146,16 @@ class KernelCase:
             The time [s].
         """
         return float(_kernel.end_of_motion(self.handle))
+
+    def peak_of_motion(self) -> float:
+        """Largest horizontal acceleration of the ground [m/s2].
+
+        Returns
+        -------
+        float
+            The acceleration, 0 without motion.
+        """
+        return float(_kernel.peak_of_motion(self.handle))
 
 
 def read_case(text: str, source: str, known: KernelCase | None = None) -> KernelCase:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.case import KernelCase
+from rwmf._library.case import KernelCase, SceneAxis
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
 from rwmf._library.memory import Memory, MemoryView
 from rwmf._library.tables import law_warning
@@ -162,6 +162,16 @@ class Spectrum(Result):
             One line each.
         """
         return law_warning(self._case.broken_laws()).splitlines()
+
+    def axes(self) -> dict[str, SceneAxis]:
+        """Say what the axes are in the scene.
+
+        Returns
+        -------
+        dict of str to SceneAxis
+            As `KernelCase.axes`.
+        """
+        return self._case.axes()
 
     def facts(self) -> dict[str, Any]:
         """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds.

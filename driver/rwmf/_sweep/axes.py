@@ -11,7 +11,7 @@ import numpy as np
 from rwmf import _library
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case.namelist import Value
-from rwmf.errors import InputError
+from rwmf.errors import InputError, did_you_mean
 
 __all__ = [
     "PLACES",
@@ -146,10 +146,13 @@ class ScaleAxis:
         The factors [-].
     name : str
         Name of the dimension.
+    meaning : str
+        What a factor is.
     """
 
     values: tuple[float, ...]
     name: str = "scale"
+    meaning: str = "factor on the ground motion"
 
     def __len__(self) -> int:
         """Count the positions."""
@@ -166,8 +169,7 @@ class ScaleAxis:
 
     def coordinates(self) -> list[Coordinate]:
         """Label the dimension."""
-        text = "factor on the ground motion"
-        return [Coordinate(self.name, self.name, self.values, "1", text)]
+        return [Coordinate(self.name, self.name, self.values, "1", self.meaning)]
 
 
 @dataclass(frozen=True)
@@ -384,5 +386,7 @@ def _find_key(name: str) -> tuple[str, str]:
     if matches:
         names = ", ".join(f"{found}.{key}" for found, _ in matches)
         raise InputError(f"grid: {name}: in several groups; write one of {names}")
-    known = ", ".join(dict.fromkeys(row[1] for row in _library.schema()))
-    raise InputError(f"grid: {name}: no key of a case; allowed are scale, eta, {known}")
+    allowed = list(dict.fromkeys(["scale", *_PAIRS, *(row[1] for row in _library.schema())]))
+    hint = did_you_mean(name, [*allowed, *(f"{row[0]}.{row[1]}" for row in _library.schema())])
+    hint = f"{hint} Allowed" if hint else "; allowed"
+    raise InputError(f"grid: {name}: no key of a case{hint} are {', '.join(allowed)}")

@@ -22,14 +22,13 @@ from rwmf._sweep.axes import (
     numbers_of_axis,
 )
 from rwmf._sweep.layout import Layout
-from rwmf._sweep.quantities import DISPLACEMENT, find_quantities
+from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.task import Task
-from rwmf._sweep.unsupported import refuse_storeys
 from rwmf.case import Case
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError
-from rwmf.quantities import AXES, keys_of
+from rwmf.quantities import AXES
 
 __all__ = ["Plan", "make_plan"]
 
@@ -146,8 +145,9 @@ def make_plan(
     case: Case,
     grid: Mapping[str, object],
     records: Sequence[RecordFile] = (),
-    quantities: tuple[str, ...] = (DISPLACEMENT,),
+    quantities: tuple[str, ...] | None = None,
     chunk: int = 0,
+    level: str | None = None,
 ) -> Plan:
     """Lay out a sweep.
 
@@ -160,9 +160,11 @@ def make_plan(
     records : sequence of RecordFile
         Ground motions in the place of the case's own.
     quantities : tuple of str
-        What is kept of each run.
+        What is kept of each run; None for what the scene reports by itself.
     chunk : int
         Largest number of runs of a chunk, 0 for the usual one.
+    level : str, optional
+        What a factor on the ground motion is, where it is more than that.
 
     Returns
     -------
@@ -174,12 +176,14 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
-    if "wall" in case.groups or keys_of(quantities) != keys_of((DISPLACEMENT,)):
-        refuse_storeys(case)
-    wanted = find_quantities(quantities)
+    wanted = find_quantities((default_quantity(case),) if quantities is None else quantities)
     grid = name_axes(grid)
     axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
     axes += [key_axis(name, values) for name, values in grid.items() if name not in AXES]
+    if level is not None:
+        axes = [
+            replace(axis, meaning=level) if isinstance(axis, ScaleAxis) else axis for axis in axes
+        ]
     names = [axis.name for axis in axes]
     if len(set(names)) < len(names):
         raise InputError(f"grid: two axes have the same name: {', '.join(names)}")
@@ -202,8 +206,9 @@ def _make_layout(
     size: int,
 ) -> Layout:
     coordinates = [coordinate for axis in axes for coordinate in axis.coordinates()]
+    known = case.kernel.axes()
     for name, values in inner:
-        coordinates.append(Coordinate(name, name, values, AXES[name].unit, AXES[name].meaning))
+        coordinates.append(Coordinate(name, name, values, known[name].unit, known[name].meaning))
     sizes = [len(values) for _, values in inner]
     block = max(1, size // max(1, int(np.prod(sizes[:-1], dtype=int)))) if sizes else 1
     return Layout(
@@ -243,29 +248,29 @@ def _inner_axes(
     case: Case, grid: Mapping[str, object]
 ) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Axes that the kernel loops over, as far as the scene has them."""
-    groups = case.groups
-    found = []
-    for name, quantity in AXES.items():
-        group = quantity.group
-        missing = group not in groups or (name == "gamma" and "wall" not in groups)
-        if missing and name in grid:
+    axes = case.kernel.axes()
+    for name in AXES:
+        if name in grid and name not in axes:
             raise InputError(f"grid: {name}: the case has no such effect to vary")
-        if missing:
+    found = []
+    for name, axis in axes.items():
+        # a block keeps its size unless it is asked for another one
+        if name == "T_s" and not {"frame", "spectrum"} & set(case.groups) and name not in grid:
             continue
-        values = grid[name] if name in grid else _values_of_case(case, name, group)
+        values = grid[name] if name in grid else _values_of_case(case, name, axis)
         found.append((name, numbers_of_axis(name, values)))
     return tuple(found)
 
 
-def _values_of_case(case: Case, name: str, group: str) -> list[float]:
+def _values_of_case(case: Case, name: str, axis: _library.SceneAxis) -> list[float]:
     spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
     if name in spectrum:
         return list(spectrum[name])
     if name == "T_s" and "n" in spectrum:
         return list(_periods(spectrum))
-    if case.groups[group].get(name) is None:
+    if axis.value is None:
         raise InputError(f"sweep: neither the grid nor the case gives {name}")
-    return [float(case.groups[group][name])]
+    return [axis.value]
 
 
 def _periods(spectrum: Mapping[str, Any]) -> Iterator[float]:

@@ -3,18 +3,47 @@
 from __future__ import annotations
 
 from rwmf import quantities
+from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["DISPLACEMENT", "QUANTITIES", "find_quantities"]
+__all__ = ["QUANTITIES", "default_quantity", "find_quantities"]
 
-# the only one that the kernel returns for a whole grid at once
-DISPLACEMENT = "u_s_max"
-QUANTITIES = {
-    name: quantity
+
+class _Table(dict[str, quantities.Quantity]):
+    """By name; that of a floor or storey is its row with its number."""
+
+    def __missing__(self, name: str) -> quantities.Quantity:
+        try:
+            found = quantities.find(name)
+        except (KeyError, StopIteration):
+            raise KeyError(name) from None
+        if "ordinate" not in found.outputs.split():
+            raise KeyError(name)
+        return found
+
+
+QUANTITIES = _Table(
+    (name, quantity)
     for quantity in quantities.QUANTITIES.values()
-    if "ordinate" in quantity.outputs.split() and "{i}" not in quantity.name
+    if "ordinate" in quantity.outputs.split()
     for name in quantity.names("ordinate")
-}
+)
+
+
+def default_quantity(case: Case) -> str:
+    """Name what is kept of each run where nothing else is asked for.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    str
+        The displacement of the frame; without a frame the rotation of the wall.
+    """
+    return quantities.QUANTITIES[case.kernel.default_quantity()].names("ordinate")[0]
 
 
 def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
@@ -35,11 +64,19 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     InputError
         When there is none, or one is not known.
     """
-    by_key = {quantity.key: quantity for quantity in QUANTITIES.values()}
-    keys = quantities.keys_of(names)
-    unknown = [name for name, key in zip(names, keys, strict=True) if key not in by_key]
+    by_key = _Table((quantity.key, quantity) for quantity in QUANTITIES.values())
+    asked: dict[str, quantities.Quantity] = {}
+    unknown: list[str] = []
+    for name, key in zip(names, quantities.keys_of(names), strict=True):
+        try:
+            # the keys of storeys, which the other tables do not list, have small letters only
+            quantity = by_key[key if key in by_key else key.lower()]
+        except KeyError:
+            unknown.append(name)
+        else:
+            asked = {word: one for word, one in asked.items() if one.key != quantity.key}
+            asked[quantity.called(name)] = quantity
     if unknown or not names:
         wrong = ", ".join(unknown) or "nothing"
         raise InputError(f"quantities: {wrong}: known are {', '.join(QUANTITIES)}")
-    asked = {key: by_key[key].called(name) for key, name in zip(keys, names, strict=True)}
-    return {name: by_key[key] for key, name in asked.items()}
+    return asked

@@ -17,9 +17,10 @@ from rwmf._files.names import readable
 from rwmf._sweep import netcdf
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
+from rwmf._sweep.intensity import MEASURES, choose_measure, scale_to_one_g
 from rwmf._sweep.layout import Layout, difference
 from rwmf._sweep.plan import Plan, make_plan
-from rwmf._sweep.quantities import DISPLACEMENT, QUANTITIES
+from rwmf._sweep.quantities import QUANTITIES
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
 from rwmf.case import Case
@@ -72,7 +73,7 @@ def sweep(
     records: Sequence[str | os.PathLike[str] | RecordFile] = (),
     file: str | os.PathLike[str] | None = None,
     *,
-    quantities: Sequence[str] = (DISPLACEMENT,),
+    quantities: Sequence[str] | None = None,
     threads: int = 0,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -81,6 +82,7 @@ def sweep(
     chunk: int = 0,
     unit: str | None = None,
     dt: float | None = None,
+    intensity: str | None = None,
 ) -> xr.Dataset:
     """Run the product of records and parameters.
 
@@ -98,8 +100,9 @@ def sweep(
     file : str or path, optional
         NetCDF file to write. Finished chunks are kept beside it until it is complete: the same
         call continues where it was interrupted and gives the same bytes.
-    quantities : sequence of str
-        What is kept of each run, a whole grid of T_s, gamma and b a call.
+    quantities : sequence of str, optional
+        What is kept of each run, a whole grid of T_s, gamma and b a call; otherwise ``u_s_max``,
+        of a wall without a frame ``theta_max_over_alpha``.
     threads : int
         Threads, 0 for all; not used with an executor. The result does not depend on it.
     executor : concurrent.futures.Executor, optional
@@ -116,6 +119,10 @@ def sweep(
         Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
         Sampling interval [s] of records of one column.
+    intensity : str, optional
+        ``pseudo_acceleration`` (of an oscillator with the frame's period and damping) or
+        ``peak_acceleration``: each record is scaled so that this is 1 g, and the values of
+        ``scale`` in the grid are then levels of it in g.
 
     Returns
     -------
@@ -136,7 +143,12 @@ def sweep(
     if not isinstance(chunk, int | np.integer) or chunk < 0:
         raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
     found: Sequence[RecordFile] = find_records(records, unit=unit, dt=dt) if len(records) else ()
-    plan = make_plan(case, grid or {}, found, tuple(quantities), chunk)
+    wanted = None if quantities is None else tuple(quantities)
+    if intensity is not None:
+        if not found:
+            raise InputError(f"intensity = {intensity!r}: needs records, which it scales")
+        found = scale_to_one_g(case, found, choose_measure(case, intensity))
+    plan = make_plan(case, grid or {}, found, wanted, chunk, MEASURES.get(intensity or ""))
     work = _Work(plan, threads, executor, progress, part)
     if file is None:
         _check_part(part, in_memory=True)

@@ -42,6 +42,7 @@ _KEYS = {
     "dt": (float, False),
     "quantities": (str, True),
     "chunk": (int, False),
+    "intensity": (str, False),
 }
 _PAIR = "eta"
 _PATHS = ("case", "file", "records")
@@ -71,6 +72,8 @@ class SweepFile:
         What to keep.
     chunk : int
         Largest number of runs in a chunk, 0 for the usual one.
+    intensity : str, optional
+        What the records are scaled to 1 g of.
     """
 
     case: Path
@@ -81,6 +84,7 @@ class SweepFile:
     dt: float | None = None
     quantities: list[str] = field(default_factory=list)
     chunk: int = 0
+    intensity: str | None = None
 
 
 def read_sweep_file(path: str) -> SweepFile:

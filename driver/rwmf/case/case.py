@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -11,7 +11,7 @@ from rwmf import _library
 from rwmf._files import files
 from rwmf.case.group import Group
 from rwmf.case.namelist import compose, read_text
-from rwmf.errors import InputError
+from rwmf.errors import InputError, did_you_mean
 
 __all__ = ["Case"]
 
@@ -179,6 +179,7 @@ class Case:
         --------
         >>> stiff = case.replace(frame={"T_s": 0.4})  # doctest: +SKIP
         """
+        _check_groups(groups, self._groups)
         entries = self._given_entries()
         for name, changes in groups.items():
             if changes is None:
@@ -316,3 +317,25 @@ class Case:
 
 def _restore(text: str, source: str | None) -> Case:
     return Case.from_text(text, source)
+
+
+def _check_groups(
+    groups: Mapping[str, Mapping[str, object] | None], present: Collection[str]
+) -> None:
+    """Complain of what is no group, or of values without keys."""
+    for name, values in groups.items():
+        if name.lower() not in present:
+            _check_group(name)
+        if values is not None and not isinstance(values, Mapping):
+            raise InputError(f"&{name.lower()} = {values!r}: must be keys with values, or None")
+
+
+def _check_group(name: str) -> None:
+    rows = [(group, key) for group, key, *_ in _library.schema()]
+    known = dict.fromkeys(group for group, _ in rows)
+    if name.lower() in known:
+        return
+    owners = [f"{group}={{{key!r}: ...}}" for group, key in rows if key.lower() == name.lower()]
+    hint = f", did you mean {' or '.join(owners)}?" if owners else did_you_mean(name, known)
+    hint = f"{hint} There" if hint else "; there"
+    raise InputError(f"there is no group &{name}{hint} are {', '.join(known)}")

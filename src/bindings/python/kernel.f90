@@ -20,18 +20,20 @@ module rwmf_bindings_python_kernel
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
-   use rwmf_motion_ground_motion, only: motion_end, motion_from_case
+   use rwmf_motion_ground_motion, only: motion_end, motion_from_case, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
+   use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_quantities, only: quantities_text
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_simulation_simulate, only: run_simulation => simulate
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: find_broken => broken_laws, tell_broken_laws
-   use rwmf_spectrum_quantities, only: list_applicable
+   use rwmf_spectrum_quantities, only: default_quantity, list_applicable
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
+   use rwmf_text_strings, only: real_to_text
    implicit none
    public
 
@@ -157,6 +159,40 @@ contains
       kept => find(handle)
       t = real(motion_end(motion_from_case(kept%case)), c_double)
    end subroutine end_of_motion
+
+   !> Largest horizontal acceleration of the ground in a case [m/s2].
+   subroutine peak_of_motion(handle, a)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(out) :: a
+      type(kept_t), pointer :: kept
+
+      kept => find(handle)
+      a = real(peak_acceleration(motion_from_case(kept%case)), c_double)
+   end subroutine peak_of_motion
+
+   !> The axes that the scene of a case has in a spectrum, one a line: name, value ('' for none),
+   !> unit, meaning; then the key of what its runs report unless they are asked for more.
+   subroutine axes_of_case(handle, buffer, length)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      character(*), parameter :: tab = achar(9)
+      type(kept_t), pointer :: kept
+      type(axis_t), allocatable :: axes(:)
+      character(:), allocatable :: lines, value
+      integer :: i
+
+      kept => find(handle)
+      call list_axes(kept%case, axes)
+      lines = ''
+      do i = 1, size(axes)
+         value = ''
+         if (axes(i)%has_value) value = trim(real_to_text(axes(i)%value))
+         lines = lines//trim(axes(i)%name)//tab//value//tab//trim(axes(i)%unit)//tab &
+            //trim(axes(i)%meaning)//new_line('a')
+      end do
+      call put_text(lines//trim(default_quantity(kept%case)), buffer, length)
+   end subroutine axes_of_case
 
    !> What a case will simulate and report: see `preview_text`.
    subroutine inventory(handle, buffer, length, status, message, message_length)

@@ -130,7 +130,7 @@ contains
       difference = 1
       if (one%overturned .neqv. other%overturned) return
       if (one%collapsed .neqv. other%collapsed) return
-      difference = relative_change(one%u_s_max, other%u_s_max)
+      difference = relative_change(one%peak, other%peak)
    end function difference
 
 end module rwmf_spectrum_estimates

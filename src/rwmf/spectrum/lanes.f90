@@ -40,23 +40,23 @@ module rwmf_spectrum_lanes
    type :: ordinate_t
       integer :: row = 0
       !! its number
-      real(wp) :: u_s_max = 0
-      !! [m]
+      real(wp) :: peak = 0
+      !! u_s_max [m], without a frame the largest |theta| [rad]
       logical :: overturned = .false.
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: rtol = 0
       !! tolerance, where it is not that of the case [-]
       real(wp) :: estimate = -1
-      !! of the relative error of u_s_max; negative: there is none [-]
+      !! of the relative error of the peak; negative: there is none [-]
       real(wp) :: sensitivity = -1
-      !! relative change of u_s_max per relative change of the motion, likewise [-]
+      !! relative change of the peak per relative change of the motion, likewise [-]
       logical :: is_inaccurate = .false.
       !! no tolerance has brought the error down to what is asked for
       character(24) :: failure = ''
       !! name of the error
       real(wp), allocatable :: values(:)
-      !! (quantities) that were asked for, in their units, where it is more than u_s_max
+      !! (quantities) that were asked for, in their units, where it is more than the displacement
    end type ordinate_t
 
    !> What all runs of a queue have in common.
@@ -367,7 +367,9 @@ contains
       if (.not. allocated(error)) then
          call finish_recorder(run%recorder, run%equation, run%hybrid%t, run%hybrid%y, &
             run%hybrid%mode == mode_rest)
-         ordinate%u_s_max = run%recorder%u_max
+         ordinate%peak = run%recorder%u_max
+         if (.not. run%equation%has_frame) ordinate%peak = max(run%recorder%theta_max, &
+            -run%recorder%theta_min)
          ordinate%overturned = run%hybrid%mode == mode_overturned
          ordinate%collapsed = run%hybrid%mode == mode_collapsed
          size_found = response_size(run%recorder)

@@ -9,7 +9,7 @@ module rwmf_spectrum_quantities
    use rwmf_model_equation, only: frame_motion
    use rwmf_model_history_row, only: numbered
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_hybrid_loop, only: hybrid_t
@@ -22,7 +22,8 @@ module rwmf_spectrum_quantities
    implicit none
    private
 
-   public :: asked_t, asked_of, keys_asked_by, check_asked, list_applicable, take_values
+   public :: asked_t, asked_of, keys_asked_by, check_asked, default_quantity, list_applicable
+   public :: take_values
    public :: follow_from_displacement, values_from_displacement
 
    character(*), parameter :: displacement = 'u_s_max_m'
@@ -48,13 +49,23 @@ module rwmf_spectrum_quantities
 
 contains
 
+   !> What is reported where nothing is asked for: the largest displacement of the frame, and
+   !> without one the largest rotation of the wall.
+   pure function default_quantity(case) result(key)
+      class(structure_t), intent(in) :: case
+      character(20) :: key
+
+      key = 'theta_max_over_alpha'
+      if (allocated(case%frame)) key = displacement
+   end function default_quantity
+
    !> What the `&spectrum` of a case asks for.
    pure function keys_asked_by(case) result(keys)
       type(case_t), intent(in) :: case
       character(40), allocatable :: keys(:)
       !! (quantities)
 
-      keys = [character(40) :: displacement]
+      keys = [character(40) :: default_quantity(case)]
       if (.not. allocated(case%spectrum)) return
       if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
    end function keys_asked_by

@@ -8,7 +8,7 @@ module rwmf_spectrum_rows
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_problem_record, only: set_factor
-   use rwmf_problem_scene_axes, only: set_axes
+   use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
    use rwmf_text_strings, only: real_to_text, to_lower
    implicit none
    private
@@ -16,8 +16,12 @@ module rwmf_spectrum_rows
    public :: rows_t, rows_of_grid, rows_of_table, take_row, scene_of, period_of, spectrum_periods
    public :: common_motion, row_motion, compare_lines
 
-   character(*), parameter :: axes(4) = [character(5) :: 'T_s', 'gamma', 'b', 'scale']
-   !! columns that are no keys: what `set_axes` sets, and a factor on the motion
+   character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
+   !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
+   !! factor on the motion
+   integer, parameter :: axis_period = 3
+   integer, parameter :: axis_scale = 4
+   !! places among them
 
    !> Where the numbers of the runs come from.
    type :: rows_t
@@ -26,7 +30,8 @@ module rwmf_spectrum_rows
       integer :: n = 0
       !! number of rows
       real(wp), allocatable :: T_s(:), gamma(:), b(:)
-      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma and b not allocated without a wall
+      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame beside
+      !! a wall, b without a wall
       real(wp), pointer :: table(:, :) => null()
       !! (columns, rows) otherwise, each in the unit of its key
       integer :: axis_column(4) = 0
@@ -56,14 +61,12 @@ contains
       rows%T_s = spectrum_periods(case%spectrum)
       rows%n = size(rows%T_s)
       if (.not. allocated(case%wall)) return
-      if (allocated(case%spectrum%gamma)) then
-         rows%gamma = case%spectrum%gamma
-      else
-         rows%gamma = [case%frame%gamma]
-      end if
+      if (allocated(case%frame)) rows%gamma = [case%frame%gamma]
+      if (allocated(case%spectrum%gamma)) rows%gamma = case%spectrum%gamma
+      if (allocated(rows%gamma)) rows%n = rows%n*size(rows%gamma)
       rows%b = [case%wall%b]
       if (allocated(case%spectrum%b)) rows%b = case%spectrum%b
-      rows%n = size(rows%T_s)*size(rows%gamma)*size(rows%b)
+      rows%n = rows%n*size(rows%b)
    end subroutine rows_of_grid
 
    !> The rows of a table. Errors: a column that is neither an axis nor a key that may change.
@@ -105,21 +108,22 @@ contains
       integer, intent(in) :: column
       type(rows_t), intent(inout) :: rows
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: missing
+      type(axis_t), allocatable :: own(:)
+      logical :: is_missing
 
-      missing = ''
-      if (axis <= 2 .and. .not. allocated(case%frame)) missing = '&frame'
-      if ((axis == 2 .or. axis == 3) .and. .not. allocated(case%wall)) missing = '&wall'
-      if (axis == 4 .and. .not. allocated(case%motion)) missing = '&motion'
-      if (missing /= '') then
-         call fail(error, err_input, trim(axes(axis))//': the case has no '//missing)
+      call list_axes(case, own)
+      is_missing = .not. any(own%name == axes(axis))
+      if (axis == axis_scale) is_missing = .not. allocated(case%motion)
+      if (is_missing) then
+         call fail(error, err_input, trim(axes(axis))//': the case has no such effect to vary')
       else if (rows%axis_column(axis) > 0) then
          call fail(error, err_input, trim(axes(axis))//': the column is given twice')
       end if
       if (allocated(error)) return
       rows%axis_column(axis) = column
-      rows%is_one_scene = rows%is_one_scene .and. (axis == 1 .or. axis == 4)
-      rows%has_own_motion = rows%has_own_motion .or. axis == 4
+      rows%is_one_scene = rows%is_one_scene .and. (axis == axis_scale .or. (axis == axis_period &
+         .and. allocated(case%frame)))
+      rows%has_own_motion = rows%has_own_motion .or. axis == axis_scale
    end subroutine add_axis
 
    !> What a column that is a key makes different.
@@ -175,8 +179,8 @@ contains
       T_s = 1
       if (.not. associated(rows%table)) then
          T_s = rows%T_s(mod(number - 1, size(rows%T_s)) + 1)
-      else if (rows%axis_column(1) > 0) then
-         T_s = rows%table(rows%axis_column(1), number)
+      else if (rows%axis_column(axis_period) > 0) then
+         T_s = rows%table(rows%axis_column(axis_period), number)
       end if
    end function period_of
 
@@ -201,7 +205,7 @@ contains
       type(case_t), intent(inout) :: row
       !! without text and samples
       type(error_t), allocatable, intent(out) :: error
-      integer :: i
+      integer :: i, n_gamma
 
       if (associated(rows%table)) then
          call take_line(rows, rows%table(:, number), row, error)
@@ -209,12 +213,15 @@ contains
       end if
       row%structure_t = rows%case%structure_t
       row%solver = rows%case%solver
-      i = number - 1
-      call set_axes(row, T_s=rows%T_s(mod(i, size(rows%T_s)) + 1))
-      if (.not. allocated(rows%gamma)) return
-      i = i/size(rows%T_s)
-      call set_axes(row, gamma=rows%gamma(mod(i, size(rows%gamma)) + 1), &
-         b=rows%b(i/size(rows%gamma) + 1))
+      i = (number - 1)/size(rows%T_s)
+      n_gamma = 1
+      if (allocated(rows%gamma)) then
+         n_gamma = size(rows%gamma)
+         call set_axes(row, gamma=rows%gamma(mod(i, n_gamma) + 1))
+      end if
+      if (allocated(rows%b)) call set_axes(row, b=rows%b(i/n_gamma + 1))
+      ! the size of a block follows its width
+      call set_axes(row, T_s=rows%T_s(mod(number - 1, size(rows%T_s)) + 1))
    end subroutine take_row
 
    !> The case of a line of a table.
@@ -237,21 +244,37 @@ contains
       do axis = 1, size(axes)
          if (rows%axis_column(axis) == 0) cycle
          associate (value => x(rows%axis_column(axis)))
-            if (axis == 4 .and. ieee_is_finite(value)) then
-               call scale_motion(rows%case, value, row, error)
-               if (allocated(error)) return
-               cycle
-            else if (axis == 4 .or. .not. (value > 0 .and. ieee_is_finite(value))) then
+            if (.not. is_allowed(rows%case, axis, value)) then
                call fail(error, err_input, trim(axes(axis))//' = '//trim(real_to_text(value)) &
-                  //': must be a finite number'//trim(merge('    ', ' > 0', axis == 4)))
+                  //': must be a finite number'//trim(merge('    ', ' > 0', axis == axis_scale)))
                return
             end if
-            if (axis == 1) call set_axes(row, T_s=value)
-            if (axis == 2) call set_axes(row, gamma=value)
-            if (axis == 3) call set_axes(row, b=value)
+            select case (axes(axis))
+            case ('b')
+               call set_axes(row, b=value)
+            case ('gamma')
+               call set_axes(row, gamma=value)
+            case ('T_s')
+               call set_axes(row, T_s=value)
+            case default
+               call scale_motion(rows%case, value, row, error)
+               if (allocated(error)) return
+            end select
          end associate
       end do
    end subroutine take_line
+
+   !> May an axis have a value? A frame may have no mass, storeys may not.
+   pure logical function is_allowed(case, axis, value)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: axis
+      real(wp), intent(in) :: value
+
+      is_allowed = ieee_is_finite(value)
+      if (.not. is_allowed .or. axis == axis_scale) return
+      is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
+         .and. .not. allocated(case%storeys))
+   end function is_allowed
 
    !> A factor on the horizontal motion: on the scale of a record, on the size of a pulse.
    subroutine scale_motion(case, factor, row, error)

@@ -38,7 +38,7 @@ module rwmf_spectrum_spectrum
       real(wp), allocatable :: T_s(:)
       !! (n_T) periods [s]; not allocated of a table, as the following two
       real(wp), allocatable :: gamma(:)
-      !! (n_gamma) mass ratios [-]; absent for the bare frame
+      !! (n_gamma) mass ratios [-]; absent for the bare frame and for a block
       real(wp), allocatable :: b(:)
       !! (n_b) half widths [m]; absent for the bare frame
       character(40), allocatable :: quantities(:)
@@ -88,8 +88,11 @@ contains
       sizes = [size(rows%T_s), 1, 1]
       if (allocated(rows%gamma)) then
          spectrum%gamma = rows%gamma
+         sizes(2) = size(rows%gamma)
+      end if
+      if (allocated(rows%b)) then
          spectrum%b = rows%b
-         sizes(2:) = [size(rows%gamma), size(rows%b)]
+         sizes(3) = size(rows%b)
       end if
       call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control)
    end subroutine compute_spectrum
@@ -348,7 +351,7 @@ contains
          if (allocated(ordinates(m)%values)) then
             values(i, :) = ordinates(m)%values
          else
-            values(i, :) = ordinates(m)%u_s_max
+            values(i, :) = ordinates(m)%peak
          end if
          status(i) = merge('overturned', 'ok        ', ordinates(m)%overturned)
          if (ordinates(m)%collapsed) status(i) = 'collapsed'
