@@ -29,7 +29,7 @@ module rwmf
       reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
-   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program
    use rwmf_motion_ground_motion, only: ground_t
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -61,7 +61,7 @@ module rwmf
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
    public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
    public :: next_impact, next_lift_off, lift_off_drive_of, settles
-   public :: spectrum_t, compute_spectrum
+   public :: spectrum_t, compute_spectrum, compute_rows, status_of
    public :: write_result, write_spectrum
    public :: control_t
    public :: error_t, err_input, err_interrupt, err_numerical

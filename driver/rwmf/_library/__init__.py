@@ -6,7 +6,7 @@ extensions; `measure`, which needs that in quadruple precision, is imported by t
 
 from rwmf._library.case import KernelCase, read_case
 from rwmf._library.results import Run, Spectrum
-from rwmf._library.start import check_threads, start_simulation, start_spectrum
+from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
     instruction_set,
     law_warning,
@@ -29,6 +29,7 @@ __all__ = [
     "read_case",
     "result_names",
     "schema",
+    "start_rows",
     "start_simulation",
     "start_spectrum",
     "version",

@@ -12,7 +12,8 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: kept_t, keep, find, put_text, put_error, join_status, read_source, make_control
+   public :: kept_t, keep, find, put_text, put_error, join_status, read_source, split_names, &
+      make_control
 
    !> What a handle stands for: a case, or the result or the spectrum computed of one.
    type :: kept_t
@@ -88,21 +89,43 @@ contains
       type(spectrum_t), intent(in) :: spectrum
       character(:), allocatable, intent(out) :: text
       !! each line ends with a line feed
-      character(len(spectrum%status)) :: status(size(spectrum%status))
-      integer :: length
-      integer :: i
-      integer :: n
+      integer :: length, i, j, k, n
 
-      status = reshape(spectrum%status, shape(status))
-      ! the room is taken once: a text that grows a line at a time is copied as often
-      allocate (character(sum(len_trim(status) + 1)) :: text)
-      length = 0
-      do i = 1, size(status)
-         n = len_trim(status(i)) + 1
-         text(length + 1:length + n) = trim(status(i))//new_line('a')
-         length = length + n
-      end do
+      associate (names => spectrum%status_names, status => spectrum%status)
+         ! the room is taken once: a text that grows a line at a time is copied as often
+         length = 0
+         do i = 1, size(names)
+            length = length + count(status == i)*(len_trim(names(i)) + 1)
+         end do
+         allocate (character(length) :: text)
+         length = 0
+         do k = 1, size(status, 3)
+            do j = 1, size(status, 2)
+               do i = 1, size(status, 1)
+                  n = len_trim(names(status(i, j, k))) + 1
+                  text(length + 1:length + n) = trim(names(status(i, j, k)))//new_line('a')
+                  length = length + n
+               end do
+            end do
+         end do
+      end associate
    end subroutine join_status
+
+   !> Names that tabs separate.
+   pure subroutine split_names(text, names)
+      character(*), intent(in) :: text
+      !! '' for none
+      character(40), allocatable, intent(out) :: names(:)
+      integer :: first, n
+
+      allocate (names(0))
+      first = 1
+      do while (first <= len(text))
+         n = index(text(first:)//achar(9), achar(9))
+         names = [character(40) :: names, text(first:first + n - 2)]
+         first = first + n
+      end do
+   end subroutine split_names
 
    !> Read and validate a case; messages begin with the name of its file.
    subroutine read_source(text, source, case, error, known)

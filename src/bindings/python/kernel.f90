@@ -15,7 +15,7 @@ module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_bindings_python_handles, only: find, join_status, keep, kept_t, make_control, &
-      put_error, put_text, read_source
+      put_error, put_text, read_source, split_names
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
@@ -30,7 +30,7 @@ module rwmf_bindings_python_kernel
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: find_broken => broken_laws, tell_broken_laws
    use rwmf_spectrum_quantities, only: list_applicable
-   use rwmf_spectrum_spectrum, only: compute_spectrum
+   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    implicit none
    public
@@ -368,6 +368,40 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine spectrum
 
+   !> Compute the rows of a table: runs of one case whose numbers differ.
+   !>
+   !> `columns` are the names of the columns, `keys` those of the quantities ('' for those of the
+   !> case), separated by tabs; the table is (columns, rows). The result is a spectrum whose n_T is the
+   !> number of rows.
+   subroutine rows(handle, columns, table, keys, threads, control, sweep, status, message, &
+      message_length)
+      integer(c_int64_t), intent(in) :: handle
+      character(*), intent(in) :: columns
+      real(c_double), intent(in), target :: table(:, :)
+      character(*), intent(in) :: keys
+      integer(c_int), intent(in) :: threads
+      integer(c_int64_t), intent(inout), target :: control(2)
+      integer(c_int64_t), intent(out) :: sweep
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: from
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+      character(40), allocatable :: names(:), wanted(:)
+      !f2py threadsafe
+
+      from => find(handle)
+      call split_names(columns, names)
+      call split_names(keys, wanted)
+      allocate (kept)
+      allocate (kept%spectrum)
+      call compute_rows(from%case, names, table, wanted, int(threads), kept%spectrum, error, &
+         make_control(control))
+      call keep(kept, error, sweep)
+      call put_error(error, status, message, message_length)
+   end subroutine rows
+
    !> Sizes and cost of a spectrum; `bare` is 1 for a frame without wall (no gamma, no b).
    subroutine spectrum_shape(sweep, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds)
       integer(c_int64_t), intent(in) :: sweep
@@ -381,16 +415,17 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
-      n_T = size(kept%spectrum%u_s_max, 1, c_int)
-      n_gamma = size(kept%spectrum%u_s_max, 2, c_int)
-      n_b = size(kept%spectrum%u_s_max, 3, c_int)
+      n_T = size(kept%spectrum%values, 1, c_int)
+      n_gamma = size(kept%spectrum%values, 2, c_int)
+      n_b = size(kept%spectrum%values, 3, c_int)
       bare = merge(0_c_int, 1_c_int, allocated(kept%spectrum%gamma))
       threads = int(kept%spectrum%threads, c_int)
       rhs_evaluations = int(kept%spectrum%rhs_evaluations, c_int64_t)
       seconds = real(kept%spectrum%seconds, c_double)
    end subroutine spectrum_shape
 
-   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, and the address
+   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, those of rows as
+   !> well, and the address
    !> of the values (n_T, n_gamma, n_b, n_quantities), T_s running fastest.
    subroutine spectrum_values(sweep, T_s, gamma, b, address)
       integer(c_int64_t), intent(in) :: sweep
@@ -401,9 +436,10 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
-      T_s = real(kept%spectrum%T_s, c_double)
+      T_s = ieee_value(1.0_c_double, ieee_quiet_nan)
       gamma = ieee_value(1.0_c_double, ieee_quiet_nan)
       b = ieee_value(1.0_c_double, ieee_quiet_nan)
+      if (allocated(kept%spectrum%T_s)) T_s = real(kept%spectrum%T_s, c_double)
       if (allocated(kept%spectrum%gamma)) gamma = real(kept%spectrum%gamma, c_double)
       if (allocated(kept%spectrum%b)) b = real(kept%spectrum%b, c_double)
       address = transfer(c_loc(kept%spectrum%values), address)

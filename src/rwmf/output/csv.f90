@@ -213,15 +213,15 @@ contains
       integer :: j
       integer :: k
 
-      do k = 1, size(spectrum%u_s_max, 3)
-         do j = 1, size(spectrum%u_s_max, 2)
+      do k = 1, size(spectrum%values, 3)
+         do j = 1, size(spectrum%values, 2)
             lead = ''
             if (allocated(spectrum%gamma)) then
                lead = trim(csv_numbers([spectrum%b(k), spectrum%gamma(j)]))//','
             end if
             do i = 1, size(spectrum%T_s)
                call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
-                  spectrum%values(i, j, k, :)]))//','//trim(spectrum%status(i, j, k)))
+                  spectrum%values(i, j, k, :)]))//','//trim(spectrum%status_names(spectrum%status(i, j, k))))
             end do
          end do
       end do

@@ -7,7 +7,7 @@ module rwmf_input_record_reader
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_record_at2, only: has_at2_header, read_at2
    use rwmf_input_record_columns, only: read_columns
-   use rwmf_problem_record, only: record_t
+   use rwmf_problem_record, only: record_t, set_factor
    use rwmf_text_crc32, only: crc32
    use rwmf_text_file, only: read_file
    implicit none
@@ -61,8 +61,6 @@ contains
       real(dp), allocatable :: t(:)
       real(dp), allocatable :: a(:)
       real(dp) :: dt_at2
-      real(wp) :: factor
-      !! m/s2 per unit of the file
 
       if (has_at2_header(bytes)) then
          record%format = 'AT2'
@@ -77,12 +75,8 @@ contains
       if (allocated(error)) return
       if (record%format == 'one column') record%dt = dt
       call set_times(record, size(a), t)
-      factor = scale*g
-      if (present(unit)) then
-         if (unit == 'm/s2') factor = scale
-         if (unit == 'cm/s2') factor = scale/100
-      end if
-      call set_accelerations(record, a, factor, error)
+      call set_accelerations(record, a)
+      call set_factor(record, scale, g, error, unit)
       record%crc32 = crc32(bytes)
    end subroutine parse_record
 
@@ -127,9 +121,11 @@ contains
       allocate (record%t(n))
       if (.not. allocated(t)) then
          record%t(:) = [(real(i - 1, wp)*record%dt, i=1, n)]
+         record%t_last = record%t(n)
          return
       end if
       record%t(:) = real(t, wp)
+      record%t_last = record%t(n)
       dt = (record%t(n) - record%t(1))/real(n - 1, wp)
       do i = 1, n
          if (abs(record%t(i) - record%t(1) - real(i - 1, wp)*dt) > printed_digits*dt) return
@@ -137,24 +133,17 @@ contains
       record%dt = dt
    end subroutine set_times
 
-   !> Accelerations in m/s2 and their peak.
-   subroutine set_accelerations(record, a, factor, error)
+   !> Accelerations and the largest of them.
+   subroutine set_accelerations(record, a)
       type(record_t), intent(inout) :: record
+      !! with its times
       real(dp), intent(in) :: a(:)
       !! (n) as they stand in the file
-      real(wp), intent(in) :: factor
-      !! m/s2 per unit of the file
-      type(error_t), allocatable, intent(out) :: error
       integer :: at
 
-      if (maxval(abs(a)) > huge(1.0_dp)/max(1.0_wp, abs(factor))) then
-         call fail(error, err_input, 'the accelerations overflow: check unit and scale')
-         return
-      end if
-      allocate (record%a(size(a)))
-      record%a(:) = factor*real(a, wp)
+      record%a = real(a, wp)
       at = maxloc(abs(record%a), dim=1)
-      record%peak = abs(record%a(at))
+      record%largest = abs(record%a(at))
       record%t_peak = record%t(at)
    end subroutine set_accelerations
 

@@ -29,7 +29,7 @@ module rwmf_spectrum_fast_reduced_equation
    implicit none
    private
 
-   public :: build_reduced_equation
+   public :: build_reduced_equation, under_motion
 
    integer, parameter :: short_degree = 4
    !! of polynomials that are accurate enough with it
@@ -117,6 +117,26 @@ contains
          reduced%fit_error = huge(1.0_wp)
       end if
    end subroutine build_reduced_equation
+
+   !> The same equation with the ground motion in another unit: it enters nowhere else. A negative
+   !> one exchanges the sides.
+   pure type(reduced_equation_t) function under_motion(equation, factor) result(scaled)
+      type(reduced_equation_t), intent(in) :: equation
+      real(wp), intent(in) :: factor
+      !! the new unit of the motion [m/s2 or -]
+
+      scaled = equation
+      if (factor < 0) then
+         scaled%m2 = equation%m2([2, 1])
+         scaled%coef = equation%coef(:, :, [2, 1])
+         scaled%threshold = equation%threshold([2, 1])
+         scaled%start_side = -equation%start_side
+      end if
+      scaled%m2 = abs(factor)*scaled%m2
+      scaled%coef(:, 3, :) = abs(factor)*scaled%coef(:, 3, :)
+      scaled%bound(3) = abs(factor)*scaled%bound(3)
+      scaled%threshold = scaled%threshold/abs(factor)
+   end function under_motion
 
    !> v at which a drift reaches its limit [-]; they are in proportion.
    real(wp) function collapsed_at(equation) result(v)
