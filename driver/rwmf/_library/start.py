@@ -166,9 +166,7 @@ def start_rows(
     names, keys = encode("\t".join(columns)), encode("\t".join(quantities))
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _kernel.rows(
-            case.handle, names, table, keys, threads, control, message
-        )
+        handle, status, n = _kernel.rows(case.handle, names, table, keys, threads, control, message)
         return handle, status, n
 
     return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)

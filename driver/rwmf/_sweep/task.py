@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
-from rwmf._sweep._rows import start_rows
 from rwmf._sweep.axes import Entries
 from rwmf._sweep.quantities import QUANTITIES
 from rwmf.case.namelist import compose
@@ -109,8 +108,7 @@ def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any
     allowed = case.applicable()
     keys = [QUANTITIES[name].key for name in task.quantities]
     keys = [key for key in keys if key in allowed]
-    with start_rows(
+    with _library.start_rows(
         case, task.source, task.columns, task.rows, keys, task.threads, progress
     ) as sweep:
-        values: dict[str, npt.NDArray[Any]] = sweep.values()
-        return values
+        return sweep.values()
