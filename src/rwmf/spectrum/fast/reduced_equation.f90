@@ -202,12 +202,13 @@ contains
       real(wp), intent(in) :: ground
       !! towards the side [m/s2]
       type(lane_motion_t), intent(out) :: motion
-      real(wp) :: y_dot(1, 2)
+      real(wp) :: y(1, 2), y_dot(1, 2)
 
+      y(1, 1) = probe%side*phi
+      y(1, 2) = probe%side*rate
       motion%ground = probe%side*ground
       motion%vertical = probe%ratio*motion%ground
-      call lane_rates(probe%scene, probe%coef, probe%side*reshape([phi, rate], [1, 2]), motion, &
-         y_dot)
+      call lane_rates(probe%scene, probe%coef, y, motion, y_dot)
    end subroutine ask
 
    !> Q [-], M1 [-], M2 [1/m], M3 [1/s2] and M4 [1/s] at v.
