@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -147,7 +148,9 @@ class Plan:
         try:
             return _library.read_case(compose(entries), self.source, known)
         except InputError as error:
-            raise InputError(f"sweep, {label}: {error}") from error
+            # nobody sees the text whose lines the kernel counts
+            reason = re.sub(r" \(line \d+\)", "", str(error))
+            raise InputError(f"sweep, {label}: {reason}") from error
 
 
 def _telling_positions(axis: Axis) -> list[int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -149,7 +149,15 @@ def _read(points: Points) -> _Columns:
         points = {name: points[name].to_numpy() for name in points.columns}
     if not isinstance(points, Mapping):
         raise InputError(f"points: {shorten(type(points).__name__)}: must be {_FORMS}")
-    return _Columns(_same_length({name: np.asarray(item) for name, item in points.items()}))
+    return _Columns(_same_length({name: _column(item) for name, item in points.items()}))
+
+
+def _column(values: Any) -> Column:  # noqa: ANN401 (a list, an array or what makes one)
+    array = np.asarray(values)
+    if isinstance(values, list | tuple) and array.dtype.kind not in "biuf":
+        # one text would make texts of all numbers
+        return np.fromiter(values, dtype=object, count=len(values))
+    return array
 
 
 def _one_dimension(found: xr.Dataset, source: str) -> dict[str, Column]:
@@ -205,10 +213,10 @@ def _is_number(name: str, source: str) -> bool:
     return kind in NUMBERS
 
 
-def _codes(values: Iterable[Any]) -> tuple[Places, list[Any]]:
+def _codes(column: Column) -> tuple[Places, list[Any]]:
     """Count the different values in the order of their first rows."""
     found: dict[Hashable, int] = {}
-    codes = [found.setdefault(value, len(found)) for value in values]
+    codes = [found.setdefault(value, len(found)) for value in column.tolist()]
     return np.array(codes), list(found)
 
 
