@@ -55,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
                 asked.grid,
                 asked.records,
                 path,
+                points=asked.points,
                 quantities=asked.quantities or (DISPLACEMENT,),
                 threads=options.threads,
                 executor=executor,
