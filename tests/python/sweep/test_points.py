@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import random
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -339,3 +344,46 @@ class TestFiles:
                 self._sweep(path, part=(k, 2), executor=executor)
         rwmf.merge(sorted(tmp_path.glob("*.journal")), path).close()
         assert path.read_bytes() == (tmp_path / "whole.nc").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_sample_that_is_killed_ten_times(elcentro: Path, tmp_path: Path) -> None:
+    """Rows of two records from a file; whatever was killed, the bytes are those of one run."""
+    pytest.importorskip("h5netcdf")
+    coupled(solver={"t_end": 6.0, "method": "dop853"}).to_namelist(tmp_path / "case.nml")
+    n = 600
+    words = np.random.default_rng(4).choice(["elcentro", "twice"], n)
+    (tmp_path / "elcentro.csv").write_bytes(elcentro.read_bytes())
+    (tmp_path / "twice.csv").write_bytes(elcentro.read_bytes() + b"\n")
+    _write_csv(tmp_path / "points.csv", dict(_design(n)) | {"record": words})
+    (tmp_path / "sweep.nml").write_text(
+        "&sweep case = 'case.nml', points = 'points.csv', unit = 'g', chunk = 8\n"
+        " records = 'elcentro.csv', 'twice.csv' /\n&grid t_end = 6 /\n",
+        encoding="ascii",
+    )
+    started = time.perf_counter()
+    process = _start(tmp_path, "whole.nc")
+    _, errors = process.communicate()
+    seconds = time.perf_counter() - started
+    assert process.returncode == 0, errors
+    chance = random.Random(9)
+    for _ in range(10):
+        process = _start(tmp_path, "out.nc")
+        time.sleep(chance.uniform(0.3, 0.9) * seconds)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+    process = _start(tmp_path, "out.nc")
+    output, errors = process.communicate()
+    assert process.returncode == 0, errors
+    assert f"{n} runs ({n} point x 1 t_end)" in output
+    assert (tmp_path / "out.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
+
+
+def _start(folder: Path, name: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "rwmf", "sweep", "sweep.nml", "--file", name],
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )

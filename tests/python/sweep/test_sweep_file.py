@@ -91,5 +91,6 @@ def test_an_error_in_a_file_of_points(folder: Path, command: Runner) -> None:
     found = command("sweep", "s.nml")
     assert found.returncode == 2
     assert found.stderr == (
-        "rwmf: s.nml: sweep, p.csv, line 4: case.nml: &impact: e = 1.2: must be a number in [0, 1] [-]\n"
+        "rwmf: s.nml: sweep, p.csv, line 4: case.nml: &impact: e = 1.2: "
+        "must be a number in [0, 1] [-]\n"
     )
