@@ -102,9 +102,16 @@ class Plan:
         placed = list(zip(self.axes, at, strict=True))
         for axis, position in placed:
             axis.scenes[axis.scene(position)].apply(entries)
-        for axis, position in placed:
-            for name, values in axis.columns.items():
-                put_number(entries, name, float(values[position]))
+        numbers = {
+            name: float(values[position])
+            for axis, position in placed
+            for name, values in axis.columns.items()
+        }
+        # what period and mass ratio are in a scene is the kernel's business, as in a grid
+        if "T_s" in numbers:
+            entries["spectrum"] = {name: numbers.pop(name) for name in AXES if name in numbers}
+        for name, number in numbers.items():
+            put_number(entries, name, number)
         return entries
 
     def checked(self) -> Plan:
@@ -142,8 +149,8 @@ class Plan:
             for axis in self.axes
             if axis.name in AXES
         }
-        if "T_s" in ends:
-            entries["spectrum"] = {name: tuple(found.tolist()) for name, found in ends.items()}
+        if "spectrum" in entries:
+            entries["spectrum"] |= {name: tuple(found.tolist()) for name, found in ends.items()}
         label = label or ", ".join(axis.where(0) for axis in self.axes) or "the case"
         try:
             return _library.read_case(compose(entries), self.source, known)
