@@ -187,7 +187,12 @@ class Spectrum(Result):
         axes = [np.zeros(n) for n in shape]
         address = _kernel.spectrum_values(self.handle, *axes)
         found = np.asarray(MemoryView(self.memory, address, (len(keys), *shape[::-1])))
-        status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
+        places = np.zeros(found[0].size, dtype=np.int8)
+        names = fetch_text(_kernel.spectrum_status, self.handle, places).split("\t")
+        # only those that occur: the longest name says how much memory each ordinate takes
+        counts = np.bincount(places, minlength=len(names) + 1)
+        used = [name if n > 0 else "" for name, n in zip(["", *names], counts, strict=True)]
+        status = np.array(used, dtype=str)[places]
         return dict(zip(keys, found, strict=True)) | {
             "T_s": axes[0],
             "gamma": axes[1],

@@ -12,8 +12,7 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: kept_t, keep, find, put_text, put_error, join_status, read_source, split_names, &
-      make_control
+   public :: kept_t, keep, find, put_text, put_error, read_source, split_names, make_control
 
    !> What a handle stands for: a case, or the result or the spectrum computed of one.
    type :: kept_t
@@ -83,33 +82,6 @@ contains
          call put_text(error%message, message, length)
       end if
    end subroutine put_error
-
-   !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   pure subroutine join_status(spectrum, text)
-      type(spectrum_t), intent(in) :: spectrum
-      character(:), allocatable, intent(out) :: text
-      !! each line ends with a line feed
-      integer :: length, i, j, k, n
-
-      associate (names => spectrum%status_names, status => spectrum%status)
-         ! the room is taken once: a text that grows a line at a time is copied as often
-         length = 0
-         do i = 1, size(names)
-            length = length + count(status == i)*(len_trim(names(i)) + 1)
-         end do
-         allocate (character(length) :: text)
-         length = 0
-         do k = 1, size(status, 3)
-            do j = 1, size(status, 2)
-               do i = 1, size(status, 1)
-                  n = len_trim(names(status(i, j, k))) + 1
-                  text(length + 1:length + n) = trim(names(status(i, j, k)))//new_line('a')
-                  length = length + n
-               end do
-            end do
-         end do
-      end associate
-   end subroutine join_status
 
    !> Names that tabs separate.
    pure subroutine split_names(text, names)

@@ -14,8 +14,8 @@
 module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_bindings_python_handles, only: find, join_status, keep, kept_t, make_control, &
-      put_error, put_text, read_source, split_names
+   use rwmf_bindings_python_handles, only: find, keep, kept_t, make_control, put_error, &
+      put_text, read_source, split_names
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
@@ -476,17 +476,18 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine applicable
 
-   !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   subroutine spectrum_status(sweep, buffer, length)
+   !> What became of the ordinates: places, from 1, in the table of names, in the order of the array
+   !> (T_s, gamma, b), and these names, separated by tabs.
+   subroutine spectrum_status(sweep, places, buffer, length)
       integer(c_int64_t), intent(in) :: sweep
+      integer(c_int8_t), intent(inout) :: places(:)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
-      character(:), allocatable :: lines
 
       kept => find(sweep)
-      call join_status(kept%spectrum, lines)
-      call put_text(lines, buffer, length)
+      places = reshape(kept%spectrum%status, shape(places))
+      call put_text(joined(kept%spectrum%status_names), buffer, length)
    end subroutine spectrum_status
 
    !> Write a spectrum as the batch program does.

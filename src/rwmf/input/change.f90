@@ -10,7 +10,8 @@ module rwmf_input_change
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_reader, only: end_with_records, fill_case
    use rwmf_input_schema, only: all_groups, find_key, keys_of
-   use rwmf_input_schema_check, only: append, check_rules, enter_defaults, suggest
+   use rwmf_input_schema_check, only: append, check_groups, check_values, &
+      enter_defaults, suggest
    use rwmf_input_value_check, only: check_number, requirement
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
@@ -76,6 +77,7 @@ contains
          if (allocated(error)) return
       end do
       call lay_out(case%values, keys, places, changes)
+      call check_groups(changes%values, changes%groups, error)
    end subroutine find_changes
 
    !> Place of a key that holds numbers.
@@ -223,7 +225,7 @@ contains
          end do
          n = n + changes%n(i)
       end do
-      call check_rules(changed%values, changes%groups, error)
+      call check_values(changed%values, changes%groups, error)
       if (.not. allocated(error)) call fill_case(changed, changes%groups, error)
       if (.not. allocated(error)) call keep_records(case, changed, error)
    end subroutine change_case

@@ -5,7 +5,7 @@ module rwmf_input_reader
    use rwmf_input_namelist, only: group_t, parse_namelist
    use rwmf_input_record_reader, only: read_record
    use rwmf_input_schema, only: all_groups, keys_of
-   use rwmf_input_schema_check, only: check_rules, collect_values
+   use rwmf_input_schema_check, only: check_groups, check_values, collect_values
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, key_line, text_of
@@ -57,7 +57,8 @@ contains
       if (allocated(error)) return
       groups = all_groups()
       call collect_values(given, keys_of(groups), case%values, error)
-      if (.not. allocated(error)) call check_rules(case%values, groups, error)
+      if (.not. allocated(error)) call check_groups(case%values, groups, error)
+      if (.not. allocated(error)) call check_values(case%values, groups, error)
       if (allocated(error)) return
       case%text = text
       call fill_case(case, groups, error)

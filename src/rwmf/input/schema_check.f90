@@ -15,7 +15,7 @@ module rwmf_input_schema_check
    implicit none
    private
 
-   public :: collect_values, check_rules, enter_defaults, append, suggest
+   public :: collect_values, check_groups, check_values, enter_defaults, append, suggest
 
    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
 
@@ -45,11 +45,10 @@ contains
       call enter_defaults(keys, values, n)
    end subroutine collect_values
 
-   !> Check the groups of a case against each other.
+   !> Check which groups and keys a case gives, whatever their numbers.
    !>
-   !> Errors: a group without the one it acts on, keys that exclude each other, keys that the
-   !> presence of another key or group requires.
-   subroutine check_rules(values, groups, error)
+   !> Errors: a group without the one it acts on, keys that do not belong to the kind of motion.
+   subroutine check_groups(values, groups, error)
       type(group_values_t), intent(in) :: values
       type(case_group_t), intent(in) :: groups(:)
       !! `all_groups`
@@ -69,14 +68,38 @@ contains
          end do
       end do
       do i = 1, size(groups)
-         if (.not. associated(groups(i)%check)) cycle
-         ! of those that say how to compute, something is always given
-         if (groups(i)%is_of_scene .and. .not. has_group(values, trim(groups(i)%name))) cycle
+         if (.not. must_be_checked(values, groups(i))) cycle
          call check_kinds(values, groups(i)%keys, error)
-         if (.not. allocated(error)) call groups(i)%check(values, error)
          if (allocated(error)) return
       end do
-   end subroutine check_rules
+   end subroutine check_groups
+
+   !> Check the rules between the values of a case whose groups go together.
+   !>
+   !> Errors: keys that exclude each other, keys that the presence of another key or group requires.
+   subroutine check_values(values, groups, error)
+      type(group_values_t), intent(in) :: values
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(groups)
+         if (.not. must_be_checked(values, groups(i))) cycle
+         call groups(i)%check(values, error)
+         if (allocated(error)) return
+      end do
+   end subroutine check_values
+
+   !> Has a group rules that apply to a case? Of those that say how to compute, something is always
+   !> given.
+   pure logical function must_be_checked(values, group) result(must)
+      type(group_values_t), intent(in) :: values
+      type(case_group_t), intent(in) :: group
+
+      must = associated(group%check)
+      if (must .and. group%is_of_scene) must = has_group(values, trim(group%name))
+   end function must_be_checked
 
    !> Keys of the kind of motion, and no others.
    subroutine check_kinds(values, keys, error)
