@@ -59,7 +59,7 @@ contains
    !> Each ordinate is a simulation of its own, so that the result has the same bits for every
    !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
    !> on.
-   subroutine compute_spectrum(case, threads, spectrum, error, control)
+   subroutine compute_spectrum(case, threads, spectrum, error, control, known_motion)
       type(case_t), intent(in) :: case
       integer, intent(in) :: threads
       !! number of threads; 0 for all that OpenMP offers
@@ -67,6 +67,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted
       type(control_t), intent(in), optional :: control
+      type(motion_t), intent(in), optional :: known_motion
+      !! of the case, when the caller holds it
       type(asked_t) :: asked
       type(motion_t), target :: motion
       type(control_t) :: signals
@@ -84,7 +86,11 @@ contains
       if (allocated(error)) return
       if (present(control)) signals = control
       call system_clock(started, rate)
-      motion = motion_from_case(case)
+      if (present(known_motion)) then
+         motion = known_motion
+      else
+         motion = motion_from_case(case)
+      end if
       call check_asked(case, motion, error)
       if (allocated(error)) return
       asked = asked_of(case)
