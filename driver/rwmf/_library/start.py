@@ -149,8 +149,8 @@ def start_rows(
     Returns
     -------
     Spectrum
-        To be closed by the caller; the rows are its last dimension, that of T_s. A row whose numbers
-        the rules of the case do not allow has the status ``refused`` and NaN.
+        To be closed by the caller; the rows are its last dimension, that of T_s. A row whose
+        numbers the rules of the case do not allow has the status ``refused`` and NaN.
 
     Raises
     ------

@@ -199,7 +199,7 @@ def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[C
     formats = tuple(record.format() for record in records)
     return (
         Coordinate("record", dimension, names, "", "ground motion"),
-        Coordinate("record_crc32", dimension, sums, "", "CRC-32 of the record's file"),
+        Coordinate("record_crc32", dimension, sums, "", "CRC-32 of the record's file or numbers"),
         Coordinate("record_format", dimension, formats, "", "unit and interval of the samples"),
     )
 

@@ -80,7 +80,7 @@ class ChunkStore:
             self._file.truncate()
             if end == 0:
                 self._write(_MAGIC)
-                self._append(_LAYOUT, self.layout.to_bytes())
+                self._append(_LAYOUT, *self.layout.parts())
                 files.sync_folder(self.path.parent)
         return index
 
@@ -117,13 +117,14 @@ class ChunkStore:
             self._file.seek(0, os.SEEK_END)
             self._index[chunk.number] = self._append(chunk.number, _pack(chunk, self.layout))
 
-    def _append(self, number: int, payload: bytes) -> int:
+    def _append(self, number: int, *parts: bytes | memoryview) -> int:
         offset = self._file.tell()
-        self._write(_frame(number, payload))
+        for part in (_head(number, *parts), *parts):
+            self._write(part)
         os.fsync(self._file.fileno())
         return offset
 
-    def _write(self, content: bytes) -> None:
+    def _write(self, content: bytes | memoryview) -> None:
         # without a buffer: what the disk refuses would be tried again when the file is closed
         rest = memoryview(content)
         while rest:
@@ -205,15 +206,19 @@ def _entries(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes, int]
         if length > os.fstat(file.fileno()).st_size - offset:
             return
         payload = file.read(length)
-        if _frame(number, payload)[: _HEAD.size] != head:
+        if _head(number, payload) != head:
             return
         yield number, offset, payload, offset + _HEAD.size + length
         offset += _HEAD.size + length
 
 
-def _frame(number: int, payload: bytes) -> bytes:
-    checksum = zlib.crc32(payload, zlib.crc32(struct.pack("<QQ", number, len(payload))))
-    return _HEAD.pack(number, len(payload), checksum) + payload
+def _head(number: int, *parts: bytes | memoryview) -> bytes:
+    """Make what stands before the parts of an entry."""
+    length = sum(map(len, parts))
+    checksum = zlib.crc32(struct.pack("<QQ", number, length))
+    for part in parts:
+        checksum = zlib.crc32(part, checksum)
+    return _HEAD.pack(number, length, checksum)
 
 
 def _pack(chunk: Chunk, layout: Layout) -> bytes:

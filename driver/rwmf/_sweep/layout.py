@@ -230,25 +230,25 @@ class Layout:
         found["table"] = "" if self.table is None else self.table.sha256
         return json.dumps(found, indent=1, sort_keys=True)
 
-    def to_bytes(self) -> bytes:
-        """Write text and table.
+    def parts(self) -> list[bytes | memoryview]:
+        """Give the bytes of text and table, which are not copied.
 
         Returns
         -------
-        bytes
-            All that `from_bytes` needs.
+        list of bytes or memoryview
+            All that `from_bytes` needs, one behind the other.
         """
         text = self.to_text().encode()
-        return text if self.table is None else text + _END + self.table.to_bytes()
+        return [text] if self.table is None else [text, _END, *self.table.parts()]
 
     @classmethod
     def from_bytes(cls, content: bytes) -> Self:
-        """Read what `to_bytes` wrote.
+        """Read the bytes of `parts`.
 
         Parameters
         ----------
         content : bytes
-            From `to_bytes`.
+            All parts, one behind the other.
 
         Returns
         -------
@@ -273,12 +273,12 @@ class Layout:
 
     @staticmethod
     def text_of(content: bytes) -> str:
-        """Take the text out of what `to_bytes` wrote.
+        """Take the text out of the bytes of `parts`.
 
         Parameters
         ----------
         content : bytes
-            From `to_bytes`.
+            All parts, one behind the other.
 
         Returns
         -------

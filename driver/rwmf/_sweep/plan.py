@@ -27,7 +27,7 @@ from rwmf._sweep.quantities import DISPLACEMENT, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.task import Task
 from rwmf._sweep.unsupported import refuse_storeys
-from rwmf.case import Case
+from rwmf.case import Case, Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError
 from rwmf.quantities import AXES, keys_of
@@ -54,12 +54,15 @@ class Plan:
         Path against whose folder the case's own record is resolved.
     axes : tuple of Axis
         The dimensions, slowest first.
+    motions : dict of str to Motion
+        Samples in memory of the case itself, by group.
     """
 
     layout: Layout
     base: Entries
     source: str
     axes: tuple[Axis, ...]
+    motions: dict[str, Motion]
 
     def task(self, number: int, threads: int = 1) -> Task:
         """Make the task of a chunk.
@@ -93,8 +96,20 @@ class Plan:
             tuple(columns),
             values,
             self.layout.quantities,
+            self._motions(first),
             threads,
         )
+
+    def _motions(self, at: tuple[int, ...]) -> dict[str, Motion]:
+        """Return the samples in memory that one run takes in place of files."""
+        found = dict(self.motions)
+        for axis, position in zip(self.axes, at, strict=True):
+            record = axis.scenes[axis.scene(position)].record
+            if record is not None:
+                found.pop("motion", None)
+                if record.array is not None:
+                    found["motion"] = record.array
+        return found
 
     def _entries(self, at: tuple[int, ...]) -> Entries:
         """Make the groups of one run: a number may belong to a record or a text of another axis."""
@@ -152,8 +167,9 @@ class Plan:
         if "spectrum" in entries:
             entries["spectrum"] |= {name: tuple(found.tolist()) for name, found in ends.items()}
         label = label or ", ".join(axis.where(0) for axis in self.axes) or "the case"
+        samples = {group: motion.samples for group, motion in self._motions(at).items()}
         try:
-            return _library.read_case(compose(entries), self.source, known)
+            return _library.read_case(compose(entries), self.source, known, **samples)
         except InputError as error:
             # nobody sees the text whose lines the kernel counts
             reason = re.sub(r" \(line \d+\)", "", str(error))
@@ -224,7 +240,7 @@ def make_plan(
     runs = math.prod(axis.size for axis in axes)
     block = chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
     layout = _make_layout(case, compose(base), axes, tuple(wanted), block)
-    return Plan(layout, base, case.kernel_source(), tuple(axes)).checked()
+    return Plan(layout, base, case.kernel_source(), tuple(axes), case.motions).checked()
 
 
 def _make_layout(
@@ -261,11 +277,15 @@ def _has_records(axes: Sequence[Axis]) -> bool:
 
 def _own_record(case: Case) -> str:
     """Checksums of the records that the case names itself."""
-    names = [
-        case.groups[name].get("file") for name in ("motion", "vertical") if name in case.groups
-    ]
-    paths = [Path(case.kernel_source()).parent / str(name) for name in names if name is not None]
-    return "-".join(f"{zlib.crc32(path.read_bytes()):08x}" for path in paths)
+    found = []
+    for name in ("motion", "vertical"):
+        path = case.groups[name].get("file") if name in case.groups else None
+        if name in case.motions:
+            found.append(case.motions[name].checksum)
+        elif path is not None:
+            content = (Path(case.kernel_source()).parent / str(path)).read_bytes()
+            found.append(f"{zlib.crc32(content):08x}")
+    return "-".join(found)
 
 
 def _base_entries(case: Case, axes: Sequence[Axis]) -> Entries:

@@ -31,6 +31,7 @@ from rwmf._sweep.axes import (
 from rwmf._sweep.point_files import is_netcdf, read_csv, read_netcdf
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.table import POINT, Table
+from rwmf.case import Motion
 from rwmf.errors import InputError
 
 __all__ = ["Points", "point_axis"]
@@ -216,8 +217,15 @@ def _is_number(name: str, source: str) -> bool:
 def _codes(column: Column) -> tuple[Places, list[Any]]:
     """Count the different values in the order of their first rows."""
     found: dict[Hashable, int] = {}
-    codes = [found.setdefault(value, len(found)) for value in column.tolist()]
-    return np.array(codes), list(found)
+    values: dict[int, Any] = {}
+    codes = []
+    for value in column.tolist():
+        # records and motions of many samples would be compared row by row
+        key = value if isinstance(value, str | int | float | os.PathLike) else id(value)
+        code = found.setdefault((type(value), key), len(found))
+        values.setdefault(code, value)
+        codes.append(code)
+    return np.array(codes), list(values.values())
 
 
 def _texts(name: str, table: _Columns, column: Column) -> tuple[Places, list[Any]]:
@@ -293,10 +301,10 @@ def _find_records(
 def _find_record(
     word: object, folder: Path, pool: Sequence[RecordFile], unit: str | None, dt: float | None
 ) -> RecordFile:
-    if isinstance(word, RecordFile):
-        return word
+    if isinstance(word, RecordFile | Motion):
+        return find_records([word])[0]
     if not isinstance(word, str | os.PathLike) or not os.fspath(word):
-        raise InputError(f"record = {shorten(repr(word))}: must be the name or path of a record")
+        raise InputError(f"record = {shorten(repr(word))}: must be a record, its name or path")
     path = (folder / word).absolute()
     same = [record for record in pool if record.path == str(path)]
     if same:

@@ -22,7 +22,7 @@ from rwmf._sweep.points import Points, point_axis
 from rwmf._sweep.quantities import DISPLACEMENT, QUANTITIES
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
-from rwmf.case import Case
+from rwmf.case import Case, Motion
 from rwmf.errors import InputError, Interrupted, OutputError
 
 __all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
@@ -69,7 +69,7 @@ class SweepOptions(RunOptions, total=False):
 def sweep(
     case: Case,
     grid: Mapping[str, object] | None = None,
-    records: Sequence[str | os.PathLike[str] | RecordFile] = (),
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
     file: str | os.PathLike[str] | None = None,
     *,
     points: Points | None = None,
@@ -93,7 +93,7 @@ def sweep(
         Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on
         the motion), ``eta`` (pairs eta_0, eta_alpha), or any key of the case (``e``,
         ``formulation``, ``frame.xi_s``).
-    records : sequence of str or path, optional
+    records : sequence of str, path or Motion, optional
         Ground motions in the place of the case's own, see `find_records`; each runs to its last
         sample unless ``t_end`` is in the grid.
     file : str or path, optional
@@ -150,9 +150,10 @@ def sweep(
         _check_part(part, in_memory=True)
         chunks = {chunk.number: chunk for chunk in work.run(set())}
         return _to_dataset(plan.layout, chunks.__getitem__)
-    inputs: list[str | os.PathLike[str]] = [*case.inputs, *(record.path for record in found)]
+    inputs: list[str | os.PathLike[str]] = [*case.inputs]
     if table is not None:
-        inputs += [scene.record.path for scene in table.scenes if scene.record is not None]
+        found = (*found, *(scene.record for scene in table.scenes if scene.record is not None))
+    inputs += [record.path for record in found if record.path]
     if isinstance(points, str | os.PathLike):
         inputs.append(points)
     return _sweep_to_file(work, Path(file), inputs, restart)

@@ -32,25 +32,27 @@ class Table:
     columns: dict[str, npt.NDArray[np.float64]]
     scenes: npt.NDArray[np.uint32]
 
-    def to_bytes(self) -> bytes:
-        """Write the scenes, then the columns in their order.
+    def parts(self) -> list[memoryview]:
+        """Give the bytes of the scenes, then those of the columns in their order.
 
         Returns
         -------
-        bytes
+        list of memoryview
             Numbers of four and eight bytes, the lowest byte first.
         """
-        columns = [column.astype("<f8", copy=False).tobytes() for column in self.columns.values()]
-        return b"".join([self.scenes.astype("<u4", copy=False).tobytes(), *columns])
+        arrays = [np.ascontiguousarray(column, "<f8") for column in self.columns.values()]
+        return [np.ascontiguousarray(self.scenes, "<u4").data.cast("B")] + [
+            array.data.cast("B") for array in arrays
+        ]
 
     @classmethod
     def from_bytes(cls, content: bytes, n: int, names: Sequence[str]) -> Self:
-        """Read what `to_bytes` wrote.
+        """Read the bytes of `parts`.
 
         Parameters
         ----------
         content : bytes
-            From `to_bytes`.
+            All parts, one behind the other.
         n : int
             Number of points.
         names : sequence of str
@@ -70,4 +72,7 @@ class Table:
     @functools.cached_property
     def sha256(self) -> str:
         """Checksum of all its bytes."""
-        return hashlib.sha256(self.to_bytes()).hexdigest()
+        found = hashlib.sha256()
+        for part in self.parts():
+            found.update(part)
+        return found.hexdigest()

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from rwmf import _library
 from rwmf._sweep.axes import Entries
 from rwmf._sweep.quantities import QUANTITIES
+from rwmf.case import Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError
 
@@ -38,6 +39,8 @@ class Task:
         The numbers.
     quantities : tuple of str
         What is kept of each run.
+    motions : dict of str to Motion
+        What stands for the records of ``motion`` and ``vertical`` in place of files.
     threads : int
         Threads of the kernel.
     """
@@ -48,6 +51,7 @@ class Task:
     columns: tuple[str, ...]
     rows: npt.NDArray[np.float64]
     quantities: tuple[str, ...]
+    motions: dict[str, Motion]
     threads: int = 1
 
 
@@ -104,7 +108,8 @@ def run_task(task: Task, progress: Progress | None = None) -> Chunk:
 
 
 def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any]]:
-    case = _library.read_case(compose(task.entries), task.source)
+    samples = {group: motion.samples for group, motion in task.motions.items()}
+    case = _library.read_case(compose(task.entries), task.source, None, **samples)
     allowed = case.applicable()
     keys = [QUANTITIES[name].key for name in task.quantities]
     keys = [key for key in keys if key in allowed]

@@ -118,6 +118,31 @@ def test_records_of_rows(elcentro: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(alone["u_s_max"], found["u_s_max"][1:3])
 
 
+def test_motions_from_arrays() -> None:
+    """As an axis, in a column, as the case's own; on other engines they travel with the task."""
+    chance = np.random.default_rng(5)
+    one, two = (
+        rwmf.Motion(chance.normal(size=200), dt=0.02, unit="m/s2", name=name)
+        for name in ("one", "two")
+    )
+    case = coupled(solver=QUICK)
+    product = rwmf.sweep(case, {"T_s": [0.5, 1.0]}, [one, two])
+    assert product["record"].values.tolist() == ["one", "two"]
+    points = {"T_s": [0.5, 1.0, 1.0, 0.5], "record": [two, one, two, one]}
+    found = rwmf.sweep(case, points=points)
+    for i in range(4):
+        expected = product["u_s_max"].sel(record=found["record"][i], T_s=points["T_s"][i])
+        assert float(found["u_s_max"][i]) == float(expected.squeeze())
+    own = case.replace(motion=one, solver={"t_end": None})
+    with open_executor("processes", 1) as executor:
+        alone = rwmf.sweep(own, {"T_s": [0.5, 1.0]}, executor=executor)
+    np.testing.assert_array_equal(alone["u_s_max"], product["u_s_max"].sel(record="one"))
+    assert alone.attrs["motion_crc32"] == one.checksum
+    other = rwmf.Motion([0.0, 1.0], dt=0.1, unit="g", name="one")
+    with pytest.raises(InputError, match="needs another name"):
+        rwmf.sweep(case, {}, [one, other])
+
+
 def test_points_and_grids_combine(elcentro: Path) -> None:
     case = coupled(motion=record(elcentro), solver=QUICK)
     points = {"e": [0.8, 0.9, 0.85], "h": [2.0, 2.1, 1.9]}
@@ -246,7 +271,7 @@ def test_rows_that_the_rules_refuse() -> None:
         ({"eta": [1.0]}, "give the columns cable.eta_0 and cable.eta_alpha"),
         ({"table_e": [1.0]}, "table_e: is a list"),
         ({"record": ["moon"]}, "points, row 0: record = moon: is neither a file"),
-        ({"record": [3]}, "points, row 0: record = 3: must be the name or path"),
+        ({"record": [3]}, "points, row 0: record = 3: must be a record, its name or path"),
         ([1, 2], "points: list: must be a mapping"),
         ("nowhere.csv", "nowhere.csv: the file does not exist"),
     ],
