@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ import numpy.typing as npt
 from rwmf import quantities
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
+from rwmf._sweep.axes import Coordinate
 from rwmf._sweep.layout import Layout
 from rwmf._sweep.quantities import QUANTITIES
 from rwmf._sweep.table import POINT
@@ -255,33 +256,39 @@ def status_attributes(names: list[str]) -> dict[str, object]:
 
 def _write_coordinates(file: File, layout: Layout) -> None:
     for item in layout.coordinates:
-        labels = layout.labels(item)
-        if labels.dtype.kind != "U":
-            variable = file.create_variable(item.name, (item.dimension,), dtype="<f8")
-            variable[...] = labels
-        elif item.dimension == POINT:
-            variable = _write_letters(file, item.name, labels)
+        if layout.table is not None and item.dimension == POINT and item.values:
+            texts = [str(readable(value)).encode() for value in item.values]
+            variable = _write_letters(file, item.name, texts, layout.table.scenes)
         else:
-            import h5py
-
-            dtype = h5py.string_dtype()
-            variable = file.create_variable(item.name, (item.dimension,), dtype=dtype)
-            variable[...] = labels.astype(object)
+            variable = _write_labels(file, item, layout.labels(item))
         if item.unit:
             variable.attrs["units"] = item.unit
         variable.attrs["long_name"] = item.meaning
 
 
-def _write_letters(file: File, name: str, labels: npt.NDArray[np.str_]) -> Variable:
+def _write_labels(file: File, item: Coordinate, labels: npt.NDArray[Any]) -> Variable:
+    import h5py
+
+    texts = labels.dtype.kind == "U"
+    dtype = h5py.string_dtype() if texts else "<f8"
+    variable = file.create_variable(item.name, (item.dimension,), dtype=dtype)
+    variable[...] = labels.astype(object) if texts else labels
+    return variable
+
+
+def _write_letters(
+    file: File, name: str, texts: list[bytes], which: npt.NDArray[np.uint32]
+) -> Variable:
     """Write texts along the points as letters, which can be compressed."""
-    different, which = np.unique(labels, return_inverse=True)
-    texts = np.array([text.encode() for text in different.tolist()])
-    letters = texts.view("S1").reshape(len(texts), -1)[which]
+    letters = np.array(texts).view("S1").reshape(len(texts), -1)
     file.dimensions[f"{name}_letters"] = letters.shape[1]
     variable = file.create_variable(
-        name, (POINT, f"{name}_letters"), dtype="S1", **_compression(letters.shape)
+        name,
+        (POINT, f"{name}_letters"),
+        dtype="S1",
+        **_compression((len(which), letters.shape[1])),
     )
-    variable[...] = letters
+    variable[...] = letters[which]
     # xarray makes texts of letters that have it
     variable.attrs["_Encoding"] = "utf-8"
     return variable

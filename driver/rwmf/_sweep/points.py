@@ -215,7 +215,10 @@ def _is_number(name: str, source: str) -> bool:
 
 
 def _codes(column: Column) -> tuple[Places, list[Any]]:
-    """Count the different values in the order of their first rows."""
+    """Find the different values, and which of them each row has."""
+    if column.dtype.kind == "U":
+        different, which = np.unique(column, return_inverse=True)
+        return which, different.tolist()
     found: dict[Hashable, int] = {}
     values: dict[int, Any] = {}
     codes = []
