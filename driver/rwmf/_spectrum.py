@@ -9,7 +9,7 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf.case import Case
-from rwmf.case.grid import Values, count_ordinates, with_grid
+from rwmf.case.grid import Values, with_grid
 from rwmf.quantities import AXES, find
 
 __all__ = ["spectrum", "start", "to_dataset"]
@@ -98,7 +98,7 @@ def start(
     InputError, Interrupted
         As `spectrum`.
     """
-    total = count_ordinates(case)
+    total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
     with _library.start_spectrum(case.kernel, case.kernel_source(), threads, report) as sweep:
         yield sweep

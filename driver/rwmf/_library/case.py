@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, split_table
 from rwmf._library.memory import Memory
 
-__all__ = ["KernelCase", "SceneAxis", "read_case"]
+__all__ = ["Changes", "KernelCase", "Samples", "SceneAxis", "keep_samples", "read_case"]
 
 
 class SceneAxis(NamedTuple):
@@ -33,8 +34,8 @@ class SceneAxis(NamedTuple):
     meaning: str
 
 
-class KernelCase:
-    """A case as the kernel has read it: any number of threads may compute from it at once.
+class Samples:
+    """Samples of a ground motion, checked.
 
     Parameters
     ----------
@@ -49,6 +50,113 @@ class KernelCase:
     def handle(self) -> int:
         """The handle, good as long as this object."""
         return self._memory.handle
+
+
+class Changes(NamedTuple):
+    """Keys of a case that get other numbers.
+
+    Attributes
+    ----------
+    names : tuple of str
+        ``group.key`` each.
+    sizes : tuple of int
+        How many numbers each gets: one, any number for a list, or 0, which takes the key out.
+    """
+
+    names: tuple[str, ...]
+    sizes: tuple[int, ...]
+
+
+class KernelCase:
+    """A case as the kernel has read it: any number of threads may compute from it at once.
+
+    Parameters
+    ----------
+    memory : Memory
+        Of the kernel.
+    origin : KernelCase, optional
+        Of a changed case: that which was read.
+    """
+
+    def __init__(self, memory: Memory, origin: KernelCase | None = None) -> None:
+        self._memory = memory
+        # what was read: of a changed case that with the samples of its records
+        self._origin = origin
+        self._looked_up: tuple[Changes, Memory] | None = None
+
+    @property
+    def handle(self) -> int:
+        """The handle, good as long as this object."""
+        return self._memory.handle
+
+    def find(self, changes: Changes) -> Memory:
+        """Look up keys that change; the last ones are remembered.
+
+        Parameters
+        ----------
+        changes : Changes
+            The keys.
+
+        Returns
+        -------
+        Memory
+            For `changed`.
+
+        Raises
+        ------
+        InputError
+            When the case has no such key, or it holds no numbers.
+        """
+        last = self._looked_up
+        if last is not None and last[0] == changes:
+            return last[1]
+        message = message_buffer()
+        handle, status, n = _cases.changes_find(
+            self.handle, encode(" ".join(changes.names)), changes.sizes, message
+        )
+        raise_for(status, message, n)
+        found = Memory(handle)
+        self._looked_up = (changes, found)
+        return found
+
+    def changed(self, found: Memory, numbers: npt.NDArray[np.float64], source: str) -> KernelCase:
+        """Make a case with other numbers; it shares the samples of the records, and their motion.
+
+        Parameters
+        ----------
+        found : Memory
+            From `find`.
+        numbers : numpy.ndarray, shape (n,)
+            One for each key, of lists theirs one after the other; logicals as 1 and 0.
+        source : str
+            What a message begins with.
+
+        Returns
+        -------
+        KernelCase
+            The other case.
+
+        Raises
+        ------
+        InputError
+            When a number is not acceptable.
+        """
+        message = message_buffer()
+        handle, status, n = _cases.case_change(
+            self.handle, found.handle, numbers, encode(source), message
+        )
+        raise_for(status, message, n)
+        return KernelCase(Memory(handle), self._origin or self)
+
+    def ordinates(self) -> int:
+        """Count the ordinates of the case's spectrum.
+
+        Returns
+        -------
+        int
+            Their number, 0 without `&spectrum`.
+        """
+        return int(_cases.ordinates(self.handle))
 
     def describe(self) -> list[list[str]]:
         """One row a value: ``group.key``, type, value, unit, ``given`` or ``default``.
@@ -158,7 +266,13 @@ class KernelCase:
         return float(_kernel.peak_of_motion(self.handle))
 
 
-def read_case(text: str, source: str, known: KernelCase | None = None) -> KernelCase:
+def read_case(
+    text: str,
+    source: str,
+    known: KernelCase | None = None,
+    motion: Samples | None = None,
+    vertical: Samples | None = None,
+) -> KernelCase:
     """Read and validate a case.
 
     Parameters
@@ -170,6 +284,8 @@ def read_case(text: str, source: str, known: KernelCase | None = None) -> Kernel
         made in memory.
     known : KernelCase, optional
         Where both name the same record, its samples are taken and the file is not read again.
+    motion, vertical : Samples, optional
+        What `&motion file` and `&vertical file` are the names of: no file is read.
 
     Returns
     -------
@@ -182,8 +298,34 @@ def read_case(text: str, source: str, known: KernelCase | None = None) -> Kernel
         When the case is not acceptable.
     """
     message = message_buffer()
-    handle, status, n = _kernel.case_read(
-        encode(text), encode(source), 0 if known is None else known.handle, message
-    )
+    others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
+    handle, status, n = _cases.case_read(encode(text), encode(source), others, message)
     raise_for(status, message, n)
     return KernelCase(Memory(handle))
+
+
+def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Samples:
+    """Check samples of a ground motion and keep them in the kernel.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (n,)
+        Accelerations.
+    times : numpy.ndarray, shape (n,), or None
+        Times [s]; None when the case gives the interval.
+
+    Returns
+    -------
+    Samples
+        For `read_case`.
+
+    Raises
+    ------
+    InputError
+        When a number is not finite, or times do not increase.
+    """
+    message = message_buffer()
+    times = np.zeros(0) if times is None else times
+    handle, status, n = _cases.samples_keep(values, times, message)
+    raise_for(status, message, n)
+    return Samples(Memory(handle))

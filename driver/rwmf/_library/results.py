@@ -128,11 +128,13 @@ class Run(Result):
         names = np.array(fetch_text(_kernel.event_names).splitlines(), dtype=str)
         return {"kind": names[kinds - 1], "t": t, "theta": theta, "theta_dot": theta_dot}
 
-    def write(self, source: str, folder: str) -> None:
+    def write(self, text: str, source: str, folder: str) -> None:
         """Write the files of the batch program, named after `source`, into `folder`.
 
         Parameters
         ----------
+        text : str
+            Namelist text of the case.
         source : str
             Path of the case's file.
         folder : str
@@ -145,7 +147,7 @@ class Run(Result):
         """
         message = message_buffer()
         status, n = _kernel.result_write(
-            self._case.handle, self.handle, encode(source), encode(folder), message
+            self._case.handle, self.handle, encode(text), encode(source), encode(folder), message
         )
         raise_for(status, message, n, writing=True)
 
@@ -210,8 +212,10 @@ class Spectrum(Result):
             "status": status.reshape(shape[::-1]),
         }
 
-    def write(self, path: str) -> None:
-        """Write the CSV file of the batch program."""
+    def write(self, text: str, path: str) -> None:
+        """Write the CSV file of the batch program, with the namelist text of the case in it."""
         message = message_buffer()
-        status, n = _kernel.spectrum_write(self._case.handle, self.handle, encode(path), message)
+        status, n = _kernel.spectrum_write(
+            self._case.handle, self.handle, encode(text), encode(path), message
+        )
         raise_for(status, message, n, writing=True)

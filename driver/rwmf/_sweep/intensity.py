@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from rwmf import _library
-from rwmf._sweep.axes import Entries, RecordAxis
+from rwmf._sweep.axes import Entries, Scene
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
 from rwmf.case.namelist import compose
@@ -86,7 +86,7 @@ def scale_to_one_g(
         When a record cannot be read, or has no intensity that could be scaled.
     """
     T_s = _period(case) if measure == _PSEUDO else None
-    changes: dict[str, Mapping[str, object] | None] = {"output": None}
+    changes: dict[str, Mapping[str, object] | None] = {"output": None, "vertical": None}
     if T_s is not None:
         # without storeys and wall the frame has one period and no mass ratio
         changes = dict.fromkeys(set(case.groups) - set(_OSCILLATOR))
@@ -102,8 +102,9 @@ def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
     }
     if T_s is not None:
         entries["spectrum"] = {"T_s": (T_s,)}
-    RecordAxis((record,)).apply(entries, 0)
-    case = _library.read_case(compose(entries), probe.kernel_source())
+    Scene(record).apply(entries)
+    samples = None if record.array is None else record.array.samples
+    case = _library.read_case(compose(entries), probe.kernel_source(), motion=samples)
     if T_s is None:
         found = case.peak_of_motion()
     else:
@@ -111,5 +112,5 @@ def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
             found = (2 * math.pi / T_s) ** 2 * float(spectrum.values()["u_s_max_m"].squeeze())
     intensity = found / float(probe.model.g)
     if not 0 < intensity < math.inf:
-        raise InputError(f"{record.path}: has no intensity that could be scaled")
+        raise InputError(f"{record.path or record.name}: has no intensity that could be scaled")
     return dataclasses.replace(record, scale=record.scale / intensity)

@@ -11,7 +11,7 @@ import xarray as xr
 from rwmf import _spectrum
 from rwmf._files import files
 from rwmf.case import Case
-from rwmf.case.grid import count_ordinates, with_grid
+from rwmf.case.grid import with_grid
 from rwmf.cli.output import print_json, print_warnings
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import files as figures
@@ -43,12 +43,12 @@ def run(options: argparse.Namespace) -> int:
     files.check_outputs([options.plot, options.csv], case.inputs)
     figures.check_formats(options.plot)
     with (
-        progress_bar(count_ordinates(case)) as report,
+        progress_bar(case.kernel.ordinates()) as report,
         _spectrum.start(case, options.threads, report) as sweep,
     ):
         dataset = _spectrum.to_dataset(sweep)
         if options.csv:
-            sweep.write(options.csv)
+            sweep.write(case.text, options.csv)
     print_warnings(options.case, dataset.attrs["warnings"])
     if options.plot:
         figures.save_spectrum(dataset, options.plot)

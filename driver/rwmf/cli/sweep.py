@@ -54,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
                 asked.grid,
                 asked.records,
                 path,
+                points=asked.points,
                 quantities=asked.quantities or None,
                 threads=options.threads,
                 executor=executor,

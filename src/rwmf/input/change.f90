@@ -23,7 +23,7 @@ module rwmf_input_change
    implicit none
    private
 
-   public :: changes_t, find_changes, change_case
+   public :: changes_t, find_changes, change_case, is_motion_changed
 
    !> Keys that change, looked up.
    type :: changes_t
@@ -63,7 +63,7 @@ contains
       changes%groups = all_groups()
       keys = keys_of(changes%groups)
       do i = 1, size(names)
-         call find_place(case, keys, trim(names(i)), places(i), error)
+         call find_place(case%values, keys, trim(names(i)), places(i), error)
          if (allocated(error)) return
          if (.not. any(places(:i - 1) == places(i))) cycle
          call fail(error, err_input, trim(names(i))//': the key is given twice')
@@ -80,9 +80,9 @@ contains
       call check_groups(changes%values, changes%groups, error)
    end subroutine find_changes
 
-   !> Place of a key that holds numbers.
-   subroutine find_place(case, keys, name, place, error)
-      type(case_t), intent(in) :: case
+   !> Place of a key.
+   subroutine find_place(values, keys, name, place, error)
+      type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: keys(:)
       character(*), intent(in) :: name
       integer, intent(out) :: place
@@ -94,12 +94,12 @@ contains
       place = 0
       dot = index(name, '.')
       group = to_lower(name(:dot - 1))
-      at = group_place(case%values, group)
+      at = group_place(values, group)
       if (dot == 0) then
          call fail(error, err_input, shown(name)//': must be group.key, for example frame.T_s')
          return
       else if (at == 0) then
-         call suggest(group, '', case%values%groups%name, known)
+         call suggest(group, '', values%groups%name, known)
          call fail(error, err_input, shown(name)//': unknown group'//known)
          return
       end if
@@ -107,13 +107,10 @@ contains
       if (place == 0) then
          call suggest(name(dot + 1:), '', pack(keys%key, keys%group == group), known)
          call fail(error, err_input, shown(name)//': unknown key'//known)
-      else if (.not. any(keys(place)%type == [character(9) :: 'real', 'real list', 'integer', &
-                                              'logical'])) then
-         call fail(error, err_input, name//': must be a key that holds numbers')
       else if (keys(place)%key == 'dt' .and. group /= 'output') then
          call fail(error, err_input, name//': says how a file is read: must be given where the ' &
             //'case is made')
-      else if (.not. (case%values%groups(at)%is_given .or. is_of_method(group))) then
+      else if (.not. (values%groups(at)%is_given .or. is_of_method(group))) then
          call fail(error, err_input, name//': the case has no group &'//group)
       end if
    end subroutine find_place
@@ -125,12 +122,21 @@ contains
       is_of_method = any(group == [character(8) :: 'model', 'solver', 'output', 'spectrum'])
    end function is_of_method
 
-   !> One value, or a list.
+   !> One number, or a list of them; of what is no number none.
    subroutine check_size(key, n, error)
       type(key_t), intent(in) :: key
       integer, intent(in) :: n
       type(error_t), allocatable, intent(out) :: error
 
+      select case (key%type)
+      case ('choice', 'text', 'text list')
+         if (n == 0 .and. .not. key%is_required) return
+         call fail(error, err_input, trim(key%group)//'.'//trim(key%key) &
+            //': must be a key that holds numbers')
+         return
+      case default
+         continue
+      end select
       if (n == 1 .or. (n > 1 .and. key%type == 'real list')) return
       if (n == 0 .and. .not. key%is_required) return
       call fail(error, err_input, '&'//trim(key%group)//': '//trim(key%key)//': must be ' &
@@ -229,6 +235,14 @@ contains
       if (.not. allocated(error)) call fill_case(changed, changes%groups, error)
       if (.not. allocated(error)) call keep_records(case, changed, error)
    end subroutine change_case
+
+   !> Do the keys that change say how the ground moves?
+   pure logical function is_motion_changed(changes)
+      type(changes_t), intent(in) :: changes
+
+      is_motion_changed = any(changes%keys%group == 'motion' .or. changes%keys%group == 'vertical' &
+         .or. (changes%keys%group == 'model' .and. changes%keys%key == 'g'))
+   end function is_motion_changed
 
    !> What is known of the records, with the factor that then holds.
    subroutine keep_records(case, changed, error)

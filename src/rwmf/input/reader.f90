@@ -3,7 +3,8 @@ module rwmf_input_reader
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_input_namelist, only: group_t, parse_namelist
-   use rwmf_input_record_reader, only: read_record
+   use rwmf_input_record_reader, only: make_record, read_record
+   use rwmf_input_record_samples, only: samples_t
    use rwmf_input_schema, only: all_groups, keys_of
    use rwmf_input_schema_check, only: check_groups, check_values, collect_values
    use rwmf_problem_case, only: case_t
@@ -41,7 +42,7 @@ contains
    !>
    !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
    !> allowed, groups that contradict each other, a record that is missing or damaged.
-   subroutine read_case_text(text, folder, case, error, known)
+   subroutine read_case_text(text, folder, case, error, known, motion, vertical)
       character(*), intent(in) :: text
       !! namelist text
       character(*), intent(in) :: folder
@@ -50,6 +51,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
       !! whose samples are taken where both name the same record: what it has read is not read again
+      type(samples_t), intent(in), optional :: motion
+      !! of `&motion`, whose `file` is then the name of these samples; no file is read
+      type(samples_t), intent(in), optional :: vertical
+      !! of `&vertical`, likewise
       type(group_t), allocatable :: given(:)
       type(case_group_t), allocatable :: groups(:)
 
@@ -62,7 +67,9 @@ contains
       if (allocated(error)) return
       case%text = text
       call fill_case(case, groups, error)
-      if (.not. allocated(error)) call read_records(folder, case, error, known)
+      if (.not. allocated(error)) then
+         call read_records(folder, case, error, known, motion, vertical)
+      end if
       if (.not. allocated(error)) call end_with_records(case, error)
    end subroutine read_case_text
 
@@ -86,20 +93,53 @@ contains
    end subroutine fill_case
 
    !> Records of the horizontal and of the vertical motion.
-   subroutine read_records(folder, case, error, known)
+   subroutine read_records(folder, case, error, known, motion, vertical)
       character(*), intent(in) :: folder
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
+      type(samples_t), intent(in), optional :: motion
+      type(samples_t), intent(in), optional :: vertical
 
-      if (allocated(case%motion)) then
-         if (case%motion%kind == 'record') call add_record('motion', folder, case%values, &
-            case%model%g, case%motion, case%record, error, known)
+      if (present(motion) .and. .not. has_key(case%values, 'motion', 'file')) then
+         call fail(error, err_input, '&motion: samples are given, but no key file that names them')
+      else if (present(motion)) then
+         call add_samples('motion', motion, case%values, case%model%g, case%motion, case%record, &
+            error)
+      else if (has_key(case%values, 'motion', 'file')) then
+         call add_record('motion', folder, case%values, case%model%g, case%motion, case%record, &
+            error, known)
       end if
-      if (allocated(error) .or. .not. allocated(case%vertical)) return
-      if (allocated(case%vertical%file)) call add_record('vertical', folder, case%values, &
-         case%model%g, case%vertical, case%vertical_record, error, known)
+      if (allocated(error)) return
+      if (present(vertical) .and. .not. has_key(case%values, 'vertical', 'file')) then
+         call fail(error, err_input, '&vertical: samples are given, but no key file that names ' &
+            //'them')
+      else if (present(vertical)) then
+         call add_samples('vertical', vertical, case%values, case%model%g, case%vertical, &
+            case%vertical_record, error)
+      else if (has_key(case%values, 'vertical', 'file')) then
+         call add_record('vertical', folder, case%values, case%model%g, case%vertical, &
+            case%vertical_record, error, known)
+      end if
    end subroutine read_records
+
+   !> The record of a group from samples.
+   subroutine add_samples(group, samples, values, g, source, record, error)
+      character(*), intent(in) :: group
+      type(samples_t), intent(in) :: samples
+      type(group_values_t), intent(in) :: values
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
+      class(record_source_t), intent(inout) :: source
+      type(record_t), allocatable, intent(out) :: record
+      type(error_t), allocatable, intent(out) :: error
+
+      ! no file has this path
+      source%path = ''
+      allocate (record)
+      call make_record(samples, source%dt, source%unit, source%scale, g, record, error)
+      if (allocated(error)) call add_file(values, group, error)
+   end subroutine add_samples
 
    !> Read the record of a group.
    subroutine add_record(group, folder, values, g, source, record, error, known)
@@ -151,6 +191,9 @@ contains
       if (allocated(known%vertical_record)) then
          if (is_same_source(known%vertical, source)) record = known%vertical_record
       end if
+      if (.not. allocated(record)) return
+      ! those of a changed case are with the case that it comes from
+      if (.not. allocated(record%t)) deallocate (record)
    end subroutine take_record
 
    !> Is the same file read in the same way?

@@ -68,7 +68,7 @@ contains
    !> Each ordinate is a simulation of its own, so that the result has the same bits for every
    !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
    !> on.
-   subroutine compute_spectrum(case, threads, spectrum, error, control)
+   subroutine compute_spectrum(case, threads, spectrum, error, control, known_motion)
       type(case_t), intent(in), target :: case
       integer, intent(in) :: threads
       !! number of threads; 0 for all that OpenMP offers
@@ -76,6 +76,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted
       type(control_t), intent(in), optional :: control
+      type(motion_t), intent(in), optional :: known_motion
+      !! of the case, when the caller holds it
       type(rows_t), target :: rows
       integer :: sizes(3)
 
@@ -94,7 +96,7 @@ contains
          spectrum%b = rows%b
          sizes(3) = size(rows%b)
       end if
-      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control)
+      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, known_motion)
    end subroutine compute_spectrum
 
    !> Compute the rows of a table: runs of one case whose numbers differ, each as if it were alone.
@@ -129,7 +131,7 @@ contains
    end subroutine compute_rows
 
    !> Compute all rows.
-   subroutine compute(rows, sizes, keys, threads, spectrum, error, control)
+   subroutine compute(rows, sizes, keys, threads, spectrum, error, control, known_motion)
       type(rows_t), intent(in), target :: rows
       integer, intent(in) :: sizes(3)
       !! of the results
@@ -139,6 +141,8 @@ contains
       type(spectrum_t), intent(inout), target :: spectrum
       type(error_t), allocatable, intent(out) :: error
       type(control_t), intent(in), optional :: control
+      type(motion_t), intent(in), optional :: known_motion
+      !! common to all rows
       type(queue_t) :: queue
       type(motion_t), target :: motion
       type(control_t) :: signals
@@ -149,10 +153,15 @@ contains
       if (allocated(error)) return
       if (present(control)) signals = control
       call system_clock(started, rate)
-      call check_asked(rows%case, motion_from_case(rows%case), keys, error)
+      if (present(known_motion)) then
+         motion = known_motion
+      else
+         motion = motion_from_case(rows%case)
+      end if
+      call check_asked(rows%case, motion, keys, error)
       if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
-      motion = common_motion(rows)
+      if (.not. present(known_motion)) motion = common_motion(rows)
       queue%rows => rows
       queue%motion => motion
       queue%asked = asked_of(rows%case, keys)
