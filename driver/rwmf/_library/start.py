@@ -149,8 +149,8 @@ def start_rows(
     Returns
     -------
     Spectrum
-        To be closed by the caller; the rows are its last dimension, that of T_s. A row whose numbers
-        the rules of the case do not allow has the status ``refused`` and NaN.
+        To be closed by the caller; the rows are its last dimension, that of T_s. A row whose
+        numbers the rules of the case do not allow has the status ``refused`` and NaN.
 
     Raises
     ------
@@ -166,9 +166,7 @@ def start_rows(
     names, keys = encode("\t".join(columns)), encode("\t".join(quantities))
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _kernel.rows(
-            case.handle, names, table, keys, threads, control, message
-        )
+        handle, status, n = _kernel.rows(case.handle, names, table, keys, threads, control, message)
         return handle, status, n
 
     return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)

@@ -198,6 +198,7 @@ contains
    subroutine take_row(rows, number, row, error)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
+      !! of the row
       type(case_t), intent(inout) :: row
       !! without text and samples
       type(error_t), allocatable, intent(out) :: error
