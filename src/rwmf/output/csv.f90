@@ -221,7 +221,8 @@ contains
             end if
             do i = 1, size(spectrum%T_s)
                call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
-                  spectrum%values(i, j, k, :)]))//','//trim(spectrum%status_names(spectrum%status(i, j, k))))
+                  spectrum%values(i, j, k, :)]))//',' &
+                  //trim(spectrum%status_names(spectrum%status(i, j, k))))
             end do
          end do
       end do
