@@ -127,6 +127,7 @@ contains
       character(*), intent(in) :: text
       !! '' for none
       character(40), allocatable, intent(out) :: names(:)
+      !! (n) padded with blanks
       integer :: first, n
 
       allocate (names(0))

@@ -399,8 +399,8 @@ contains
    !> Compute the rows of a table: runs of one case whose numbers differ.
    !>
    !> `columns` are the names of the columns, `keys` those of the quantities ('' for those of the
-   !> case), separated by tabs; the table is (columns, rows). The result is a spectrum whose n_T is the
-   !> number of rows.
+   !> case), separated by tabs; the table is (columns, rows). The result is a spectrum whose n_T is
+   !> the number of rows.
    subroutine rows(handle, columns, table, keys, threads, control, sweep, status, message, &
       message_length)
       integer(c_int64_t), intent(in) :: handle

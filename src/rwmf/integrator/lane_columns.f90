@@ -6,8 +6,8 @@ module rwmf_integrator_lane_columns
    public :: column_count
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
-   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, of_factor, &
-      of_ratio, line_columns
+   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, &
+      line_columns
    public :: is_done, is_rejected, needs_look, at_limit
 
    integer, parameter :: of_time = 1
@@ -57,11 +57,7 @@ module rwmf_integrator_lane_columns
    !! horizontal and vertical [m/s2]
    integer, parameter :: of_plain = 27
    !! 1 where the step that is tried holds no extremum of the reactions that are asked for
-   integer, parameter :: of_factor = 28
-   !! of the lane's motion over that of the table of lines; 0: it has lines of its own [-]
-   integer, parameter :: of_ratio = 29
-   !! of the lane's vertical motion over that of the table, beside the factor [-]
-   integer, parameter :: column_count = 29
+   integer, parameter :: column_count = 27
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
 

@@ -2,9 +2,9 @@
 module rwmf_integrator_lane_control
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      line_columns, needs_look, of_bottom, of_factor, of_fastest, of_goal, of_high, of_interval, &
-      of_least, of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_ratio, &
-      of_steps, of_time, of_pace, of_top, of_trial, of_vertical_line, of_watch
+      line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
+      of_pace, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
@@ -135,8 +135,7 @@ contains
    end subroutine judge_step
 
    !> Let lanes that have come to their limits enter the next interval of the motion, where that is
-   !> a straight line with a limit of its own. The products are those that a motion of that size is
-   !> made by, in their order.
+   !> a straight line with a limit of its own.
    pure subroutine pass_knots(intervals, lines, table, mark)
       integer, intent(in) :: intervals
       !! number of the last one that is known
@@ -153,14 +152,13 @@ contains
          if (mark(i) /= at_limit) cycle
          next = min(int(table(i, of_interval)), intervals) + 1
          if (.not. lines(1, next) > table(i, of_time)) cycle
-         if (.not. abs(table(i, of_factor)) > 0) cycle
          table(i, of_interval) = next
          table(i, of_limit) = lines(1, next)
-         table(i, of_line) = table(i, of_factor)*lines(2, next)
-         table(i, of_line + 1) = table(i, of_factor)*lines(3, next)
+         table(i, of_line) = lines(2, next)
+         table(i, of_line + 1) = lines(3, next)
          table(i, of_line + 2) = lines(4, next)
-         table(i, of_vertical_line) = table(i, of_ratio)*(table(i, of_factor)*lines(5, next))
-         table(i, of_vertical_line + 1) = table(i, of_ratio)*(table(i, of_factor)*lines(6, next))
+         table(i, of_vertical_line) = lines(5, next)
+         table(i, of_vertical_line + 1) = lines(6, next)
          mark(i) = is_done
       end do
    end subroutine pass_knots

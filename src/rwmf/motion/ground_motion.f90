@@ -79,10 +79,7 @@ contains
       type(record_t), intent(in), optional :: vertical_record
       type(motion_t) :: motion
 
-      motion = horizontal_motion(case, record)
-      motion%curve%amplitude = motion_unit(case)*motion%curve%amplitude
-      motion%a = motion_unit(case)*motion%a
-      motion%slope = motion_unit(case)*motion%slope
+      motion = horizontal_motion(case, motion_unit(case), record)
       if (allocated(case%vertical)) then
          if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
       end if
@@ -131,7 +128,7 @@ contains
       type(motion_t) :: motion
 
       ! a record that a case does not have arrives as an absent argument
-      motion = horizontal_motion(case, case%record)
+      motion = horizontal_motion(case, 1.0_wp, case%record)
    end function unit_motion
 
    !> The unit of the horizontal motion of a case, with its sign [m/s2].
@@ -149,10 +146,11 @@ contains
       end if
    end function motion_unit
 
-   !> The horizontal ground motion that a case describes, over its unit; none when it has no
-   !> `&motion`.
-   pure function horizontal_motion(case, record) result(motion)
+   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
+   pure function horizontal_motion(case, unit, record) result(motion)
       type(case_t), intent(in) :: case
+      real(wp), intent(in) :: unit
+      !! of the samples, or amplitude of the pulse [m/s2]
       type(record_t), intent(in), optional :: record
       !! with samples, of kind 'record'
       type(motion_t) :: motion
@@ -161,11 +159,11 @@ contains
       if (.not. allocated(case%motion)) return
       select case (case%motion%kind)
       case ('record')
-         motion = piecewise_linear_motion(record%t, record%a)
+         motion = piecewise_linear_motion(record%t, unit*record%a)
       case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
-         motion%curve%amplitude = 1
+         motion%curve%amplitude = unit
       case default
          continue
       end select

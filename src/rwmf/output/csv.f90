@@ -229,8 +229,8 @@ contains
             if (allocated(spectrum%gamma)) lead = lead//trim(csv_numbers(spectrum%gamma(j:j)))//','
             do i = 1, size(spectrum%T_s)
                call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
-                  spectrum%values(i, j, k, :)]))//','// &
-                  trim(spectrum%status_names(spectrum%status(i, j, k))))
+                  spectrum%values(i, j, k, :)]))//',' &
+                  //trim(spectrum%status_names(spectrum%status(i, j, k))))
             end do
          end do
       end do

@@ -6,7 +6,7 @@ module rwmf_spectrum_lanes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_integrator_lane_columns, only: of_factor, of_length, of_ratio
+   use rwmf_integrator_lane_columns, only: of_length
    use rwmf_integrator_lane_kernels, only: lane_kernels_of, team_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, equation_t
@@ -24,7 +24,7 @@ module rwmf_spectrum_lanes
       most_passes, response_size
    use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_spectrum_quantities, only: asked_t, take_values
-   use rwmf_spectrum_rows, only: compare_lines, row_motion, rows_t, take_row
+   use rwmf_spectrum_rows, only: row_motion, rows_t, take_row
    implicit none
    private
 
@@ -63,7 +63,7 @@ module rwmf_spectrum_lanes
    type :: queue_t
       type(rows_t), pointer :: rows => null()
       type(motion_t), pointer :: motion => null()
-      !! of all of them; of rows that have their own, what the team's lines are made of
+      !! of all of them that have none of their own
       type(asked_t) :: asked
       logical :: verifies = .false.
       !! by the pair of the higher order, at the tolerance of the ordinate alone
@@ -84,10 +84,6 @@ module rwmf_spectrum_lanes
       type(recorder_t) :: recorder
       type(explicit_pair_t) :: integrator
       real(wp) :: size_guess(2)
-      real(wp) :: factor
-      !! of its motion over that of the team's lines; 0: it follows its own [-]
-      real(wp) :: ratio
-      !! of its vertical motion over that of the lines, beside the factor [-]
    end type lane_run_t
 
    !> What the runs of a team must have in common.
@@ -147,10 +143,12 @@ contains
       call create_team(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
          runs(1)%hybrid%max_steps, width, team)
       team%kernels = lane_kernels_of(best_level())
-      call tabulate_lines(queue%motion, kind%has_vertical, kind%t_end, team)
+      ! lanes with motions of their own follow them without a table
+      if (.not. queue%rows%has_own_motion) call tabulate_lines(queue%motion, kind%has_vertical, &
+         kind%t_end, team)
       team%keeps_more = queue%asked%is_watched
       do i = 1, width
-         if (runs(i)%ordinate > 0) call admit(runs(i), lanes(i), i, team)
+         if (runs(i)%ordinate > 0) call join_team(lanes(i), i, team)
       end do
       call step_lanes(lanes, runs, few_lanes, team)
       do i = 1, width
@@ -178,7 +176,7 @@ contains
                      if (runs(i)%ordinate == 0) call take_ordinate(queue, control, next, &
                         ordinates, kind, runs(i), lanes(i))
                      team%is_busy(i) = runs(i)%ordinate > 0
-                     if (team%is_busy(i)) call admit(runs(i), lanes(i), i, team)
+                     if (team%is_busy(i)) call join_team(lanes(i), i, team)
                   end do
                end do
                if (count(team%is_busy) <= fewest) return
@@ -189,19 +187,6 @@ contains
          end do
       end subroutine step_lanes
    end subroutine run_team
-
-   !> Let the run of a lane begin in a team, under its multiple of the team's lines.
-   subroutine admit(run, lane, i, team)
-      type(lane_run_t), intent(in) :: run
-      type(lane_t), intent(inout), target :: lane
-      integer, intent(in) :: i
-      !! number of the lane in the team
-      type(team_t), intent(inout) :: team
-
-      call join_team(lane, i, team)
-      team%table(i, of_factor) = run%factor
-      team%table(i, of_ratio) = run%ratio
-   end subroutine admit
 
    !> Take the next ordinate from the queue and begin its run; none: the lane stays idle. Rows that
    !> are refused, and those that cannot step with the team, are done on the way.
@@ -258,15 +243,11 @@ contains
       call shake(run%case, queue%shaken)
       if (allocated(run%case%output)) deallocate (run%case%output)
       if (allocated(queue%asked%output)) run%case%output = queue%asked%output
-      run%factor = 1
-      run%ratio = 1
       motion => queue%motion
       if (queue%rows%has_own_motion) then
          run%motion = row_motion(queue%rows, run%case)
          if (abs(queue%shaken - 1) > 0) run%motion = scaled_motion(run%motion, queue%shaken)
          motion => run%motion
-         call compare_lines(queue%rows, run%case, abs(queue%shaken - 1) > 0, run%factor, &
-            run%ratio)
       end if
       lane%equation => run%equation
       lane%hybrid => run%hybrid

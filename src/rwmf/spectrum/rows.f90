@@ -5,7 +5,7 @@ module rwmf_spectrum_rows
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_change, only: change_case, changes_t, find_changes
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t, piecewise_linear_motion
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_problem_record, only: set_factor
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
@@ -14,7 +14,7 @@ module rwmf_spectrum_rows
    private
 
    public :: rows_t, rows_of_grid, rows_of_table, take_row, scene_of, period_of, spectrum_periods
-   public :: common_motion, row_motion, compare_lines
+   public :: row_motion
 
    character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
    !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
@@ -202,6 +202,7 @@ contains
    subroutine take_row(rows, number, row, error)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
+      !! of the row
       type(case_t), intent(inout) :: row
       !! without text and samples
       type(error_t), allocatable, intent(out) :: error
@@ -297,41 +298,6 @@ contains
          row%record%factor = factor*case%record%factor
       end if
    end subroutine scale_motion
-
-   !> The motion of all rows; where they have their own, the lines that those of records are
-   !> multiples of.
-   function common_motion(rows) result(motion)
-      type(rows_t), intent(in) :: rows
-      type(motion_t) :: motion
-
-      if (rows%has_own_motion .and. allocated(rows%case%record)) then
-         motion = piecewise_linear_motion(rows%case%record%t, rows%case%record%a, 1.0_wp)
-      else
-         motion = motion_from_case(rows%case)
-      end if
-   end function common_motion
-
-   !> How a row's own motion compares with the common one.
-   pure subroutine compare_lines(rows, row, is_shaken, factor, ratio)
-      type(rows_t), intent(in) :: rows
-      type(case_t), intent(in) :: row
-      !! from `take_row`
-      logical, intent(in) :: is_shaken
-      !! it has yet another factor
-      real(wp), intent(out) :: factor
-      !! of its lines, 0 when they are no multiples [-]
-      real(wp), intent(out) :: ratio
-      !! of the vertical to the horizontal acceleration [-]
-
-      factor = 0
-      ratio = 1
-      if (is_shaken .or. rows%has_own_shape .or. .not. allocated(rows%case%record) &
-          .or. allocated(rows%case%vertical_record)) return
-      factor = rows%case%record%factor
-      if (allocated(row%record)) factor = row%record%factor
-      if (.not. allocated(row%vertical)) return
-      if (allocated(row%vertical%ratio)) ratio = row%vertical%ratio
-   end subroutine compare_lines
 
    !> The motion of a row that has its own.
    function row_motion(rows, row) result(motion)

@@ -20,7 +20,7 @@ module rwmf_spectrum_spectrum
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
    use rwmf_spectrum_quantities, only: asked_of, check_asked, follow_from_displacement, &
       keys_asked_by, take_values, values_from_displacement
-   use rwmf_spectrum_rows, only: common_motion, period_of, row_motion, rows_of_grid, &
+   use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
       rows_of_table, rows_t, spectrum_periods, take_row
    use rwmf_spectrum_threads, only: choose_threads
    implicit none
@@ -161,7 +161,6 @@ contains
       call check_asked(rows%case, motion, keys, error)
       if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
-      if (.not. present(known_motion)) motion = common_motion(rows)
       queue%rows => rows
       queue%motion => motion
       queue%asked = asked_of(rows%case, keys)

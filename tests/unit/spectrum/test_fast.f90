@@ -274,7 +274,8 @@ contains
       call compute_spectrum(case, 2, together, error)
       call checks%no_error(error, 'wide motion')
       associate (length => 2*hypot(case%wall%h, 0.5_wp))
-         call checks%that(maxval(together%values(:, :, 1, 1)) > narrow*length, 'wide motion: is wide')
+         call checks%that(maxval(together%values(:, :, 1, 1)) > narrow*length, &
+            'wide motion: is wide')
       end associate
       do i = 1, size(periods)
          case%spectrum%T_s = [periods(i)]

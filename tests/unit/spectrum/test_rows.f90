@@ -27,11 +27,12 @@ program test_rows
    call check_runs('devices', wall//loss//pulses//'&damper c_over_m_w=0.5 / &inerter ' &
       //'inertance_over_m_w=0.2 / &vertical ratio=0.5 / &link L=15.0 / ', [character(26) :: &
       'damper.c_over_m_w', 'inerter.inertance_over_m_w', 'vertical.ratio', 'link.L', 'model.g'])
-   call check_runs('fuses', wall//loss//pulses//'&fuse eta_y=0.3, stroke_y=0.005, hardening=0.02 / ' &
-      //'&yielding u_y=0.02, hardening=0.05 /', [character(20) :: 'fuse.eta_y', 'fuse.stroke_y', &
-      'yielding.u_y', 'yielding.hardening'])
-   call check_runs('smooth', wall//loss//pulses//"&yielding u_y=0.02, law='bouc_wen', exponent=2 /", &
-      [character(20) :: 'yielding.exponent', 'yielding.beta'])
+   call check_runs('fuses', wall//loss//pulses//'&fuse eta_y=0.3, stroke_y=0.005, ' &
+      //'hardening=0.02 / &yielding u_y=0.02, hardening=0.05 /', [character(20) :: 'fuse.eta_y', &
+      'fuse.stroke_y', 'yielding.u_y', 'yielding.hardening'])
+   call check_runs('smooth', wall//loss//pulses &
+      //"&yielding u_y=0.02, law='bouc_wen', exponent=2 /", [character(20) :: &
+      'yielding.exponent', 'yielding.beta'])
    call check_runs('pulse', wall//loss//pulses//'&initial theta_over_alpha=0.1 /', &
       [character(24) :: 'motion.a_max_g', 'motion.T_p', 'initial.theta_over_alpha'])
    call check_runs('tolerance', wall//loss//pulses, [character(20) :: 'solver.rtol', &

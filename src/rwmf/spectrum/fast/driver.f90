@@ -1,9 +1,9 @@
 !> Method 'fast': the ordinates of a spectrum in lanes.
 !>
-!> The step of an ordinate depends on its own case only, so that the bits of its result do not depend
-!> on the other ordinates. Ordinates outside the validated range of the method are left to the general
-!> lanes. All rows share one motion, in its own unit: what they multiply it with is a factor in their
-!> equations.
+!> The step of an ordinate depends on its own case only, so that the bits of its result do not
+!> depend on the other ordinates. Ordinates outside the validated range of the method are left to
+!> the general lanes. All rows share one motion, in its own unit: what they multiply it with is a
+!> factor in their equations.
 module rwmf_spectrum_fast_driver
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: error_t
