@@ -232,7 +232,7 @@ contains
       else
          row%structure_t = rows%case%structure_t
          row%solver = rows%case%solver
-         if (rows%has_own_motion) row%motion = rows%case%motion
+         if (rows%has_own_motion) call take_motion(rows%case, row)
       end if
       do axis = 1, size(axes)
          if (rows%axis_column(axis) == 0) cycle
@@ -241,7 +241,8 @@ contains
                call scale_motion(rows%case, value, row, error)
                if (allocated(error)) return
                cycle
-            else if (axis == 4 .or. .not. (value > 0 .and. ieee_is_finite(value))) then
+            else if (axis == 4 .or. .not. ieee_is_finite(value) .or. value < 0 &
+                     .or. (axis /= 2 .and. .not. value > 0)) then
                call fail(error, err_input, trim(axes(axis))//' = '//trim(real_to_text(value)) &
                   //': must be a finite number'//trim(merge('    ', ' > 0', axis == 4)))
                return
@@ -252,6 +253,17 @@ contains
          end associate
       end do
    end subroutine take_line
+
+   !> What describes the motion besides the samples of its records, as they are with the case.
+   pure subroutine take_motion(case, row)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(inout) :: row
+
+      row%motion = case%motion
+      if (.not. allocated(case%vertical_record)) return
+      if (.not. allocated(row%vertical_record)) allocate (row%vertical_record)
+      row%vertical_record%factor = case%vertical_record%factor
+   end subroutine take_motion
 
    !> A factor on the horizontal motion: on the scale of a record, on the size of a pulse.
    subroutine scale_motion(case, factor, row, error)
