@@ -155,7 +155,18 @@ class Axis:
         return settings | {key_of_column(name) for name in self.columns}
 
     def scene(self, position: int) -> int:
-        """Return the number of a position's scene."""
+        """Return the number of a position's scene.
+
+        Parameters
+        ----------
+        position : int
+            Along the axis.
+
+        Returns
+        -------
+        int
+            Place in `scenes`.
+        """
         if self.table is not None:
             return int(self.table.scenes[position])
         return position if len(self.scenes) == self.size else 0

@@ -240,7 +240,7 @@ contains
       else
          row%structure_t = rows%case%structure_t
          row%solver = rows%case%solver
-         if (rows%has_own_motion) row%motion = rows%case%motion
+         if (rows%has_own_motion) call take_motion(rows%case, row)
       end if
       do axis = 1, size(axes)
          if (rows%axis_column(axis) == 0) cycle
@@ -276,6 +276,17 @@ contains
       is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
          .and. .not. allocated(case%storeys))
    end function is_allowed
+
+   !> What describes the motion besides the samples of its records, as they are with the case.
+   pure subroutine take_motion(case, row)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(inout) :: row
+
+      row%motion = case%motion
+      if (.not. allocated(case%vertical_record)) return
+      if (.not. allocated(row%vertical_record)) allocate (row%vertical_record)
+      row%vertical_record%factor = case%vertical_record%factor
+   end subroutine take_motion
 
    !> A factor on the horizontal motion: on the scale of a record, on the size of a pulse.
    subroutine scale_motion(case, factor, row, error)
