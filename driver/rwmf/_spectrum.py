@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import xarray as xr
 
 from rwmf import _library
+from rwmf._labels import dataset
 from rwmf.case import Case
 from rwmf.case.grid import Values, with_grid
 from rwmf.quantities import AXES, find
@@ -94,7 +95,7 @@ def start(
     """
     total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
-    with _library.start_spectrum(case.kernel, case.kernel_source(), threads, report) as sweep:
+    with _library.start_spectrum(case.kernel, case.label, threads, report) as sweep:
         yield sweep
 
 
@@ -114,7 +115,9 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
     values = sweep.values()
     facts = sweep.facts()
     dims: tuple[str, ...] = ("b", "gamma", "T_s")
-    coordinates = {name: (name, values.pop(name), item.attributes) for name, item in AXES.items()}
+    coordinates = {
+        name: ((name,), values.pop(name), item.attributes) for name, item in AXES.items()
+    }
     if facts["bare"]:
         dims = ("T_s",)
         values = {name: array[0, 0] for name, array in values.items()}
@@ -126,10 +129,10 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
         for key, item in found.items()
         for name in item.names("ordinate") or (key,)
     }
-    return xr.Dataset(
-        variables | {"status": (dims, status)},
-        coords=coordinates,
-        attrs={
+    return dataset(
+        variables | {"status": (dims, status, {})},
+        coordinates,
+        {
             "version": _library.version(),
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),

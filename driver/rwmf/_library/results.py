@@ -189,13 +189,21 @@ class Spectrum(Result):
         axes = [np.zeros(n) for n in shape]
         address = _kernel.spectrum_values(self.handle, *axes)
         found = np.asarray(MemoryView(self.memory, address, (len(keys), *shape[::-1])))
-        status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
+        status = self._status()
         return dict(zip(keys, found, strict=True)) | {
             "T_s": axes[0],
             "gamma": axes[1],
             "b": axes[2],
             "status": status.reshape(shape[::-1]),
         }
+
+    def _status(self) -> npt.NDArray[np.str_]:
+        """Name what became of the ordinates, one after the other."""
+        text = fetch_text(_kernel.spectrum_status, self.handle)
+        n = text.count("\n")
+        if text == "ok\n" * n:
+            return np.full(n, "ok")
+        return np.array(text.splitlines(), dtype=str)
 
     def write(self, text: str, path: str) -> None:
         """Write the CSV file of the batch program, with the namelist text of the case in it."""

@@ -116,6 +116,6 @@ def _search(pulse: Pulse, T_p: float, target: float, tolerance: float) -> float:
 
 def _response(pulse: Pulse, T_p: float, amplitude: float) -> float:
     changed = pulse.resized(amplitude, T_p, _PERIODS_AFTER * float(pulse.case.frame.T_s))
-    with _library.start_simulation(changed.kernel, changed.kernel_source()) as run:
+    with _library.start_simulation(changed.kernel, changed.label) as run:
         summary = run.summary()
     return float(summary[_SUMMARY_KEY]) if ending_of(summary) == "ok" else np.inf
