@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import xarray as xr
 
 from rwmf import _library
+from rwmf._labels import dataset
 from rwmf.case import Case
 from rwmf.case.grid import Values, with_grid
 from rwmf.quantities import AXES, find
@@ -100,7 +101,7 @@ def start(
     """
     total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
-    with _library.start_spectrum(case.kernel, case.kernel_source(), threads, report) as sweep:
+    with _library.start_spectrum(case.kernel, case.label, threads, report) as sweep:
         yield sweep
 
 
@@ -121,7 +122,7 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
     facts = sweep.facts()
     axes = sweep.axes()
     coordinates = {
-        name: (name, values[name], {"units": item.unit, "long_name": item.meaning})
+        name: ((name,), values[name], {"units": item.unit, "long_name": item.meaning})
         for name, item in axes.items()
     }
     dims = tuple(axes)
@@ -135,10 +136,10 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
         for key, item in found.items()
         for name in item.names("ordinate") or (key,)
     }
-    return xr.Dataset(
-        variables | {"status": (dims, status)},
-        coords=coordinates,
-        attrs={
+    return dataset(
+        variables | {"status": (dims, status, {})},
+        coordinates,
+        {
             "version": _library.version(),
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),

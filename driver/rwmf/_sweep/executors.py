@@ -222,7 +222,7 @@ def _processes(_: str, workers: int) -> Iterator[Executor]:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
-    # a forked child hangs when OpenMP has run in its parent
+    # a forked child would share locks of whatever threads its parent has
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as executor:
         yield executor

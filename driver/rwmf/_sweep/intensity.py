@@ -108,7 +108,7 @@ def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
     if T_s is None:
         found = case.peak_of_motion()
     else:
-        with _library.start_spectrum(case, probe.kernel_source()) as spectrum:
+        with _library.start_spectrum(case, probe.label) as spectrum:
             found = (2 * math.pi / T_s) ** 2 * float(spectrum.values()["u_s_max_m"].squeeze())
     intensity = found / float(probe.model.g)
     if not 0 < intensity < math.inf:

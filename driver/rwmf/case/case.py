@@ -108,7 +108,7 @@ class Case:
             return None
         case = type(self).__new__(type(self))
         case._put(self._source, self._folder, True, None, self._motions)
-        kernel = self._kernel.changed(found, numbers, case.kernel_source())
+        kernel = self._kernel.changed(found, numbers, case.label)
         object.__setattr__(case, "_kernel", kernel)
         return case
 
@@ -350,12 +350,14 @@ class Case:
         str
             The path; that of an edited case says so.
         """
-        label = self._label()
+        label = self.label
         if Path(label).parent.absolute() == self._folder:
             return label
         return str(self._folder / (Path(label).name or "case.nml"))
 
-    def _label(self) -> str:
+    @property
+    def label(self) -> str:
+        """What messages begin with: path of the file, that of an edited case says so; or ''."""
         # the lines that a message counts are not those of the file once a case is edited
         return (self._source or "") + (" (edited)" if self._edited and self._source else "")
 
@@ -410,7 +412,7 @@ class Case:
 
     def __repr__(self) -> str:
         """Show the groups, one a line."""
-        lines = [f"Case({self._label() or 'in memory'})"]
+        lines = [f"Case({self.label or 'in memory'})"]
         lines += [f"  {name:8s} {group!r}" for name, group in self._groups.items()]
         return "\n".join(lines)
 

@@ -131,7 +131,7 @@ class _Search:
     def is_reached(self, T_p: float, amplitude: float) -> bool:
         """Run one pulse; what ended before its time exceeds every target."""
         changed = self.pulse.resized(amplitude, T_p, self.follow)
-        with _library.start_simulation(changed.kernel, changed.kernel_source()) as run:
+        with _library.start_simulation(changed.kernel, changed.label) as run:
             summary = run.summary()
         if ending_of(summary) != "ok":
             return True

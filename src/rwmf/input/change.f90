@@ -6,6 +6,7 @@
 !> without the samples of records, which the case that it comes from keeps (`motion_from_case` takes
 !> both).
 module rwmf_input_change
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_reader, only: end_with_records, fill_case
@@ -215,26 +216,39 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
       integer :: n
-      integer :: i, k
+      integer :: i
 
       changed%values = changes%values
       n = 0
       do i = 1, size(changes%keys)
          changed%values%numbers(changes%first(i):changes%first(i) + changes%n(i) - 1) = &
             numbers(n + 1:n + changes%n(i))
-         do k = n + 1, n + changes%n(i)
-            call check_number(changes%keys(i), numbers(k), problem)
-            if (.not. allocated(problem)) cycle
+         call check_numbers(changes%keys(i), numbers(n + 1:n + changes%n(i)), problem)
+         if (allocated(problem)) then
             call fail_key(changed%values, trim(changes%keys(i)%group), &
                trim(changes%keys(i)%key), problem, error)
             return
-         end do
+         end if
          n = n + changes%n(i)
       end do
       call check_values(changed%values, changes%groups, error)
       if (.not. allocated(error)) call fill_case(changed, changes%groups, error)
       if (.not. allocated(error)) call keep_records(case, changed, error)
    end subroutine change_case
+
+   !> Check the numbers of a key. What is allowed is an interval: the ends of a list tell.
+   pure subroutine check_numbers(key, numbers, problem)
+      type(key_t), intent(in) :: key
+      real(dp), intent(in) :: numbers(:)
+      character(:), allocatable, intent(out) :: problem
+
+      if (size(numbers) == 0) return
+      call check_number(key, minval(numbers), problem)
+      if (.not. allocated(problem)) call check_number(key, maxval(numbers), problem)
+      if (allocated(problem)) return
+      ! minval and maxval pass over what is no number, a sum does not
+      if (.not. all(ieee_is_finite(numbers))) call check_number(key, sum(numbers), problem)
+   end subroutine check_numbers
 
    !> Do the keys that change say how the ground moves?
    pure logical function is_motion_changed(changes)
