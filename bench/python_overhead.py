@@ -1,8 +1,8 @@
 """What a call from Python costs beside the kernel's own time, side by side in one run.
 
-Run it as ``.venv/bin/python bench/python_overhead.py [ROUNDS]``, for a pulse and a record. Lines are
-calls, the same work by the bare kernel, what lies between them, and what ``xarray.Dataset``
-alone would take to label the same arrays. All of them alternate, and the least time of each counts: on a
+Run it as ``.venv/bin/python bench/python_overhead.py [ROUNDS]``, for a pulse and a record. It
+prints calls, the same work by the bare kernel, what lies between them, and what ``xarray.Dataset``
+alone would take to label the same arrays. All alternate, and the least time of each counts: on a
 machine that others use too, ask for more rounds.
 """
 

@@ -22,6 +22,12 @@ module rwmf
    ! a case: from namelist text or file to validated components
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
+   ! a ground motion from arrays, in place of the record that a case names
+   use rwmf_input_record_samples, only: samples_from_array, samples_t
+   ! the same case with other numbers, in microseconds
+   use rwmf_input_change, only: change_case, changes_t, find_changes
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_simulation_simulate, only: simulate_with_motion
    ! one simulation: maxima, counts, history and events
    use rwmf_simulation_result, only: energy_t, event_collapsed, event_impact, event_lift_off, &
       event_name, event_overturned, event_peak, event_rest, event_branch, event_rupture, event_t, &
@@ -52,7 +58,8 @@ module rwmf
    implicit none
    private
 
-   public :: case_t, read_case_file, read_case_text
+   public :: case_t, read_case_file, read_case_text, samples_t, samples_from_array
+   public :: changes_t, find_changes, change_case, motion_t, motion_from_case, simulate_with_motion
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
       event_branch, event_rupture, event_collapsed

@@ -124,8 +124,10 @@ class Plan:
             for name, values in axis.columns.items()
         }
         # what period and mass ratio are in a scene is the kernel's business, as in a grid
-        if "T_s" in numbers:
+        if "T_s" in numbers or "storeys" in entries:
             entries["spectrum"] = {name: numbers.pop(name) for name in AXES if name in numbers}
+            # any period says of storeys what the numbers beside it may be
+            entries["spectrum"].setdefault("T_s", 1.0)
         for name, number in numbers.items():
             put_number(entries, name, number)
         return entries
