@@ -80,6 +80,9 @@ class Scene:
         self.groups = {group: dict(keys) for group, keys in groups.items()}
         self.groups["solver"] |= _SOLVER
         self.groups["output"] |= {"dt": 0.05}
+        if "frame" not in self.groups and self.groups["wall"].get("base") == "pinned":
+            # before it lies on its side, at 1.9 s
+            self.groups["solver"] |= {"t_end": 1.5}
         self.folder = folder
 
     @cached_property
@@ -294,6 +297,15 @@ def run_netcdf(scene: Scene, folder: Path) -> None:
         _check_sweep(scene, found, wanted)
 
 
+def run_points(scene: Scene, _: Path) -> None:
+    """`rwmf.sweep` with points: two rows, of which the second is the run."""
+    axes = scene.case.kernel.axes()
+    own = {name: axis.value for name, axis in axes.items()}
+    points = {name: [1.1 * value, value] for name, value in own.items()}
+    found = rwmf.sweep(scene.case, points=points)
+    _check_sweep(scene, found.isel(point=[1]), [scene.peak[1]])
+
+
 def _check_sweep(scene: Scene, found: xr.Dataset, wanted: list[str]) -> None:
     states = found["status"].attrs["flag_meanings"].split()
     assert states[int(found["status"].squeeze())] == "ok"
@@ -496,6 +508,7 @@ PATHS: dict[str, Callable[[Scene, Path], None]] = {
     "spectrum": run_spectrum,
     "spectrum, auto": run_auto_spectrum,
     "sweep": run_sweep,
+    "sweep, points": run_points,
     "sweep, NetCDF": run_netcdf,
     "overturning": study_overturning,
     "suite": study_suite,
