@@ -48,6 +48,8 @@ program bare_cvode
       print '(a)', error%message
       stop 2
    end if
+   ! in m/s2, as the scene of this program has it
+   if (allocated(case%record)) case%record%a = case%record%factor*case%record%a
    bare = huge(bare)
    equal = huge(equal)
    kernel = huge(kernel)

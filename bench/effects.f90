@@ -170,7 +170,7 @@ contains
       k = interval_at(motion, t)
       p%t_k = case%record%t(k)
       p%a_k = acceleration(motion, k, p%t_k)
-      p%slope = (case%record%a(k + 1) - case%record%a(k)) &
+      p%slope = case%record%factor*(case%record%a(k + 1) - case%record%a(k)) &
          /(case%record%t(k + 1) - case%record%t(k))
    end subroutine follow_record
 

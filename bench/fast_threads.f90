@@ -62,7 +62,7 @@ contains
             best(threads) = min(best(threads), 1.0e3_wp*real(end - begin, wp)/real(rate, wp))
          end do
       end do
-      print '(a,i0,2(a,f0.2),a,f0.2,a)', '| ', size(spectrum%u_s_max), ' | ', best(1), ' | ', &
+      print '(a,i0,2(a,f0.2),a,f0.2,a)', '| ', size(spectrum%values), ' | ', best(1), ' | ', &
          best(2), ' | ', best(1)/best(2), ' |'
    end subroutine measure
 

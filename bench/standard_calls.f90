@@ -102,7 +102,7 @@ contains
 
       call compute_spectrum(case, 1, spectrum, error)
       call check(error)
-      answer = sum(spectrum%u_s_max)
+      answer = sum(spectrum%values)
    end subroutine fill_spectrum
 
    !> 200 steps of a host of 0.02 s.

@@ -108,6 +108,20 @@ int rwmf_run(const char *namelist, rwmf_result *result, char *message, size_t si
  * it at once. What is made from it does not need it any more. */
 int rwmf_read_case(const char *namelist, const char *folder, rwmf_case **scene, char *message,
                    size_t size);
+
+/* Samples of a ground acceleration, in the unit that the case says; straight lines between them. */
+typedef struct {
+   size_t n;                    /* at least 2 */
+   const double *times;         /* n of them, increasing strictly, s; NULL: `dt` of the case */
+   const double *accelerations; /* n of them */
+} rwmf_samples;
+
+/* The same with samples in place of the records of &motion and &vertical (NULL: a file, or none).
+ * The key `file` of the group is then the name by which outputs call them; `unit`, `dt` and `scale`
+ * hold as for a file. The samples are copied. */
+int rwmf_read_case_with(const char *namelist, const char *folder, const rwmf_samples *motion,
+                        const rwmf_samples *vertical, rwmf_case **scene, char *message,
+                        size_t size);
 /* The same from a file; relative paths start from its folder. What it cannot do is said of the file. */
 int rwmf_read_case_file(const char *path, rwmf_case **scene, char *message, size_t size);
 /* Sets *scene to NULL. Safe to call twice. */

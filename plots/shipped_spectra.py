@@ -19,7 +19,6 @@ import xarray as xr
 from reproduce.formulations import FORMULATIONS, PUBLISHED
 from rwmf._spectrum import spectrum, start, to_dataset
 from rwmf.case import Case
-from rwmf.case.grid import count_ordinates
 from rwmf.cli.progress import progress_bar
 from rwmf.errors import InputError, Interrupted, OutputError, RwmfError
 from rwmf.plotting import files as figures
@@ -117,15 +116,15 @@ def compute(name: str, inputs: Path, plots: Path) -> Pair:
         As `rwmf.spectrum` and the writers of files.
     """
     case = Case.from_namelist(inputs / f"{name}.nml")
-    print(f"{SHIPPED[name]}: {len(FORMULATIONS)} times {count_ordinates(case)} simulations")
+    print(f"{SHIPPED[name]}: {len(FORMULATIONS)} times {case.kernel.ordinates()} simulations")
     forms = []
     for form in FORMULATIONS:
         started = time.perf_counter()
         path = plots / (f"{name}.csv" if form is PUBLISHED else f"{name}_{form.key}.csv")
         changed = case.replace(**form.changes)
-        with progress_bar(count_ordinates(changed)) as report, start(changed, 0, report) as sweep:
+        with progress_bar(changed.kernel.ordinates()) as report, start(changed, 0, report) as sweep:
             forms.append(to_dataset(sweep))
-            sweep.write(str(path))
+            sweep.write(changed.text, str(path))
         _report(forms[-1], path, time.perf_counter() - started)
     return Pair(SHIPPED[name], forms, spectrum(without_wall(case)))
 

@@ -22,13 +22,19 @@ module rwmf
    ! a case: from namelist text or file to validated components
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
+   ! a ground motion from arrays, in place of the record that a case names
+   use rwmf_input_record_samples, only: samples_from_array, samples_t
+   ! the same case with other numbers, in microseconds
+   use rwmf_input_change, only: change_case, changes_t, find_changes
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_simulation_simulate, only: simulate_with_motion
    ! one simulation: maxima, counts, history and events
    use rwmf_simulation_result, only: demand_extremes_t, energy_t, event_collapsed, event_impact, &
       event_lift_off, event_name, event_overturned, event_peak, event_rest, event_branch, &
       event_rupture, event_t, history_t, reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
-   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program
    use rwmf_motion_ground_motion, only: ground_t
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -51,7 +57,8 @@ module rwmf
    implicit none
    private
 
-   public :: case_t, read_case_file, read_case_text
+   public :: case_t, read_case_file, read_case_text, samples_t, samples_from_array
+   public :: changes_t, find_changes, change_case, motion_t, motion_from_case, simulate_with_motion
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
    public :: event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
@@ -61,7 +68,7 @@ module rwmf
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
    public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
    public :: next_impact, next_lift_off, lift_off_drive_of, settles
-   public :: spectrum_t, compute_spectrum
+   public :: spectrum_t, compute_spectrum, compute_rows, status_of
    public :: write_result, write_spectrum
    public :: control_t
    public :: error_t, err_input, err_interrupt, err_numerical

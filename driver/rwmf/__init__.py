@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
-    from rwmf.case import Case
+    from rwmf.case import Case, Motion
     from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
     __version__: str
@@ -31,6 +31,7 @@ __all__ = [
     "Cost",
     "InputError",
     "Interrupted",
+    "Motion",
     "NumericalError",
     "OutputError",
     "RecordFile",
@@ -54,6 +55,7 @@ _HOMES = {
     "Cost": "_cost",
     "InputError": "errors",
     "Interrupted": "errors",
+    "Motion": "case",
     "NumericalError": "errors",
     "OutputError": "errors",
     "RecordFile": "_sweep",

@@ -2,5 +2,6 @@
 
 from typing import Any
 
+rwmf_bindings_python_cases: Any
 rwmf_bindings_python_cost: Any
 rwmf_bindings_python_kernel: Any

@@ -9,6 +9,7 @@ from typing import Any
 import xarray as xr
 
 from rwmf import _library
+from rwmf._labels import Labelled, dataset
 from rwmf.case import Case
 from rwmf.quantities import find
 
@@ -89,7 +90,7 @@ def start(case: Case) -> Iterator[_library.Run]:
     InputError, NumericalError, Interrupted
         As `simulate`.
     """
-    with _library.start_simulation(case.kernel, case.kernel_source()) as run:
+    with _library.start_simulation(case.kernel, case.label) as run:
         yield run
 
 
@@ -107,13 +108,13 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
         As `simulate` returns it.
     """
     summary = run.summary()
-    variables: dict[str, Any] = {}
+    variables: dict[str, Labelled] = {}
     columns, values = run.history()
     for i, column in enumerate(columns):
         quantity = find(column)
         for name in quantity.names("history"):
-            variables[name] = ("time", values[i], quantity.attributes)
-    coordinates: dict[str, Any] = {}
+            variables[name] = (("time",), values[i], quantity.attributes)
+    coordinates: dict[str, Labelled] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
     facts: dict[str, Any] = {"version": _library.version()}
@@ -123,21 +124,21 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
             variables[name] = ((), value, quantity.attributes)
         if not quantity.name:
             facts[key] = value
-    # all at once: xarray aligns everything anew for each variable that is added
-    return xr.Dataset(variables, coordinates, facts)
+    return dataset(variables, coordinates, facts)
 
 
-def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Any]:
+def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Labelled]:
     """Coordinates over the events; the state of a bare frame is its displacement."""
     events = run.events()
     state = ("theta", "theta_dot") if "wall" in summary["effects"] else ("u_s", "u_s_dot")
+    over = ("event",)
     units = ("rad", "rad/s") if state[0] == "theta" else ("m", "m/s")
     return {
-        "event": ("event", events["kind"], {"long_name": "kind of event"}),
-        "event_time": ("event", events["t"], {"units": "s", "long_name": "time of the event"}),
-        f"event_{state[0]}": ("event", events["theta"], {"units": units[0]}),
+        "event": (over, events["kind"], {"long_name": "kind of event"}),
+        "event_time": (over, events["t"], {"units": "s", "long_name": "time of the event"}),
+        f"event_{state[0]}": (over, events["theta"], {"units": units[0]}),
         f"event_{state[1]}": (
-            "event",
+            over,
             events["theta_dot"],
             {"units": units[1], "long_name": "rate at the event, at an impact the one before it"},
         ),

@@ -8,8 +8,9 @@ from contextlib import contextmanager
 import xarray as xr
 
 from rwmf import _library
+from rwmf._labels import dataset
 from rwmf.case import Case
-from rwmf.case.grid import Values, count_ordinates, with_grid
+from rwmf.case.grid import Values, with_grid
 from rwmf.quantities import AXES, find
 
 __all__ = ["spectrum", "start", "to_dataset"]
@@ -26,18 +27,23 @@ def spectrum(
     progress: Progress | None = None,
     quantities: Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """Compute the largest displacement of the frame, or more, over frame periods.
+    """Compute the largest displacement of the frame, or more, over periods.
+
+    The period of storeys is their first one, all stiffnesses follow it; gamma scales all their
+    masses and stiffnesses. The period of a wall without a frame is 2 pi/p of a block of its
+    slenderness, p = sqrt(3 g/(4 R)): its size follows. The labels of the axes say so.
 
     Parameters
     ----------
     case : Case
         The case.
     T_s : float or sequence of float, optional
-        Frame periods [s]; otherwise those of the case's `&spectrum`.
+        Periods [s]; otherwise those of the case's `&spectrum`.
     gamma : float or sequence of float, optional
         Mass ratios [-]; otherwise those of `&spectrum`, or the one of `&frame`.
     b : float or sequence of float, optional
-        Half widths of the wall [m]; otherwise those of `&spectrum`, or the one of `&wall`.
+        Half widths of the wall [m]; otherwise those of `&spectrum`, or the one of `&wall`. Without
+        a frame they set the slenderness at the height of the case, before the period the size.
     threads : int
         Threads of the kernel, 0 for all. The result does not depend on it. More than 256, and than
         16 for each processor, are refused.
@@ -45,15 +51,16 @@ def spectrum(
         Called about 20 times a second with the number of finished ordinates and of all.
     quantities : sequence of str, optional
         What is reported of each ordinate, by names or keys of reference/outputs.md; otherwise what
-        `&spectrum` asks for, which is ``u_s_max`` when it says nothing.
+        `&spectrum` asks for, which is ``u_s_max`` when it says nothing, without a frame
+        ``theta_max_over_alpha``.
 
     Returns
     -------
     xarray.Dataset
         The quantities, ``u_s_max`` [m], and ``status`` over (b, gamma, T_s), for the bare frame
-        over T_s. An ordinate that failed is NaN, its status the name of the reason. Counts and yes
-        (1) or no (0) are numbers; what has not happened has no time, NaN. Its attribute
-        ``warnings`` lists what the case does not conserve.
+        over T_s, for a wall without a frame over (b, T_s). An ordinate that failed is NaN, its
+        status the name of the reason. Counts and yes (1) or no (0) are numbers; what has not
+        happened has no time, NaN. Its attribute ``warnings`` lists what the case does not conserve.
 
     Raises
     ------
@@ -92,9 +99,9 @@ def start(
     InputError, Interrupted
         As `spectrum`.
     """
-    total = count_ordinates(case)
+    total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
-    with _library.start_spectrum(case.kernel, case.kernel_source(), threads, report) as sweep:
+    with _library.start_spectrum(case.kernel, case.label, threads, report) as sweep:
         yield sweep
 
 
@@ -113,12 +120,15 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
     """
     values = sweep.values()
     facts = sweep.facts()
-    dims: tuple[str, ...] = ("b", "gamma", "T_s")
-    coordinates = {name: (name, values.pop(name), item.attributes) for name, item in AXES.items()}
-    if facts["bare"]:
-        dims = ("T_s",)
-        values = {name: array[0, 0] for name, array in values.items()}
-        coordinates = {"T_s": coordinates["T_s"]}
+    axes = sweep.axes()
+    coordinates = {
+        name: ((name,), values[name], {"units": item.unit, "long_name": item.meaning})
+        for name, item in axes.items()
+    }
+    dims = tuple(axes)
+    # an axis that the scene does not have has one position
+    place = tuple(slice(None) if name in axes else 0 for name in AXES)
+    values = {name: array[place] for name, array in values.items() if name not in AXES}
     status = values.pop("status")
     found = {key: find(key) for key in values}
     variables = {
@@ -126,10 +136,10 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
         for key, item in found.items()
         for name in item.names("ordinate") or (key,)
     }
-    return xr.Dataset(
-        variables | {"status": (dims, status)},
-        coords=coordinates,
-        attrs={
+    return dataset(
+        variables | {"status": (dims, status, {})},
+        coordinates,
+        {
             "version": _library.version(),
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),

@@ -2,7 +2,37 @@
 
 from __future__ import annotations
 
-__all__ = ["InputError", "Interrupted", "NumericalError", "OutputError", "RwmfError"]
+import difflib
+from collections.abc import Iterable
+
+__all__ = [
+    "InputError",
+    "Interrupted",
+    "NumericalError",
+    "OutputError",
+    "RwmfError",
+    "did_you_mean",
+]
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Suggest what a word may have been meant to be, for the message of an error.
+
+    Parameters
+    ----------
+    word : str
+        What is not known.
+    known : iterable of str
+        What is; the case of the letters does not matter.
+
+    Returns
+    -------
+    str
+        ', did you mean ...?', '' where nothing is near.
+    """
+    by_lower = {name.lower(): name for name in known}
+    near = difflib.get_close_matches(word.lower(), by_lower, n=1)
+    return f", did you mean {by_lower[near[0]]}?" if near else ""
 
 
 class RwmfError(Exception):

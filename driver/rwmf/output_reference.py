@@ -26,8 +26,11 @@ was asked for by.
 
 A number that describes the response is a variable. How the whole computation was done and what it
 took is without a name: an attribute of the dataset under its key, and over a grid a variable under
-its key. `rwmf.sweep` keeps any named quantity that a spectrum may be asked for, but those of single
-storeys.
+its key. `rwmf.sweep` keeps any named quantity that a spectrum may be asked for.
+
+Axes of a grid (`T_s_s`, `gamma`, `b_m`) may be more than a key of the case: of `&storeys` and of a
+wall without a frame other numbers follow them. What they are in a scene is the `long_name` of the
+coordinate and stands above the columns of a CSV file ([theory](../theory/theory.md), "Axes").
 
 How a number is found:
 

@@ -11,7 +11,7 @@ program rwmf_batch
    use rwmf_core_kinds, only: wp
    use rwmf_output_csv, only: case_name, check_outputs
    use rwmf_problem_single_run, only: has_period
-   use rwmf_spectrum_spectrum, only: spectrum_periods
+   use rwmf_spectrum_spectrum, only: spectrum_periods, status_of
    use rwmf_text_atomic_file, only: check_folder, join_path, remove_leftovers
    use rwmf_text_strings, only: string_t
    implicit none
@@ -228,8 +228,9 @@ contains
       call report_warnings(path, spectrum%warnings)
       call save_spectrum(case, spectrum, path, command_line, error)
       if (allocated(error)) return
-      failed = count(spectrum%status /= 'ok' .and. spectrum%status /= 'overturned' &
-         .and. spectrum%status /= 'collapsed')
+      associate (names => status_of(spectrum))
+         failed = count(names /= 'ok' .and. names /= 'overturned' .and. names /= 'collapsed')
+      end associate
       write (counts, '(i0, a, f0.3, a, i0, a)') size(spectrum%status), ' ordinates, ', &
          spectrum%seconds, ' s, ', spectrum%threads, ' threads)'
       call say(path//': spectrum written ('//trim(counts), status)

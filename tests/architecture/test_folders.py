@@ -38,12 +38,12 @@ LARGE: dict[str, str] = {
     "rwmf_spectrum_fast_step_kernel:take_step": "a vectorised loop, its stages written out",
     "rwmf_spectrum_fast_step_kernel:state_at_node": _ONE_LANE,
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
-    "rwmf_spectrum_fast_driver:run_fast": "a spectrum's axes and its results",
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
     "rwmf_embedding_element_events:next_lift_off": _STEP_OF_A_HOST,
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_kernel:rows": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_reference:solve": _CALLER_IS_NO_FORTRAN,
 }
 

@@ -2,7 +2,8 @@
 program test_facade
    use check, only: checks_t
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
-      error_t, i8, read_case_text, result_t, simulate, spectrum_t, version, wp
+      error_t, i8, read_case_text, result_t, simulate, spectrum_t, status_of, &
+      version, wp
    implicit none
 
    character(*), parameter :: nl = new_line('a')
@@ -73,9 +74,9 @@ contains
       end if
       call checks%no_error(error, 'spectrum')
       if (allocated(error)) return
-      call checks%that(all(shape(spectrum%u_s_max) == [3, 2, 1]), 'shape of the spectrum')
-      call checks%that(all(spectrum%status == 'ok'), 'all ordinates')
-      call checks%that(same_bits(spectrum%u_s_max(1, 1, 1), result%u_s_max), &
+      call checks%that(all(shape(spectrum%values) == [3, 2, 1, 1]), 'shape of the spectrum')
+      call checks%that(all(status_of(spectrum) == 'ok'), 'all ordinates')
+      call checks%that(same_bits(spectrum%values(1, 1, 1, 1), result%u_s_max), &
          'ordinate is simulation')
    end subroutine test_spectrum_is_simulate
 

@@ -52,8 +52,9 @@ class Tree:
 
     @property
     def inputs(self) -> list[Path]:
-        """Every shipped case, in whatever folder below `inputs`, by name."""
-        return sorted(self.root.glob("inputs/**/*.nml"), key=lambda path: path.stem)
+        """Every shipped case, in whatever folder below `inputs`, by name; none of a sweep."""
+        found = [path for path in self.root.glob("inputs/**/*.nml") if path.parent.name != "sweeps"]
+        return sorted(found, key=lambda path: path.stem)
 
     @property
     def namelist_page(self) -> Path:

@@ -4,9 +4,9 @@ Text enters the kernel as UTF-8 bytes and leaves it in byte buffers. No other mo
 extensions; `measure`, which needs that in quadruple precision, is imported by those who measure.
 """
 
-from rwmf._library.case import KernelCase, read_case
+from rwmf._library.case import Changes, KernelCase, Samples, SceneAxis, keep_samples, read_case
 from rwmf._library.results import Run, Spectrum
-from rwmf._library.start import check_threads, start_simulation, start_spectrum
+from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
     instruction_set,
     law_warning,
@@ -18,17 +18,22 @@ from rwmf._library.tables import (
 )
 
 __all__ = [
+    "Changes",
     "KernelCase",
     "Run",
+    "Samples",
+    "SceneAxis",
     "Spectrum",
     "check_threads",
     "instruction_set",
+    "keep_samples",
     "law_warning",
     "needs_of_groups",
     "quantities",
     "read_case",
     "result_names",
     "schema",
+    "start_rows",
     "start_simulation",
     "start_spectrum",
     "version",

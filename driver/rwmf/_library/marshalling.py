@@ -71,7 +71,7 @@ def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
     """
     size = FIRST_BUFFER
     while True:
-        buffer = np.zeros(size, dtype=np.int8)
+        buffer = np.empty(size, dtype=np.int8)
         length = int(procedure(*arguments, buffer))
         if length <= size:
             return decode(buffer, length)
@@ -127,7 +127,7 @@ def message_buffer() -> npt.NDArray[np.int8]:
     numpy.ndarray of bytes, shape (8192,)
         The room.
     """
-    return np.zeros(_MESSAGE_BYTES, dtype=np.int8)
+    return np.empty(_MESSAGE_BYTES, dtype=np.int8)
 
 
 def encode(text: str) -> bytes:

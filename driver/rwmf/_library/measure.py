@@ -13,6 +13,7 @@ from rwmf._kernel import rwmf_bindings_python_cost as _cost
 from rwmf._library.marshalling import encode, fetch_text, message_buffer
 from rwmf._library.worker import wait_for
 from rwmf._reference import rwmf_bindings_python_reference as _reference
+from rwmf.errors import InputError
 
 if TYPE_CHECKING:
     from rwmf.case import Case
@@ -193,6 +194,8 @@ def solve_reference(
     InputError, NumericalError, Interrupted
         As the kernel reports them.
     """
+    if case.motions:
+        raise InputError("the quadruple kernel reads records from files: case.to_namelist(path)")
     differences = np.full(_n_values(), np.nan)
     impact_differences = np.zeros(_MOST_IMPACTS)
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.case import KernelCase
+from rwmf._library.case import KernelCase, SceneAxis
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
 from rwmf._library.memory import Memory, MemoryView
 from rwmf._library.tables import law_warning
@@ -128,11 +128,13 @@ class Run(Result):
         names = np.array(fetch_text(_kernel.event_names).splitlines(), dtype=str)
         return {"kind": names[kinds - 1], "t": t, "theta": theta, "theta_dot": theta_dot}
 
-    def write(self, source: str, folder: str) -> None:
+    def write(self, text: str, source: str, folder: str) -> None:
         """Write the files of the batch program, named after `source`, into `folder`.
 
         Parameters
         ----------
+        text : str
+            Namelist text of the case.
         source : str
             Path of the case's file.
         folder : str
@@ -145,7 +147,7 @@ class Run(Result):
         """
         message = message_buffer()
         status, n = _kernel.result_write(
-            self._case.handle, self.handle, encode(source), encode(folder), message
+            self._case.handle, self.handle, encode(text), encode(source), encode(folder), message
         )
         raise_for(status, message, n, writing=True)
 
@@ -162,6 +164,16 @@ class Spectrum(Result):
             One line each.
         """
         return law_warning(self._case.broken_laws()).splitlines()
+
+    def axes(self) -> dict[str, SceneAxis]:
+        """Say what the axes are in the scene.
+
+        Returns
+        -------
+        dict of str to SceneAxis
+            As `KernelCase.axes`.
+        """
+        return self._case.axes()
 
     def facts(self) -> dict[str, Any]:
         """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds.
@@ -187,7 +199,12 @@ class Spectrum(Result):
         axes = [np.zeros(n) for n in shape]
         address = _kernel.spectrum_values(self.handle, *axes)
         found = np.asarray(MemoryView(self.memory, address, (len(keys), *shape[::-1])))
-        status = np.array(fetch_text(_kernel.spectrum_status, self.handle).splitlines(), dtype=str)
+        places = np.zeros(found[0].size, dtype=np.int8)
+        names = fetch_text(_kernel.spectrum_status, self.handle, places).split("\t")
+        # only those that occur: the longest name says how much memory each ordinate takes
+        counts = np.bincount(places, minlength=len(names) + 1)
+        used = [name if n > 0 else "" for name, n in zip(["", *names], counts, strict=True)]
+        status = np.array(used, dtype=str)[places]
         return dict(zip(keys, found, strict=True)) | {
             "T_s": axes[0],
             "gamma": axes[1],
@@ -195,8 +212,10 @@ class Spectrum(Result):
             "status": status.reshape(shape[::-1]),
         }
 
-    def write(self, path: str) -> None:
-        """Write the CSV file of the batch program."""
+    def write(self, text: str, path: str) -> None:
+        """Write the CSV file of the batch program, with the namelist text of the case in it."""
         message = message_buffer()
-        status, n = _kernel.spectrum_write(self._case.handle, self.handle, encode(path), message)
+        status, n = _kernel.spectrum_write(
+            self._case.handle, self.handle, encode(text), encode(path), message
+        )
         raise_for(status, message, n, writing=True)

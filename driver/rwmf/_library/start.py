@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.case import KernelCase
-from rwmf._library.marshalling import message_buffer
+from rwmf._library.marshalling import encode, message_buffer
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.worker import Progress, wait_for
 from rwmf.errors import InputError
 
-__all__ = ["check_threads", "start_simulation", "start_spectrum"]
+__all__ = ["check_threads", "start_rows", "start_simulation", "start_spectrum"]
 
 
 def check_threads(threads: int, name: str = "threads") -> int:
@@ -112,6 +113,60 @@ def start_spectrum(
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
         handle, status, n = _kernel.spectrum(case.handle, threads, control, message)
+        return handle, status, n
+
+    return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)
+
+
+def start_rows(
+    case: KernelCase,
+    source: str,
+    columns: Sequence[str],
+    values: npt.NDArray[np.float64],
+    quantities: Sequence[str] = (),
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> Spectrum:
+    """Compute runs of one case whose numbers differ in a worker thread.
+
+    Parameters
+    ----------
+    case : KernelCase
+        From `read_case`: what all rows have in common.
+    source : str
+        What a message begins with: the path of the case's file, or ''.
+    columns : sequence of str
+        ``T_s``, ``gamma``, ``b``, ``scale`` (a factor on the horizontal motion) or ``group.key``.
+    values : numpy.ndarray, shape (rows, columns)
+        The numbers, each in the unit of its key.
+    quantities : sequence of str
+        Keys of what each row reports; none: what the case asks for.
+    threads : int
+        Threads of the kernel, 0 for all.
+    progress : callable, optional
+        Called about 20 times a second with the number of finished rows.
+
+    Returns
+    -------
+    Spectrum
+        To be closed by the caller; the rows are its last dimension, that of T_s. A row whose
+        numbers the rules of the case do not allow has the status ``refused`` and NaN.
+
+    Raises
+    ------
+    InputError, NumericalError
+        As the kernel reports them.
+    Interrupted
+        After Ctrl-C.
+    """
+    message = message_buffer()
+    threads = check_threads(threads)
+    # the kernel's order; no copy of what is stored row by row
+    table = np.ascontiguousarray(values, dtype=np.float64).T
+    names, keys = encode("\t".join(columns)), encode("\t".join(quantities))
+
+    def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
+        handle, status, n = _kernel.rows(case.handle, names, table, keys, threads, control, message)
         return handle, status, n
 
     return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.marshalling import encode, fetch_text, split_table
 
@@ -16,6 +18,7 @@ __all__ = [
 ]
 
 
+@functools.cache
 def version() -> str:
     """Version of the compiled kernel.
 
@@ -91,6 +94,7 @@ def result_names(source: str) -> list[str]:
     return fetch_text(_kernel.result_names, encode(source)).splitlines()
 
 
+@functools.cache
 def law_warning(laws: int) -> str:
     """Say in one line which laws are broken.
 

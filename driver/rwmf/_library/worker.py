@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import queue
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -19,6 +21,8 @@ _T = TypeVar("_T")
 
 # how often the waiting thread looks for Ctrl-C and reports progress: well below 0.2 s
 _POLL_SECONDS = 0.05
+# how long a thread of the kernel waits for the next call
+_IDLE_SECONDS = 1.0
 
 
 def wait_for(
@@ -57,8 +61,27 @@ def wait_for(
         After Ctrl-C.
     """
     control = np.zeros(2, dtype=np.int64)
+    if progress is None and threading.current_thread() is not threading.main_thread():
+        # signals go to the main thread: nothing can interrupt this one
+        handle, status, n = call(control)
+    else:
+        handle, status, n = _call_beside(call, control, wrap, progress)
+    raise_for(status, message, n, source=source)
+    result = wrap(handle)
+    if progress is not None:
+        progress(int(control[0]))
+    return result
+
+
+def _call_beside(
+    call: Callable[[npt.NDArray[np.int64]], tuple[int, int, int]],
+    control: npt.NDArray[np.int64],
+    wrap: Callable[[int], Any],
+    progress: Progress | None,
+) -> tuple[int, int, int]:
+    """Call the kernel in a thread of its own: a signal must find this one in Python code."""
     outcome: list[tuple[int, int, int] | BaseException] = []
-    finished = threading.Event()
+    running = threading.Lock()
 
     def work() -> None:
         try:
@@ -67,31 +90,59 @@ def wait_for(
             # handed over to the waiting thread
             outcome.append(error)
         finally:
-            finished.set()
+            running.release()
 
-    # a signal must find the main thread in Python code, not inside the kernel
-    worker = threading.Thread(target=work, name="rwmf-kernel", daemon=True)
-    worker.start()
+    running.acquire()
+    worker = _idle.pop() if _idle else _Worker()
+    worker.tasks.put(work)
     try:
-        while not finished.wait(_POLL_SECONDS):
+        while not running.acquire(timeout=_POLL_SECONDS):
             if progress is not None:
                 progress(int(control[0]))
     except BaseException as error:
         control[1] = 1
-        worker.join()
+        # the end may have come while the exception was on its way
+        while not outcome:
+            running.acquire(timeout=_POLL_SECONDS)
+        _idle.append(worker)
         _discard(outcome[0], wrap)
         if isinstance(error, KeyboardInterrupt):
             raise Interrupted("interrupted") from error
         raise
-    worker.join()
+    _idle.append(worker)
     if isinstance(outcome[0], BaseException):
         raise outcome[0]
-    handle, status, n = outcome[0]
-    raise_for(status, message, n, source=source)
-    result = wrap(handle)
-    if progress is not None:
-        progress(int(control[0]))
-    return result
+    return outcome[0]
+
+
+class _Worker:
+    """A thread that runs calls of the kernel, and ends when it has had none for a while.
+
+    A thread costs as much as a short run: it takes the memory of its first run from the system.
+    """
+
+    def __init__(self) -> None:
+        self.tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        threading.Thread(target=self._work, name="rwmf-kernel", daemon=True).start()
+
+    def _work(self) -> None:
+        while True:
+            try:
+                task = self.tasks.get(timeout=_IDLE_SECONDS)
+            except queue.Empty:
+                try:
+                    _idle.remove(self)
+                except ValueError:
+                    # taken out in the meantime: a call is on its way
+                    continue
+                return
+            task()
+            del task
+
+
+# workers that wait for a call; a forked child has none, because threads stay behind
+_idle: list[_Worker] = []
+os.register_at_fork(after_in_child=_idle.clear)
 
 
 def _discard(outcome: tuple[int, int, int] | BaseException, wrap: Callable[[int], Any]) -> None:

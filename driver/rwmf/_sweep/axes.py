@@ -1,38 +1,56 @@
-"""The axes that a sweep loops over outside the kernel: records, scale factors, keys of the case."""
+"""The axes of a sweep: numbers, which go to the kernel as columns, and scenes, which are none."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from rwmf import _library
 from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.table import Table
 from rwmf.case.namelist import Value
-from rwmf.errors import InputError
+from rwmf.errors import InputError, did_you_mean
+from rwmf.quantities import AXES
 
 __all__ = [
-    "PLACES",
+    "NUMBERS",
+    "ONE_SCENE",
+    "PAIRS",
+    "SCALE",
     "Axis",
     "Coordinate",
     "Entries",
-    "KeyAxis",
-    "RecordAxis",
-    "ScaleAxis",
-    "key_axis",
+    "Key",
+    "Scene",
+    "column_coordinate",
+    "grid_axis",
+    "key_of_column",
     "keys_of_axis",
+    "kind_of",
     "name_axes",
-    "numbers_of_axis",
+    "put_number",
+    "record_axis",
+    "record_coordinates",
+    "take_numbers",
 ]
 
+_T = TypeVar("_T")
+Array = npt.NDArray[np.float64]
 Entries = dict[str, dict[str, Value]]
-# the axes that the kernel loops over, and what each sets
-PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
+Key = tuple[str, str]
+SCALE = "scale"
+# what the names of columns without a group set
+_PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
 # names of axes that set several keys at once
-_PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
-_AMPLITUDES = ("scale", "a_max_g", "v_p")
+PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
+# types of keys that differ from row to row of one call of the kernel
+NUMBERS = ("real", "integer", "logical")
+_WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
 # letters of a wrong value in a message
 _SHOWN = 80
 
@@ -48,7 +66,8 @@ class Coordinate:
     dimension : str
         Dimension that it labels.
     values : tuple of float or str
-        One label a position.
+        One label a position. Along the points of a table: texts one a scene, numbers none, which
+        are in the table.
     unit : str
         Unit of the values, '' for texts.
     meaning : str
@@ -62,153 +81,217 @@ class Coordinate:
     meaning: str
 
 
-class Axis(Protocol):
-    """One loop of a sweep."""
+@dataclass(frozen=True)
+class Scene:
+    """What no row of a call of the kernel can change.
 
-    @property
-    def name(self) -> str:
-        """Name of the dimension."""
+    Attributes
+    ----------
+    record : RecordFile, optional
+        Ground motion in the place of the case's own, to its last sample.
+    settings : tuple of (key, value)
+        Texts and lists, by group and key.
+    """
 
-    def __len__(self) -> int:
-        """Count the positions."""
+    record: RecordFile | None = None
+    settings: tuple[tuple[Key, Value], ...] = ()
 
-    def apply(self, entries: Entries, position: int) -> None:
-        """Put the values of one position into the groups of a case.
+    def apply(self, entries: Entries) -> None:
+        """Put record and settings into the groups of a case.
 
         Parameters
         ----------
         entries : dict of str to dict
             Groups of the case, which are changed.
-        position : int
-            Along the axis.
         """
-
-    def coordinates(self) -> list[Coordinate]:
-        """Label the dimension.
-
-        Returns
-        -------
-        list of Coordinate
-            One, or one for each key that the axis sets.
-        """
+        if self.record is not None:
+            entries["motion"] = self.record.motion()
+            solver = entries.get("solver", {})
+            for word in [word for word in solver if word.lower() == "t_end"]:
+                del solver[word]
+        for key, value in self.settings:
+            _put(entries, key, value)
 
 
-@dataclass(frozen=True)
-class KeyAxis:
-    """Values of one key of the case, or of several that change together.
+ONE_SCENE = (Scene(),)
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One dimension of a sweep.
 
     Attributes
     ----------
     name : str
         Name of the dimension.
-    keys : tuple of (group, key)
-        What is set.
-    values : tuple of tuple
-        One tuple a position, one value a key.
+    size : int
+        Number of positions.
+    coordinates : tuple of Coordinate
+        Its labels.
+    columns : dict of str to numpy.ndarray, each shape (size,)
+        Numbers by the kernel's names of what they set: ``T_s``, ``gamma``, ``b``, ``scale`` or
+        ``group.key``.
+    scenes : tuple of Scene
+        Different scenes of the positions.
+    where : callable
+        Names a position in messages.
+    table : Table, optional
+        Of points: the columns by the names of their coordinates, and each point's scene. Without
+        it all positions have one scene, or each its own.
     """
 
     name: str
-    keys: tuple[tuple[str, str], ...]
-    values: tuple[tuple[Value, ...], ...]
+    size: int
+    coordinates: tuple[Coordinate, ...]
+    columns: dict[str, Array]
+    scenes: tuple[Scene, ...]
+    where: Callable[[int], str]
+    table: Table | None = None
 
-    def __len__(self) -> int:
-        """Count the positions."""
-        return len(self.values)
+    @property
+    def keys(self) -> set[Key]:
+        """Groups and keys that it sets."""
+        settings = {key for scene in self.scenes for key, _ in scene.settings}
+        return settings | {key_of_column(name) for name in self.columns}
 
-    def apply(self, entries: Entries, position: int) -> None:
-        """Put the values of one position into the groups of a case."""
-        for (group, key), value in zip(self.keys, self.values[position], strict=True):
-            target = entries.setdefault(group, {})
-            same = next((name for name in target if name.lower() == key.lower()), key)
-            target[same] = value
+    def scene(self, position: int) -> int:
+        """Return the number of a position's scene.
 
-    def coordinates(self) -> list[Coordinate]:
-        """Label the dimension with each key; a pair also needs numbers to select by."""
-        table = {(row[0], row[1]): row for row in _library.schema()}
-        found = []
-        for i, key in enumerate(self.keys):
-            unit, meaning = table[key][3], table[key][6]
-            name = self.name if len(self.keys) == 1 else key[1]
-            values = tuple(row[i] for row in self.values)
-            numbers = isinstance(values[0], int | float)
-            unit = unit.replace("-", "1") if numbers else ""
-            found.append(Coordinate(name, self.name, values, unit, meaning))
-        return found
+        Parameters
+        ----------
+        position : int
+            Along the axis.
+
+        Returns
+        -------
+        int
+            Place in `scenes`.
+        """
+        if self.table is not None:
+            return int(self.table.scenes[position])
+        return position if len(self.scenes) == self.size else 0
 
 
-@dataclass(frozen=True)
-class ScaleAxis:
-    """Factors on the ground motion, whatever its kind.
+def record_axis(records: Sequence[RecordFile]) -> Axis:
+    """Make the axis of recorded ground motions.
 
-    Attributes
+    Parameters
     ----------
-    values : tuple of float
-        The factors [-].
-    name : str
-        Name of the dimension.
-    """
-
-    values: tuple[float, ...]
-    name: str = "scale"
-
-    def __len__(self) -> int:
-        """Count the positions."""
-        return len(self.values)
-
-    def apply(self, entries: Entries, position: int) -> None:
-        """Multiply the amplitude that the motion gives; a record without one has 1."""
-        motion = entries.get("motion", {})
-        if str(motion.get("kind")).lower() == "record":
-            motion.setdefault("scale", 1.0)
-        for key in list(motion):
-            if key.lower() in _AMPLITUDES:
-                motion[key] = float(str(motion[key])) * self.values[position]
-
-    def coordinates(self) -> list[Coordinate]:
-        """Label the dimension."""
-        text = "factor on the ground motion"
-        return [Coordinate(self.name, self.name, self.values, "1", text)]
-
-
-@dataclass(frozen=True)
-class RecordAxis:
-    """Recorded ground motions, each to its last sample.
-
-    Attributes
-    ----------
-    records : tuple of RecordFile
+    records : sequence of RecordFile
         The records.
-    name : str
-        Name of the dimension.
+
+    Returns
+    -------
+    Axis
+        A scene a position.
     """
-
-    records: tuple[RecordFile, ...]
-    name: str = "record"
-
-    def __len__(self) -> int:
-        """Count the positions."""
-        return len(self.records)
-
-    def apply(self, entries: Entries, position: int) -> None:
-        """Let the record take the place of the case's motion and of its end."""
-        entries["motion"] = self.records[position].motion()
-        solver = entries.get("solver", {})
-        for key in [key for key in solver if key.lower() == "t_end"]:
-            del solver[key]
-
-    def coordinates(self) -> list[Coordinate]:
-        """Label the dimension with names and checksums."""
-        names = tuple(record.name for record in self.records)
-        sums = tuple(record.crc32 for record in self.records)
-        formats = tuple(record.format() for record in self.records)
-        return [
-            Coordinate("record", "record", names, "", "ground motion"),
-            Coordinate("record_crc32", "record", sums, "", "CRC-32 of the record's file"),
-            Coordinate("record_format", "record", formats, "", "unit and interval of the samples"),
-        ]
+    scenes = tuple(Scene(record) for record in records)
+    labels = record_coordinates("record", records)
+    return Axis("record", len(records), labels, {}, scenes, lambda i: f"record = {records[i].name}")
 
 
-def name_axes(grid: Mapping[str, object]) -> dict[str, object]:
+def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[Coordinate, ...]:
+    """Label records with names and checksums.
+
+    Parameters
+    ----------
+    dimension : str
+        Dimension that is labelled.
+    records : sequence of RecordFile
+        One a label.
+
+    Returns
+    -------
+    tuple of Coordinate
+        Name, checksum, format.
+    """
+    names = tuple(record.name for record in records)
+    sums = tuple(record.crc32 for record in records)
+    formats = tuple(record.format() for record in records)
+    return (
+        Coordinate("record", dimension, names, "", "ground motion"),
+        Coordinate("record_crc32", dimension, sums, "", "CRC-32 of the record's file or numbers"),
+        Coordinate("record_format", dimension, formats, "", "unit and interval of the samples"),
+    )
+
+
+def grid_axis(name: str, values: object) -> Axis:
+    """Make an axis of a grid.
+
+    Parameters
+    ----------
+    name : str
+        From `name_axes`; for ``eta`` the values are pairs (eta_0, eta_alpha).
+    values : sequence
+        Numbers or texts.
+
+    Returns
+    -------
+    Axis
+        With columns when the kernel takes numbers for it, otherwise with a scene a position.
+
+    Raises
+    ------
+    InputError
+        When the values do not fit it.
+    """
+    parts = PAIRS.get(name, (name,))
+    rows = _rows(name, values, len(parts))
+    title = name.split(".")[-1]
+
+    def where(position: int) -> str:
+        return f"{title} = {rows[position][0]}"
+
+    if kind_of(name) in NUMBERS:
+        columns = {
+            part: take_numbers(part, [row[i] for row in rows], lambda _: "grid", name)
+            for i, part in enumerate(parts)
+        }
+        labels = tuple(
+            column_coordinate(
+                part, title, title if len(parts) == 1 else part.split(".")[-1], tuple(column)
+            )
+            for part, column in columns.items()
+        )
+        return Axis(title, len(rows), labels, columns, ONE_SCENE, where)
+    key = key_of_column(name)
+    scenes = tuple(Scene(settings=((key, row[0]),)) for row in rows)
+    label = column_coordinate(name, title, title, tuple(row[0] for row in rows))
+    return Axis(title, len(rows), (label,), {}, scenes, where)
+
+
+def column_coordinate(
+    column: str, dimension: str, name: str, values: tuple[Value, ...]
+) -> Coordinate:
+    """Label a dimension with a column's values.
+
+    Parameters
+    ----------
+    column : str
+        The kernel's name of what is set.
+    dimension : str
+        Dimension that is labelled.
+    name : str
+        Name of the coordinate.
+    values : tuple of float or str
+        The labels, see `Coordinate`.
+
+    Returns
+    -------
+    Coordinate
+        With unit and meaning from the kernel's tables.
+    """
+    values = tuple(value.item() if isinstance(value, np.generic) else value for value in values)
+    if column == SCALE:
+        return Coordinate(name, dimension, values, "1", "factor on the ground motion")
+    if column in AXES:
+        return Coordinate(name, dimension, values, AXES[column].unit, AXES[column].meaning)
+    row = _table()[key_of_column(column)]
+    unit = "" if any(isinstance(value, str) for value in values) else row[3].replace("-", "1")
+    return Coordinate(name, dimension, values, unit, row[6])
+
+
+def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
     """Give every axis of a grid its one name, however the grid spells what it sets.
 
     Parameters
@@ -216,6 +299,8 @@ def name_axes(grid: Mapping[str, object]) -> dict[str, object]:
     grid : mapping
         Values by names: ``scale``, ``eta``, or keys of a case, with their group or without it;
         the case of the letters does not matter.
+    label : str
+        What messages begin with.
 
     Returns
     -------
@@ -227,32 +312,32 @@ def name_axes(grid: Mapping[str, object]) -> dict[str, object]:
     InputError
         When there is no such key, or when two axes set the same.
     """
-    found: dict[str, object] = {}
-    words: dict[tuple[str, str], str] = {}
+    found: dict[str, _T] = {}
+    words: dict[Key, str] = {}
     for word, values in grid.items():
-        name = _axis_name(word)
+        name = _axis_name(word, label)
         for key in keys_of_axis(name):
             if key in words:
-                raise InputError(f"grid: {words[key]} and {word}: both set {'.'.join(key)}")
+                raise InputError(f"{label}: {words[key]} and {word}: both set {'.'.join(key)}")
             words[key] = word
         found[name] = values
     return found
 
 
-def _axis_name(word: str) -> str:
+def _axis_name(word: str, label: str) -> str:
     if not isinstance(word, str):
-        raise InputError(f"grid: {word!r}: the name of an axis is a text")
-    same = [name for name in ("scale", *_PAIRS) if name == word.lower()]
+        raise InputError(f"{label}: {word!r}: the name of an axis is a text")
+    same = [name for name in (SCALE, *PAIRS) if name == word.lower()]
     if same:
         return same[0]
-    group, key = _find_key(word)
-    if group == "spectrum" and key not in PLACES:
-        raise InputError(f"grid: {word}: no axis; the periods are the values of T_s")
-    is_place = key in PLACES and group in (PLACES[key][0], "spectrum")
+    group, key = _find_key(word, label)
+    if group == "spectrum" and key not in _PLACES:
+        raise InputError(f"{label}: {word}: no axis; the periods are the values of T_s")
+    is_place = key in _PLACES and group in (_PLACES[key][0], "spectrum")
     return key if is_place else f"{group}.{key}"
 
 
-def keys_of_axis(name: str) -> tuple[tuple[str, str], ...]:
+def keys_of_axis(name: str) -> tuple[Key, ...]:
     """Return the groups and keys that an axis sets.
 
     Parameters
@@ -265,65 +350,128 @@ def keys_of_axis(name: str) -> tuple[tuple[str, str], ...]:
     tuple of (group, key)
         In the kernel's spelling; for ``scale`` a key that no case has.
     """
-    if name in PLACES:
-        return (PLACES[name],)
-    if name == "scale":
-        return (("motion", "amplitude"),)
-    parts = (part.partition(".") for part in _PAIRS.get(name, (name,)))
-    return tuple((group, key) for group, _, key in parts)
+    return tuple(key_of_column(part) for part in PAIRS.get(name, (name,)))
 
 
-def key_axis(name: str, values: object) -> KeyAxis | ScaleAxis:
-    """Make an axis of a grid that is looped over outside the kernel.
+def key_of_column(column: str) -> Key:
+    """Return the group and key that a column sets.
 
     Parameters
     ----------
-    name : str
-        From `name_axes`: ``scale``; ``eta`` for pairs (eta_0, eta_alpha); or ``group.key``.
-    values : sequence
-        Numbers or texts, for ``eta`` pairs of numbers.
+    column : str
+        The kernel's name of what is set.
 
     Returns
     -------
-    KeyAxis or ScaleAxis
-        The axis.
-
-    Raises
-    ------
-    InputError
-        When the values do not fit it.
+    group, key : str
+        In the kernel's spelling; for ``scale`` a key that no case has.
     """
-    keys = keys_of_axis(name)
-    rows = _rows(name, values, len(keys))
-    if name == "scale":
-        return ScaleAxis(numbers_of_axis(name, values))
-    return KeyAxis(name.split(".")[-1], keys, tuple(_typed(keys, row) for row in rows))
+    if column == SCALE:
+        return ("motion", "amplitude")
+    group, _, key = column.partition(".")
+    return _PLACES.get(column, (group, key))
 
 
-def numbers_of_axis(name: str, values: object) -> tuple[float, ...]:
-    """Take the values of an axis of numbers.
+def kind_of(name: str) -> str:
+    """Return the type of what an axis sets.
 
     Parameters
     ----------
     name : str
         From `name_axes`.
-    values : float, sequence or array
-        The values.
 
     Returns
     -------
-    tuple of float
-        At least one, each once.
+    str
+        As in the kernel's table: 'real', 'integer', 'logical', 'choice', 'text' or '... list'.
+    """
+    if name == SCALE or name in PAIRS:
+        return "real"
+    return _table()[key_of_column(name)][2]
+
+
+def put_number(entries: Entries, column: str, value: float) -> None:
+    """Put a number of a column into the groups of a case.
+
+    Parameters
+    ----------
+    entries : dict of str to dict
+        Groups of the case, which are changed.
+    column : str
+        The kernel's name of what is set; the factor ``scale`` is no key and left out.
+    value : float
+        The number.
+    """
+    kind = kind_of(column)
+    if column != SCALE:
+        types = {"integer": int, "logical": bool}
+        _put(entries, key_of_column(column), types.get(kind, float)(value))
+
+
+def take_numbers(
+    name: str, values: object, where: Callable[[int], str], shown: str | None = None
+) -> Array:
+    """Take the numbers of a column.
+
+    Parameters
+    ----------
+    name : str
+        The kernel's name of what is set.
+    values : sequence or array, shape (n,)
+        The values.
+    where : callable
+        Names the place of a position in messages.
+    shown : str, optional
+        Name of the column in messages, its own when absent.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n,)
+        Finite; whole where the key is an integer, 0 or 1 where it is a logical.
 
     Raises
     ------
     InputError
-        When one is no finite number, or when they do not differ.
+        When one is not.
     """
-    return tuple(_number(name, row[0]) for row in _rows(name, values, 1))
+    kind = kind_of(name)
+    array = np.asarray(values)
+    if array.dtype.kind not in ("iufb" if kind == "logical" else "iuf"):
+        # an array of a list with texts in it has texts alone
+        items = values if isinstance(values, list) else array.tolist()
+        array = np.array([_number(value, kind) for value in items])
+    numbers = np.ascontiguousarray(array, dtype=np.float64)
+    is_good = np.isfinite(numbers)
+    wanted = "a finite number"
+    if kind == "integer":
+        is_good &= np.floor(numbers) == numbers
+        wanted = "a whole number"
+    elif kind == "logical":
+        is_good = (numbers == 0) | (numbers == 1)
+        wanted = "true or false"
+    if not is_good.all():
+        i = int(np.argmin(is_good))
+        wrong = _shown(_item(values, i))
+        raise InputError(f"{where(i)}: {shown or name} = {wrong}: must be {wanted}")
+    return numbers
 
 
-def _rows(name: str, values: object, width: int) -> tuple[tuple[Value, ...], ...]:
+def _item(values: object, i: int) -> object:
+    item = np.asarray(values, dtype=object)[i] if not isinstance(values, list) else values[i]
+    return item.item() if isinstance(item, np.generic) else item
+
+
+def _number(value: object, kind: str) -> float:
+    """Return a number, NaN for what is none."""
+    if kind == "logical" and isinstance(value, str):
+        return _WORDS.get(value.strip().lower(), np.nan)
+    if isinstance(value, bool) and kind != "logical":
+        return np.nan
+    return float(value) if isinstance(value, int | float) else np.nan
+
+
+def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
+    """Values of an axis, a tuple a position."""
     if not isinstance(values, str | Sequence):
         # an array of numpy or of what makes one; a bare value is a list of one
         values = np.asarray(values).tolist()
@@ -336,33 +484,12 @@ def _rows(name: str, values: object, width: int) -> tuple[tuple[Value, ...], ...
     if not rows or any(len(row) != width for row in rows):
         wanted = "a list of values" if width == 1 else f"a list of {width} numbers each"
         raise InputError(f"grid: {name} = {_shown(values)}: needs {wanted}")
-    rows = [tuple(_plain(name, value) for value in row) for row in rows]
+    wrong = [value for row in rows for value in row if not isinstance(value, str | int | float)]
+    if wrong:
+        raise InputError(f"grid: {name} = {_shown(wrong[0])}: must be a finite number")
     if len(set(rows)) < len(rows):
         raise InputError(f"grid: {name}: a value stands there twice")
-    return tuple(rows)
-
-
-def _typed(keys: tuple[tuple[str, str], ...], row: tuple[Value, ...]) -> tuple[Value, ...]:
-    """Write whole numbers of integer keys as such."""
-    kinds = {(found[0], found[1]): found[2] for found in _library.schema()}
-    return tuple(
-        int(value)
-        if kinds[key] == "integer" and isinstance(value, float) and value.is_integer()
-        else value
-        for key, value in zip(keys, row, strict=True)
-    )
-
-
-def _plain(name: str, value: object) -> Value:
-    if isinstance(value, str):
-        return value
-    return _number(name, value)
-
-
-def _number(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise InputError(f"grid: {name} = {_shown(value)}: must be a finite number")
-    return float(value)
+    return rows
 
 
 def _shown(value: object) -> str:
@@ -370,12 +497,24 @@ def _shown(value: object) -> str:
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
-def _find_key(name: str) -> tuple[str, str]:
+def _put(entries: Entries, key: Key, value: Value) -> None:
+    target = entries.setdefault(key[0], {})
+    same = next((name for name in target if name.lower() == key[1].lower()), key[1])
+    target[same] = value
+
+
+@functools.cache
+def _table() -> dict[Key, list[str]]:
+    """Rows of the kernel's table of keys."""
+    return {(row[0], row[1]): row for row in _library.schema()}
+
+
+def _find_key(name: str, label: str) -> Key:
     """Group and key of a name, in the spelling of the kernel's table."""
     group, _, key = name.rpartition(".")
     matches = [
         (row[0], row[1])
-        for row in _library.schema()
+        for row in _table().values()
         if row[1].lower() == key.lower()
         and (row[0] == group.lower() if group else row[0] != "spectrum")
     ]
@@ -383,6 +522,8 @@ def _find_key(name: str) -> tuple[str, str]:
         return matches[0]
     if matches:
         names = ", ".join(f"{found}.{key}" for found, _ in matches)
-        raise InputError(f"grid: {name}: in several groups; write one of {names}")
-    known = ", ".join(dict.fromkeys(row[1] for row in _library.schema()))
-    raise InputError(f"grid: {name}: no key of a case; allowed are scale, eta, {known}")
+        raise InputError(f"{label}: {name}: in several groups; write one of {names}")
+    allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in _table())]))
+    hint = did_you_mean(name, [*allowed, *(f"{group}.{key}" for group, key in _table())])
+    hint = f"{hint} Allowed" if hint else "; allowed"
+    raise InputError(f"{label}: {name}: no key of a case{hint} are {', '.join(allowed)}")

@@ -1,7 +1,7 @@
 """Finished chunks of a sweep on disk: a file that only grows and survives ``kill -9``.
 
-A text line, the layout, then one entry a chunk with its checksum. An entry that a killed process
-left incomplete is found by its checksum and cut off.
+A text line, the layout with the table of its points, then one entry a chunk with its checksum. An
+entry that a killed process left incomplete is found by its checksum and cut off.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rwmf.errors import InputError, OutputError
 
 __all__ = ["ChunkStore", "read_layout"]
 
-_MAGIC = b"rwmf sweep journal 1\n"
+_MAGIC = b"rwmf sweep journal 2\n"
 # number of the chunk, length of the payload, CRC-32 of both and the payload
 _HEAD = struct.Struct("<QQI")
 _LAYOUT = 2**64 - 1
@@ -65,14 +65,13 @@ class ChunkStore:
 
     def _scan(self, restart: bool) -> dict[int, int]:
         """Find the complete entries, or begin the file; what follows them is cut off."""
-        text = self.layout.to_text().encode()
         index: dict[int, int] = {}
         end = 0
         for number, offset, payload, following in _entries(self._file, self.path):
             if restart:
                 break
             if number == _LAYOUT:
-                self._compare(payload.decode())
+                self._compare(Layout.text_of(payload))
             else:
                 index[number] = offset
             end = following
@@ -81,7 +80,7 @@ class ChunkStore:
             self._file.truncate()
             if end == 0:
                 self._write(_MAGIC)
-                self._append(_LAYOUT, text)
+                self._append(_LAYOUT, *self.layout.parts())
                 files.sync_folder(self.path.parent)
         return index
 
@@ -118,13 +117,14 @@ class ChunkStore:
             self._file.seek(0, os.SEEK_END)
             self._index[chunk.number] = self._append(chunk.number, _pack(chunk, self.layout))
 
-    def _append(self, number: int, payload: bytes) -> int:
+    def _append(self, number: int, *parts: bytes | memoryview) -> int:
         offset = self._file.tell()
-        self._write(_frame(number, payload))
+        for part in (_head(number, *parts), *parts):
+            self._write(part)
         os.fsync(self._file.fileno())
         return offset
 
-    def _write(self, content: bytes) -> None:
+    def _write(self, content: bytes | memoryview) -> None:
         # without a buffer: what the disk refuses would be tried again when the file is closed
         rest = memoryview(content)
         while rest:
@@ -187,7 +187,7 @@ def read_layout(path: Path) -> Layout:
         with path.open("rb") as file:
             for number, _, payload, _ in _entries(file, path):
                 if number == _LAYOUT:
-                    return Layout.from_text(payload.decode())
+                    return Layout.from_bytes(payload)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     raise InputError(f"{path}: holds no sweep")
@@ -198,7 +198,7 @@ def _entries(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes, int]
     file.seek(0)
     magic = file.read(len(_MAGIC))
     if not _MAGIC.startswith(magic):
-        raise InputError(f"{path}: is no journal of a sweep")
+        raise InputError(f"{path}: is no journal of a sweep of this version")
     offset = len(magic)
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
         number, length, _ = _HEAD.unpack(head)
@@ -206,34 +206,35 @@ def _entries(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes, int]
         if length > os.fstat(file.fileno()).st_size - offset:
             return
         payload = file.read(length)
-        if _frame(number, payload)[: _HEAD.size] != head:
+        if _head(number, payload) != head:
             return
         yield number, offset, payload, offset + _HEAD.size + length
         offset += _HEAD.size + length
 
 
-def _frame(number: int, payload: bytes) -> bytes:
-    checksum = zlib.crc32(payload, zlib.crc32(struct.pack("<QQ", number, len(payload))))
-    return _HEAD.pack(number, len(payload), checksum) + payload
+def _head(number: int, *parts: bytes | memoryview) -> bytes:
+    """Make what stands before the parts of an entry."""
+    length = sum(map(len, parts))
+    checksum = zlib.crc32(struct.pack("<QQ", number, length))
+    for part in parts:
+        checksum = zlib.crc32(part, checksum)
+    return _HEAD.pack(number, length, checksum)
 
 
 def _pack(chunk: Chunk, layout: Layout) -> bytes:
-    names, codes = np.unique(chunk.status, return_inverse=True)
     arrays = [np.ascontiguousarray(chunk.values[name], dtype="<f8") for name in layout.quantities]
-    first = json.dumps(names.tolist()).encode() + b"\n"
-    return b"".join([first, codes.astype("u1").tobytes(), *(array.tobytes() for array in arrays)])
+    first = json.dumps(chunk.names).encode() + b"\n"
+    return b"".join([first, chunk.status.tobytes(), *(array.tobytes() for array in arrays)])
 
 
 def _unpack(number: int, payload: bytes, layout: Layout) -> Chunk:
     first, _, rest = payload.partition(b"\n")
-    shape = layout.chunk_shape(number)
-    n = int(np.prod(shape, dtype=int))
-    codes = np.frombuffer(rest[:n], dtype="u1").reshape(shape)
+    n = layout.chunk_size(number)
     values = {
-        name: np.frombuffer(rest, "<f8", n, n + 8 * n * i).reshape(shape)
+        name: np.frombuffer(rest, "<f8", n, n + 8 * n * i)
         for i, name in enumerate(layout.quantities)
     }
-    return Chunk(number, np.array(json.loads(first), dtype=str)[codes], values)
+    return Chunk(number, tuple(json.loads(first)), np.frombuffer(rest, "u1", n), values)
 
 
 def _open_locked(path: Path) -> BinaryIO:

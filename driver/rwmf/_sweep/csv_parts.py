@@ -84,8 +84,10 @@ def _interleave(parts: list[_Part]) -> list[str]:
 
 
 def _curves(part: _Part) -> list[list[str]]:
-    """Rows of equal width and mass ratio, which stand before the last three columns."""
+    """Rows of equal width and mass ratio, which stand before the period."""
+    names = part.head[-1].rstrip("\n").split(",")
+    n = names.index("T_s_s") if "T_s_s" in names else 0
     curves: dict[tuple[str, ...], list[str]] = {}
     for row in part.rows:
-        curves.setdefault(tuple(row.split(",")[:-3]), []).append(row)
+        curves.setdefault(tuple(row.split(",")[:n]), []).append(row)
     return list(curves.values())

@@ -18,6 +18,8 @@ EXECUTORS = ("threads", "processes", "mpi", "dask")
 Report = Callable[[int], None]
 # chunks that wait in an executor: enough for a thousand workers, little memory
 _WINDOW = 2048
+# the same for each thread of this process
+_CHUNKS_AHEAD = 2
 _WAIT_SECONDS = 0.1
 # below that many chunks a thread, the kernel's own threads share a chunk more evenly
 _CHUNKS_A_THREAD = 4
@@ -118,7 +120,8 @@ def run_in_threads(
     tasks = (make(number, n if alone else 1) for number in numbers)
     with ThreadPoolExecutor(1 if alone else n, thread_name_prefix="rwmf-sweep") as executor:
         try:
-            yield from _stream(executor, work, tasks, lambda: _tell(report, counter))
+            window = _CHUNKS_AHEAD * n
+            yield from _stream(executor, work, tasks, lambda: _tell(report, counter), window)
         except BaseException:
             counter.stop.set()
             executor.shutdown(wait=True, cancel_futures=True)
@@ -158,13 +161,14 @@ def _stream(
     work: Callable[[Task], Chunk],
     tasks: Iterable[Task],
     idle: Callable[[], None],
+    window: int = _WINDOW,
 ) -> Iterator[Chunk]:
     """Keep the executor supplied, and give results out as they come."""
     waiting: set[Future[Chunk]] = set()
     supply = iter(tasks)
     try:
         while True:
-            while len(waiting) < _WINDOW and (task := next(supply, None)) is not None:
+            while len(waiting) < window and (task := next(supply, None)) is not None:
                 waiting.add(executor.submit(work, task))
             if not waiting:
                 return
@@ -218,7 +222,7 @@ def _processes(_: str, workers: int) -> Iterator[Executor]:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
-    # a forked child hangs when OpenMP has run in its parent
+    # a forked child would share locks of whatever threads its parent has
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as executor:
         yield executor

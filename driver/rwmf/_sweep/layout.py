@@ -1,23 +1,73 @@
-"""What a sweep is, as text: dimensions, coordinates and chunks, enough to write its file."""
+"""What a sweep is: dimensions, coordinates and chunks, enough to write its file."""
 
 from __future__ import annotations
 
 import difflib
+import functools
 import itertools
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Self
 
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._files.names import readable
 from rwmf._sweep.axes import Coordinate
+from rwmf._sweep.table import POINT, Table
 
-__all__ = ["Layout", "difference"]
+__all__ = ["Dimension", "Layout", "Rows", "difference"]
 
+Places = npt.NDArray[np.int64]
 _SHOWN_LINES = 20
+# between the text of a layout, which has none, and its table
+_END = b"\0"
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """One dimension of a sweep.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    size : int
+        Number of positions.
+    scenes : int
+        Different scenes of the positions: 1 when they differ in numbers alone.
+    """
+
+    name: str
+    size: int
+    scenes: int = 1
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Runs of one chunk.
+
+    Attributes
+    ----------
+    scenes : tuple of int
+        Number of their common scene along each dimension.
+    positions : tuple of numpy.ndarray, each shape (rows,)
+        Positions along each dimension.
+    places : numpy.ndarray, shape (rows,)
+        Where the runs stand in the whole, counted with the last dimension fastest.
+    """
+
+    scenes: tuple[int, ...]
+    positions: tuple[Places, ...]
+    places: Places
 
 
 @dataclass(frozen=True)
 class Layout:
     """Shape and identity of a sweep.
+
+    All runs with the same scene along each dimension differ in numbers alone. They are a group,
+    and a chunk is a part of one: neighbours in the order of the dimensions.
 
     Attributes
     ----------
@@ -27,80 +77,68 @@ class Layout:
         Namelist text of what all runs have in common.
     coordinates : tuple of Coordinate
         Labels of all dimensions.
-    outer : tuple of (name, size)
-        Dimensions that chunks are single points of, slowest first.
-    inner : tuple of (name, size)
-        Dimensions inside the chunks.
+    dimensions : tuple of Dimension
+        The dimensions, slowest first.
     block : int
-        Largest extent of a chunk along the last inner dimension.
+        Largest number of runs in a chunk.
     quantities : tuple of str
         What is kept of each run.
     motion_crc32 : str
         Checksum of the case's own record, '' without one.
     warnings : str
         What is not conserved in some of its runs, in one line; '' for nothing.
+    table : Table, optional
+        Of the points; the text has its checksum.
     """
 
     version: str
     case: str
     coordinates: tuple[Coordinate, ...]
-    outer: tuple[tuple[str, int], ...]
-    inner: tuple[tuple[str, int], ...]
+    dimensions: tuple[Dimension, ...]
     block: int
     quantities: tuple[str, ...]
     motion_crc32: str = ""
     warnings: str = ""
+    table: Table | None = None
 
     @property
     def dims(self) -> tuple[str, ...]:
         """Names of all dimensions."""
-        return tuple(name for name, _ in (*self.outer, *self.inner))
+        return tuple(item.name for item in self.dimensions)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Sizes of all dimensions."""
-        return tuple(size for _, size in (*self.outer, *self.inner))
-
-    @property
-    def blocks(self) -> list[slice]:
-        """Parts of the last inner dimension."""
-        if not self.inner:
-            return [slice(None)]
-        size = self.inner[-1][1]
-        return [slice(i, min(i + self.block, size)) for i in range(0, size, self.block)]
+        return tuple(item.size for item in self.dimensions)
 
     @property
     def n_chunks(self) -> int:
         """Count the chunks."""
-        n = len(self.blocks)
-        for _, size in self.outer:
-            n *= size
-        return n
+        return int(self._first_chunks[-1])
 
-    def place(self, number: int) -> tuple[tuple[int, ...], slice]:
-        """Return the positions along the outer dimensions, and the part of the last inner one.
+    @functools.cached_property
+    def _members(self) -> list[tuple[Places, Places]]:
+        """Positions along each dimension, those of a scene together; where each scene begins."""
+        found = []
+        for item in self.dimensions:
+            order = np.arange(item.size)
+            counts = np.full(item.scenes, item.size // item.scenes)
+            if item.name == POINT and self.table is not None:
+                order = np.argsort(self.table.scenes, kind="stable")
+                counts = np.bincount(self.table.scenes, minlength=item.scenes)
+            found.append((order, np.concatenate([[0], np.cumsum(counts)])))
+        return found
 
-        Parameters
-        ----------
-        number : int
-            Of the chunk.
+    @functools.cached_property
+    def _first_chunks(self) -> Places:
+        """Number of the first chunk of each group, and of all chunks."""
+        sizes = np.ones(1, dtype=np.int64)
+        for _, begins in self._members:
+            sizes = np.multiply.outer(sizes, np.diff(begins)).ravel()
+        return np.concatenate([[0], np.cumsum(-(-sizes // self.block))])
 
-        Returns
-        -------
-        tuple of int
-            Positions along the outer dimensions.
-        slice
-            Part of the last inner dimension.
-        """
-        number, block = divmod(number, len(self.blocks))
-        positions = []
-        for _, size in reversed(self.outer):
-            number, position = divmod(number, size)
-            positions.append(position)
-        return tuple(reversed(positions)), self.blocks[block]
-
-    def chunk_shape(self, number: int) -> tuple[int, ...]:
-        """Shape of one chunk's arrays.
+    def chunk_size(self, number: int) -> int:
+        """Count the runs of a chunk.
 
         Parameters
         ----------
@@ -109,14 +147,76 @@ class Layout:
 
         Returns
         -------
-        tuple of int
-            Sizes along the inner dimensions.
+        int
+            Their number.
         """
-        sizes = [size for _, size in self.inner]
-        if sizes:
-            part = self.place(number)[1]
-            sizes[-1] = part.stop - part.start
-        return tuple(sizes)
+        _, _, start, stop = self._part(number)
+        return stop - start
+
+    def rows(self, number: int) -> Rows:
+        """Find the runs of a chunk.
+
+        Parameters
+        ----------
+        number : int
+            Of the chunk.
+
+        Returns
+        -------
+        Rows
+            In the order of the chunk.
+        """
+        scenes, members, start, stop = self._part(number)
+        rest = np.arange(start, stop)
+        places = np.zeros(stop - start, dtype=np.int64)
+        positions: list[Places] = []
+        stride = 1
+        for size, member in zip(reversed(self.shape), reversed(members), strict=True):
+            rest, inside = np.divmod(rest, len(member))
+            positions.insert(0, member[inside])
+            places += stride * positions[0]
+            stride *= size
+        return Rows(scenes, tuple(positions), places)
+
+    def _part(self, number: int) -> tuple[tuple[int, ...], list[Places], int, int]:
+        """Scenes of a chunk's group, its positions along each dimension, the chunk's part of it."""
+        group = int(np.searchsorted(self._first_chunks, number, "right")) - 1
+        first, following = self._first_chunks[group : group + 2].tolist()
+        scenes: list[int] = []
+        for item in reversed(self.dimensions):
+            group, scene = divmod(group, item.scenes)
+            scenes.insert(0, scene)
+        members = [
+            order[begins[scene] : begins[scene + 1]]
+            for scene, (order, begins) in zip(scenes, self._members, strict=True)
+        ]
+        # chunks of a group are equally long
+        size = 1
+        for member in members:
+            size *= len(member)
+        n = following - first
+        start, stop = (size * i // n for i in (number - first, number - first + 1))
+        return tuple(scenes), members, start, stop
+
+    def labels(self, item: Coordinate) -> npt.NDArray[Any]:
+        """Give the labels of all positions of a dimension.
+
+        Parameters
+        ----------
+        item : Coordinate
+            One of the layout's.
+
+        Returns
+        -------
+        numpy.ndarray, shape (positions,)
+            Numbers, or texts as UTF-8 can hold them.
+        """
+        if self.table is not None and item.name in self.table.columns:
+            return self.table.columns[item.name]
+        values = np.array([readable(value) for value in item.values])
+        if self.table is None or item.dimension != POINT:
+            return values
+        return values[self.table.scenes]
 
     def to_text(self) -> str:
         """Write it as JSON; equal texts are equal sweeps.
@@ -124,33 +224,68 @@ class Layout:
         Returns
         -------
         str
-            The text.
+            The text, of a table its checksum.
         """
-        return json.dumps(asdict(self), indent=1, sort_keys=True)
+        found = asdict(replace(self, table=None))
+        found["table"] = "" if self.table is None else self.table.sha256
+        return json.dumps(found, indent=1, sort_keys=True)
+
+    def parts(self) -> list[bytes | memoryview]:
+        """Give the bytes of text and table, which are not copied.
+
+        Returns
+        -------
+        list of bytes or memoryview
+            All that `from_bytes` needs, one behind the other.
+        """
+        text = self.to_text().encode()
+        return [text] if self.table is None else [text, _END, *self.table.parts()]
 
     @classmethod
-    def from_text(cls, text: str) -> Self:
-        """Read what `to_text` wrote.
+    def from_bytes(cls, content: bytes) -> Self:
+        """Read the bytes of `parts`.
 
         Parameters
         ----------
-        text : str
-            From `to_text`.
+        content : bytes
+            All parts, one behind the other.
 
         Returns
         -------
         Layout
             The layout.
         """
+        text, _, rest = content.partition(_END)
         found: dict[str, Any] = json.loads(text)
         found["coordinates"] = tuple(
             Coordinate(**(entry | {"values": tuple(entry["values"])}))
             for entry in found["coordinates"]
         )
-        for key in ("outer", "inner"):
-            found[key] = tuple((name, size) for name, size in found[key])
+        found["dimensions"] = tuple(Dimension(**entry) for entry in found["dimensions"])
         found["quantities"] = tuple(found["quantities"])
-        return cls(**found)
+        has_table = bool(found.pop("table"))
+        layout = cls(**found)
+        if not has_table:
+            return layout
+        names = [c.name for c in layout.coordinates if c.dimension == POINT and not c.values]
+        size = dict(zip(layout.dims, layout.shape, strict=True))[POINT]
+        return replace(layout, table=Table.from_bytes(rest, size, names))
+
+    @staticmethod
+    def text_of(content: bytes) -> str:
+        """Take the text out of the bytes of `parts`.
+
+        Parameters
+        ----------
+        content : bytes
+            All parts, one behind the other.
+
+        Returns
+        -------
+        str
+            As `to_text`.
+        """
+        return content.partition(_END)[0].decode()
 
 
 def difference(old: str, new: str) -> str:
@@ -180,4 +315,5 @@ def _lines(text: str) -> list[str]:
     lines: list[str] = found.pop("case").splitlines()
     for item in found.pop("coordinates"):
         lines.append(f"{item['name']} = {', '.join(str(value) for value in item['values'])}")
+    lines.append(f"points (SHA-256 of their table) = {found.pop('table', '') or 'none'}")
     return lines + [f"{key} = {value}" for key, value in sorted(found.items())]

@@ -1,4 +1,4 @@
-"""A finished sweep as a NetCDF file, one outer position after the other.
+"""A finished sweep as a NetCDF file, one part of its first dimension after the other.
 
 Written with h5netcdf on h5py: both are maintained by their communities, come as wheels and are what
 xarray itself uses; no netCDF-C library is needed. Neither puts a time into the file, so that the
@@ -7,9 +7,10 @@ same results are the same bytes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +18,10 @@ import numpy.typing as npt
 from rwmf import quantities
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
+from rwmf._sweep.axes import Coordinate
 from rwmf._sweep.layout import Layout
 from rwmf._sweep.quantities import QUANTITIES
+from rwmf._sweep.table import POINT
 from rwmf._sweep.task import Chunk
 from rwmf.errors import InputError
 
@@ -38,6 +41,8 @@ Array = npt.NDArray[np.float64] | npt.NDArray[np.uint8]
 Source = Callable[[int], Chunk]
 # values in a compressed block of the file
 _BLOCK = 65536
+# runs that are put together at once: 9 bytes each and 8 for every further quantity
+_TOGETHER = 2**21
 _LEVEL = 4
 
 
@@ -101,13 +106,13 @@ def status_names(layout: Layout, source: Source) -> list[str]:
     """
     found: set[str] = set()
     for number in range(layout.n_chunks):
-        found |= set(np.unique(source(number).status).tolist())
+        found |= set(source(number).names)
     good = ["ok", "overturned"]
     return good + sorted(found - set(good))
 
 
 def assemble(
-    layout: Layout, source: Source, names: list[str], head: tuple[int, ...]
+    layout: Layout, source: Source, names: list[str], part: slice | None = None
 ) -> dict[str, Array]:
     """Put chunks together.
 
@@ -119,31 +124,35 @@ def assemble(
         Chunk of a number.
     names : list of str
         From `status_names`: a status is stored as its position.
-    head : tuple of int
-        Position along the first outer dimension; () for the whole sweep.
+    part : slice, optional
+        Part of the first dimension, all of it when absent.
 
     Returns
     -------
-    dict of str to numpy.ndarray, each of shape `Layout.shape` behind the head
-        ``status`` and the quantities over the remaining dimensions.
+    dict of str to numpy.ndarray, each of shape `Layout.shape` with that part
+        ``status`` and the quantities.
     """
-    shape = layout.shape[len(head) :]
-    arrays: dict[str, Array] = {name: np.full(shape, np.nan) for name in layout.quantities}
-    arrays["status"] = np.zeros(shape, dtype="u1")
+    shape = layout.shape
+    begin = 0
+    if part is not None:
+        begin = part.start * math.prod(shape[1:])
+        shape = (part.stop - part.start, *shape[1:])
+    n = math.prod(shape)
+    arrays: dict[str, Array] = {name: np.empty(n) for name in layout.quantities}
+    arrays["status"] = np.zeros(n, dtype="u1")
     code = {name: i for i, name in enumerate(names)}
-    # the chunks of a first outer position are neighbours
-    n = layout.n_chunks // (layout.outer[0][1] if head else 1)
-    first = n * head[0] if head else 0
-    for number in range(first, first + n):
-        positions, part = layout.place(number)
-        place: tuple[int | slice, ...] = positions[len(head) :]
-        if layout.inner:
-            place += (slice(None),) * (len(layout.inner) - 1) + (part,)
+    for number in range(layout.n_chunks):
+        places = layout.rows(number).places - begin
+        inside = (places >= 0) & (places < n)
+        if not inside.any():
+            continue
         chunk = source(number)
-        arrays["status"][place] = np.vectorize(code.__getitem__, otypes=["u1"])(chunk.status)
+        places = places[inside]
+        codes = np.array([code[name] for name in chunk.names], dtype="u1")
+        arrays["status"][places] = codes[chunk.status[inside]]
         for name, values in chunk.values.items():
-            arrays[name][place] = values
-    return arrays
+            arrays[name][places] = values[inside]
+    return {name: array.reshape(shape) for name, array in arrays.items()}
 
 
 def read_identity(path: Path) -> str:
@@ -207,12 +216,22 @@ def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None])
     variables["status"] = status = _new_variable(file, layout, "status")
     for key, value in status_attributes(names).items():
         status.attrs[key] = value
-    positions = range(layout.outer[0][1]) if layout.outer else [None]
-    for position in positions:
-        head = () if position is None else (position,)
-        for name, values in assemble(layout, source, names, head).items():
-            variables[name][head if head else ...] = values
+    for part in _parts(layout):
+        for name, values in assemble(layout, source, names, part).items():
+            variables[name][... if part is None else part] = values
         check()
+
+
+def _parts(layout: Layout) -> Iterator[slice | None]:
+    """Parts of the first dimension that fit into the memory, of whole compressed blocks."""
+    if math.prod(layout.shape) <= _TOGETHER:
+        yield None
+        return
+    step = max(1, _TOGETHER // math.prod(layout.shape[1:]))
+    block = _blocks(layout.shape)[0]
+    step = max(block, step - step % block)
+    for start in range(0, layout.shape[0], step):
+        yield slice(start, min(start + step, layout.shape[0]))
 
 
 def status_attributes(names: list[str]) -> dict[str, object]:
@@ -236,16 +255,43 @@ def status_attributes(names: list[str]) -> dict[str, object]:
 
 
 def _write_coordinates(file: File, layout: Layout) -> None:
-    import h5py
-
     for item in layout.coordinates:
-        texts = isinstance(item.values[0], str)
-        dtype = h5py.string_dtype() if texts else "<f8"
-        variable = file.create_variable(item.name, (item.dimension,), dtype=dtype)
-        variable[...] = np.array(list(map(readable, item.values)), dtype=object if texts else float)
+        if layout.table is not None and item.dimension == POINT and item.values:
+            texts = [str(readable(value)).encode() for value in item.values]
+            variable = _write_letters(file, item.name, texts, layout.table.scenes)
+        else:
+            variable = _write_labels(file, item, layout.labels(item))
         if item.unit:
             variable.attrs["units"] = item.unit
         variable.attrs["long_name"] = item.meaning
+
+
+def _write_labels(file: File, item: Coordinate, labels: npt.NDArray[Any]) -> Variable:
+    import h5py
+
+    texts = labels.dtype.kind == "U"
+    dtype = h5py.string_dtype() if texts else "<f8"
+    variable = file.create_variable(item.name, (item.dimension,), dtype=dtype)
+    variable[...] = labels.astype(object) if texts else labels
+    return variable
+
+
+def _write_letters(
+    file: File, name: str, texts: list[bytes], which: npt.NDArray[np.uint32]
+) -> Variable:
+    """Write texts along the points as letters, which can be compressed."""
+    letters = np.array(texts).view("S1").reshape(len(texts), -1)
+    file.dimensions[f"{name}_letters"] = letters.shape[1]
+    variable = file.create_variable(
+        name,
+        (POINT, f"{name}_letters"),
+        dtype="S1",
+        **_compression((len(which), letters.shape[1])),
+    )
+    variable[...] = letters[which]
+    # xarray makes texts of letters that have it
+    variable.attrs["_Encoding"] = "utf-8"
+    return variable
 
 
 def _new_variable(file: File, layout: Layout, name: str) -> Variable:
@@ -266,15 +312,19 @@ def _new_variable(file: File, layout: Layout, name: str) -> Variable:
 
 
 def _compression(shape: tuple[int, ...]) -> dict[str, object]:
-    """Blocks of whole last dimensions, as many as fit."""
+    return {
+        "chunks": _blocks(shape),
+        "compression": "gzip",
+        "compression_opts": _LEVEL,
+        "shuffle": True,
+    }
+
+
+def _blocks(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Compressed blocks of whole last dimensions, as many as fit."""
     room = _BLOCK
     blocks = []
     for size in reversed(shape):
         blocks.append(max(1, min(size, room)))
         room //= blocks[-1]
-    return {
-        "chunks": tuple(reversed(blocks)),
-        "compression": "gzip",
-        "compression_opts": _LEVEL,
-        "shuffle": True,
-    }
+    return tuple(reversed(blocks))

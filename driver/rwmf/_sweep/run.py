@@ -13,16 +13,17 @@ import numpy as np
 import xarray as xr
 
 from rwmf._files import files
-from rwmf._files.names import readable
 from rwmf._sweep import netcdf
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
+from rwmf._sweep.intensity import MEASURES, choose_measure, scale_to_one_g
 from rwmf._sweep.layout import Layout, difference
 from rwmf._sweep.plan import Plan, make_plan
-from rwmf._sweep.quantities import DISPLACEMENT, QUANTITIES
+from rwmf._sweep.points import Points, point_axis
+from rwmf._sweep.quantities import QUANTITIES
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
-from rwmf.case import Case
+from rwmf.case import Case, Motion
 from rwmf.errors import InputError, Interrupted, OutputError
 
 __all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
@@ -69,10 +70,11 @@ class SweepOptions(RunOptions, total=False):
 def sweep(
     case: Case,
     grid: Mapping[str, object] | None = None,
-    records: Sequence[str | os.PathLike[str] | RecordFile] = (),
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
     file: str | os.PathLike[str] | None = None,
     *,
-    quantities: Sequence[str] = (DISPLACEMENT,),
+    points: Points | None = None,
+    quantities: Sequence[str] | None = None,
     threads: int = 0,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -81,8 +83,9 @@ def sweep(
     chunk: int = 0,
     unit: str | None = None,
     dt: float | None = None,
+    intensity: str | None = None,
 ) -> xr.Dataset:
-    """Run the product of records and parameters.
+    """Run the product of records, the rows of a table and parameters.
 
     Parameters
     ----------
@@ -92,14 +95,19 @@ def sweep(
         Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on
         the motion), ``eta`` (pairs eta_0, eta_alpha), or any key of the case (``e``,
         ``formulation``, ``frame.xi_s``).
-    records : sequence of str or path, optional
+    records : sequence of str, path or Motion, optional
         Ground motions in the place of the case's own, see `find_records`; each runs to its last
         sample unless ``t_end`` is in the grid.
     file : str or path, optional
         NetCDF file to write. Finished chunks are kept beside it until it is complete: the same
         call continues where it was interrupted and gives the same bytes.
-    quantities : sequence of str
-        What is kept of each run, a whole grid of T_s, gamma and b a call.
+    points : mapping, pandas.DataFrame, xarray.Dataset, structured array, str or path, optional
+        Table whose rows are runs with their own numbers, or the CSV or NetCDF file that holds it.
+        Its columns are named as the axes of a grid; ``record`` holds names or paths of records.
+        They are coordinates along the dimension ``point``.
+    quantities : sequence of str, optional
+        What is kept of each run, thousands of runs a call of the kernel; otherwise ``u_s_max``, of
+        a wall without a frame ``theta_max_over_alpha``.
     threads : int
         Threads, 0 for all; not used with an executor. The result does not depend on it.
     executor : concurrent.futures.Executor, optional
@@ -116,6 +124,10 @@ def sweep(
         Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
         Sampling interval [s] of records of one column.
+    intensity : str, optional
+        ``pseudo_acceleration`` (of an oscillator with the frame's period and damping) or
+        ``peak_acceleration``: each record is scaled so that this is 1 g, and the values of
+        ``scale`` in the grid are then levels of it in g.
 
     Returns
     -------
@@ -136,13 +148,33 @@ def sweep(
     if not isinstance(chunk, int | np.integer) or chunk < 0:
         raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
     found: Sequence[RecordFile] = find_records(records, unit=unit, dt=dt) if len(records) else ()
-    plan = make_plan(case, grid or {}, found, tuple(quantities), chunk)
+    if intensity is not None:
+        if not found:
+            raise InputError(f"intensity = {intensity!r}: needs records, which it scales")
+        found = scale_to_one_g(case, found, choose_measure(case, intensity))
+    table = None if points is None else point_axis(points, found, unit, dt)
+    named = () if table is None else [scene.record for scene in table.scenes if scene.record]
+    if intensity is not None and any(record not in found for record in named):
+        raise InputError(f"intensity = {intensity!r}: the records of points must be in records")
+    plan = make_plan(
+        case,
+        grid or {},
+        # what the points name is no axis of its own
+        () if named else found,
+        None if quantities is None else tuple(quantities),
+        chunk,
+        table,
+        MEASURES.get(intensity or ""),
+    )
     work = _Work(plan, threads, executor, progress, part)
     if file is None:
         _check_part(part, in_memory=True)
         chunks = {chunk.number: chunk for chunk in work.run(set())}
         return _to_dataset(plan.layout, chunks.__getitem__)
-    inputs: list[str | os.PathLike[str]] = [*case.inputs, *(record.path for record in found)]
+    inputs: list[str | os.PathLike[str]] = [*case.inputs]
+    inputs += [record.path for record in (*found, *named) if record.path]
+    if isinstance(points, str | os.PathLike):
+        inputs.append(points)
     return _sweep_to_file(work, Path(file), inputs, restart)
 
 
@@ -170,7 +202,7 @@ class _Work:
     def run(self, done: set[int]) -> Iterator[Chunk]:
         """Compute what is not done."""
         layout = self.plan.layout
-        sizes = {number: int(np.prod(layout.chunk_shape(number))) for number in self._numbers}
+        sizes = {number: layout.chunk_size(number) for number in self._numbers}
         total = sum(sizes.values())
         finished = sum(sizes[number] for number in done if number in sizes)
         missing = [number for number in self._numbers if number not in done]
@@ -335,16 +367,12 @@ def _check_part(part: tuple[int, int], *, in_memory: bool = False) -> None:
 def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
     """Label a sweep that was kept in memory as xarray would read it from its file."""
     names = netcdf.status_names(layout, source)
-    arrays = netcdf.assemble(layout, source, names, ())
+    arrays = netcdf.assemble(layout, source, names)
     dataset = xr.Dataset(attrs=netcdf.attributes(layout))
     for item in layout.coordinates:
         labels = {"units": item.unit} if item.unit else {}
         labels["long_name"] = item.meaning
-        dataset.coords[item.name] = (
-            item.dimension,
-            np.array(list(map(readable, item.values))),
-            labels,
-        )
+        dataset.coords[item.name] = (item.dimension, layout.labels(item), labels)
     for name in layout.quantities:
         dataset[name] = (layout.dims, arrays[name], QUANTITIES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))

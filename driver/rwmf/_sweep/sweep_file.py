@@ -1,4 +1,4 @@
-"""The namelist of a sweep: which case, which grid, which records, where to.
+"""The namelist of a sweep: which case, which grid, points and records, where to.
 
 The kernel never sees this file: the case that it names stays a case of its own, for every other
 command. Its few forms (numbers, texts in quotes, lists) are read here.
@@ -38,13 +38,15 @@ _KEYS = {
     "case": (str, False),
     "file": (str, False),
     "records": (str, True),
+    "points": (str, False),
     "unit": (str, False),
     "dt": (float, False),
     "quantities": (str, True),
     "chunk": (int, False),
+    "intensity": (str, False),
 }
 _PAIR = "eta"
-_PATHS = ("case", "file", "records")
+_PATHS = ("case", "file", "records", "points")
 # beyond any sweep
 _MOST_RUNS = 10**15
 
@@ -63,6 +65,8 @@ class SweepFile:
         As for `rwmf.sweep`, absolute where they are paths.
     grid : dict
         Values by axis.
+    points : path, optional
+        CSV or NetCDF file with a table whose rows are runs.
     unit : str, optional
         Unit of records that are not AT2.
     dt : float, optional
@@ -71,16 +75,20 @@ class SweepFile:
         What to keep.
     chunk : int
         Largest number of runs in a chunk, 0 for the usual one.
+    intensity : str, optional
+        What the records are scaled to 1 g of.
     """
 
     case: Path
     file: Path
     records: list[str] = field(default_factory=list)
     grid: dict[str, Sequence[Item | tuple[Item, ...]]] = field(default_factory=dict)
+    points: Path | None = None
     unit: str | None = None
     dt: float | None = None
     quantities: list[str] = field(default_factory=list)
     chunk: int = 0
+    intensity: str | None = None
 
 
 def read_sweep_file(path: str) -> SweepFile:
@@ -89,7 +97,7 @@ def read_sweep_file(path: str) -> SweepFile:
     Parameters
     ----------
     path : str
-        The file; case and records are looked for relative to its folder.
+        The file; case, records and points are looked for relative to its folder.
 
     Returns
     -------
@@ -112,6 +120,8 @@ def read_sweep_file(path: str) -> SweepFile:
     folder = Path(path).parent
     found = SweepFile(folder / values.pop("case"), Path(f"{Path(path).stem}.nc"))
     records = [_located(folder, word) for word in values.pop("records", [])]
+    if "points" in values:
+        values["points"] = folder / values["points"]
     for key, value in (values | {"records": records}).items():
         setattr(found, key, Path(value) if key == "file" else value)
     found.grid = {key: _axis(path, key, items) for key, items in groups.get("grid", {}).items()}

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
+import numpy as np
+
 from rwmf import _library
 from rwmf._files import files
+from rwmf.case.changes import numbers_of
 from rwmf.case.group import Group
+from rwmf.case.motion import Motion
 from rwmf.case.namelist import compose, read_text
-from rwmf.errors import InputError
+from rwmf.errors import InputError, did_you_mean
 
 __all__ = ["Case"]
 
@@ -24,12 +28,14 @@ class Case:
 
     A case is what was read: the kernel keeps it, the samples of its records included, so that
     neither it nor what `replace` and `without` return looks at those files again, whatever becomes
-    of them. What is pickled is the text: the kernel reads it, and the records, where it is loaded.
+    of them. What is pickled is the text: the kernel reads it, and the records, where it is loaded;
+    the samples of a `Motion` are pickled with it.
 
     Parameters
     ----------
     **groups : mapping
-        Keys and values of each namelist group, for example ``wall={"h": 2.0, "b": 0.5}``.
+        Keys and values of each namelist group, for example ``wall={"h": 2.0, "b": 0.5}``. For
+        ``motion`` and ``vertical`` a `Motion` stands for the whole group, or for its ``file``.
 
     Raises
     ------
@@ -37,41 +43,86 @@ class Case:
         When the kernel does not accept the case.
     """
 
-    __slots__ = ("_edited", "_folder", "_groups", "_kernel", "_source", "_text")
+    __slots__ = ("_edited", "_folder", "_kept_groups", "_kernel", "_motions", "_source", "_text")
 
     _edited: bool
     _folder: Path
-    _groups: dict[str, Group]
+    _kept_groups: dict[str, Group] | None
     _kernel: _library.KernelCase
+    _motions: dict[str, Motion]
     _source: str | None
-    _text: str
+    _text: str | None
 
-    def __init__(self, **groups: Mapping[str, object]) -> None:
-        self._assemble(compose(groups), None, None)
+    def __init__(self, **groups: Mapping[str, object] | Motion) -> None:
+        entries = {name: _entries_of(name.lower(), group) for name, group in groups.items()}
+        self._assemble(compose(entries), None, None, _motions_of(entries))
 
-    def _assemble(self, text: str, source: str | None, origin: Case | None) -> None:
+    def _assemble(
+        self, text: str, source: str | None, origin: Case | None, motions: dict[str, Motion]
+    ) -> None:
         """Let the kernel read the text; an edited case keeps place and records of its origin."""
-        put = super().__setattr__
-        put("_text", text)
-        put("_source", source)
-        put("_edited", origin is not None)
         folder = (Path(source).parent if source else Path()).absolute()
-        if origin is not None and (source or origin._names_records()):
+        if origin is not None and (source or origin._record_files()):
             folder = origin._folder
-        put("_folder", folder)
+        self._put(source, folder, origin is not None, text, motions)
         known = None if origin is None else origin._kernel
-        put("_kernel", _library.read_case(text, self.kernel_source(), known))
-        rows: dict[str, list[list[str]]] = {}
-        for name, *row in self._kernel.describe():
-            group, key = name.split(".", 1)
-            rows.setdefault(group, []).append([key, *row])
-        put("_groups", {group: Group(group, entries) for group, entries in rows.items()})
+        samples = {group: motion.samples for group, motion in motions.items()}
+        kernel = _library.read_case(text, self.kernel_source(), known, **samples)
+        super().__setattr__("_kernel", kernel)
+
+    def _put(
+        self,
+        source: str | None,
+        folder: Path,
+        edited: bool,
+        text: str | None,
+        motions: dict[str, Motion],
+    ) -> None:
+        """Set all but the kernel's case; the groups are made when they are first asked for."""
+        put = super().__setattr__
+        put("_source", source)
+        put("_folder", folder)
+        put("_edited", edited)
+        put("_text", text)
+        put("_motions", motions)
+        put("_kept_groups", None)
 
     @classmethod
-    def _make(cls, text: str, source: str | None, origin: Case | None = None) -> Case:
+    def _make(
+        cls,
+        text: str,
+        source: str | None,
+        origin: Case | None = None,
+        motions: dict[str, Motion] | None = None,
+    ) -> Case:
         case = cls.__new__(cls)
-        case._assemble(text, source, origin)
+        case._assemble(text, source, origin, motions or {})
         return case
+
+    def _changed(self, changes: _library.Changes, numbers: np.ndarray[Any, Any]) -> Case | None:
+        """Return the case with other numbers, made without text; None when that takes text."""
+        try:
+            found = self._kernel.find(changes)
+        except InputError:
+            # reading the text says what is wrong, with its line, or adds a group that is new
+            return None
+        case = type(self).__new__(type(self))
+        case._put(self._source, self._folder, True, None, self._motions)
+        kernel = self._kernel.changed(found, numbers, case.label)
+        object.__setattr__(case, "_kernel", kernel)
+        return case
+
+    @property
+    def _groups(self) -> dict[str, Group]:
+        if self._kept_groups is None:
+            rows: dict[str, list[list[str]]] = {}
+            for name, *row in self._kernel.describe():
+                group, key = name.split(".", 1)
+                rows.setdefault(group, []).append([key, *row])
+            groups = {group: Group(group, entries) for group, entries in rows.items()}
+            super().__setattr__("_kept_groups", groups)
+            return groups
+        return self._kept_groups
 
     @classmethod
     def from_namelist(cls, path: str | os.PathLike[str]) -> Case:
@@ -126,15 +177,24 @@ class Case:
 
     @property
     def text(self) -> str:
-        """Namelist text that the kernel gets: the file's own until the case is edited."""
-        return self._text
+        """Namelist text of the case: the file's own until the case is edited.
+
+        It says of a `Motion` its name only.
+        """
+        if self._text is None:
+            super().__setattr__("_text", compose(self._given_entries()))
+        return str(self._text)
 
     @property
     def inputs(self) -> tuple[Path, ...]:
         """Files that the case was read from: its namelist, if it has one, then its records."""
         own = [] if self._source is None else [self._folder / Path(self._source).name]
-        names = [group["file"] for group in self._groups.values() if "file" in group]
-        return (*own, *(self._folder / str(name) for name in names if name))
+        return (*own, *(self._folder / name for name in self._record_files()))
+
+    @property
+    def motions(self) -> dict[str, Motion]:
+        """The motions from arrays, by the group that they stand in."""
+        return dict(self._motions)
 
     @property
     def groups(self) -> dict[str, Group]:
@@ -155,15 +215,18 @@ class Case:
         """Refuse: a case never changes."""
         raise AttributeError("a case cannot be changed; case.replace(...) returns another one")
 
-    def replace(self, **groups: Mapping[str, object] | None) -> Case:
+    def replace(self, **groups: Mapping[str, object] | Motion | None) -> Case:
         """Return a case with other values.
+
+        Other numbers in groups that the case has cost microseconds, however long its records are.
 
         Parameters
         ----------
         **groups : mapping
             Keys and values to set in a group, which is added when the case has none. None for a
             key takes it out, so that the kernel's default holds; None for a group takes the
-            group out: its effect is then not simulated.
+            group out: its effect is then not simulated. A `Motion` takes the place of the whole
+            group ``motion`` or ``vertical``, or as ``file`` that of a record's file.
 
         Returns
         -------
@@ -179,17 +242,24 @@ class Case:
         --------
         >>> stiff = case.replace(frame={"T_s": 0.4})  # doctest: +SKIP
         """
+        numbers = numbers_of(groups)
+        if numbers is not None:
+            changed = self._changed(*numbers)
+            if changed is not None:
+                return changed
+        _check_groups(groups, self._groups)
         entries = self._given_entries()
         for name, changes in groups.items():
-            if changes is None:
+            if changes is None or isinstance(changes, Motion):
                 entries.pop(name.lower(), None)
+            if changes is None:
                 continue
             group = entries.setdefault(name.lower(), {})
-            for key, value in changes.items():
+            for key, value in _entries_of(name.lower(), changes).items():
                 # the same key in another spelling is the same key
                 same = next((k for k in group if k.lower() == key.lower()), key)
                 group[same] = value
-        return self._make(compose(entries), self._source, self)
+        return self._make(compose(entries), self._source, self, _motions_of(entries))
 
     def without(self, *groups: str) -> Case:
         """Return a case without some groups: effects that are then not simulated.
@@ -222,7 +292,9 @@ class Case:
         ----------
         path : str or path, optional
             File to write. The path of a record is then relative to its folder; without a file
-            it is absolute, so that the text means the same wherever it is read.
+            it is absolute, so that the text means the same wherever it is read. The samples of
+            a `Motion` are written beside the file, ``quake.nml`` and ``quake_motion.txt`` (or
+            ``quake_vertical.txt``), which the text then names.
 
         Returns
         -------
@@ -232,14 +304,26 @@ class Case:
         Raises
         ------
         InputError
-            When the file is one of the case's records.
+            When the file is one of the case's records, or a case with a `Motion` is not written
+            to a file.
         OutputError
-            When the file cannot be written.
+            When a file cannot be written.
         """
+        if path is None and self._motions:
+            raise InputError(
+                f"{next(iter(self._motions.values()))!r} is in memory, which no text can name: "
+                "to_namelist(path) writes it beside the namelist"
+            )
         entries = self._given_entries()
         for group in ("motion", "vertical"):
             record = entries.get(group, {}).get("file")
             if record is None:
+                continue
+            if isinstance(record, Motion):
+                beside = Path(f"{Path(str(path)).with_suffix('')}_{group}.txt")
+                files.check_not_read(beside, self.inputs)
+                record.write(beside)
+                entries[group]["file"] = beside.name
                 continue
             full = self._folder / str(record)
             if path is not None and not Path(str(record)).is_absolute():
@@ -266,38 +350,57 @@ class Case:
         str
             The path; that of an edited case says so.
         """
-        label = self._label()
+        label = self.label
         if Path(label).parent.absolute() == self._folder:
             return label
         return str(self._folder / (Path(label).name or "case.nml"))
 
-    def _label(self) -> str:
+    @property
+    def label(self) -> str:
+        """What messages begin with: path of the file, that of an edited case says so; or ''."""
         # the lines that a message counts are not those of the file once a case is edited
         return (self._source or "") + (" (edited)" if self._edited and self._source else "")
 
-    def _names_records(self) -> bool:
-        return any("file" in group for group in self._groups.values())
+    def _record_files(self) -> list[str]:
+        """Files of the records, without the names of motions from arrays."""
+        return [
+            str(group["file"])
+            for name, group in self._groups.items()
+            if group.get("file") and name not in self._motions
+        ]
 
     def _given_entries(self) -> dict[str, dict[str, object]]:
-        return {
+        entries = {
             name: {key: group[key] for key in group if key in group.given}
             for name, group in self._groups.items()
         }
+        for name, motion in self._motions.items():
+            entries[name]["file"] = motion
+        return entries
+
+    def _identity(self) -> tuple[object, ...]:
+        """Return what would be computed: the text with full paths, and motions of memory."""
+        entries = self._given_entries()
+        for name, group in entries.items():
+            if "file" in group and name not in self._motions:
+                group["file"] = str(self._folder / str(group["file"]))
+        return (compose(entries), *self._motions.items())
 
     def __eq__(self, other: object) -> bool:
         """Compare what the kernel would compute."""
         if not isinstance(other, Case):
             return NotImplemented
-        return self.to_namelist() == other.to_namelist()
+        return self._identity() == other._identity()
 
     def __hash__(self) -> int:
         """Hash what the kernel would compute."""
-        return hash(self.to_namelist())
+        return hash(self._identity())
 
-    def __reduce__(self) -> tuple[Callable[..., Case], tuple[str, str | None]]:
-        """Pickle text and place; the kernel reads it again."""
+    def __reduce__(self) -> tuple[Callable[..., Case], tuple[object, ...]]:
+        """Pickle text, place and motions of memory; the kernel reads the text again."""
         source = None if self._source is None else str(Path(self._folder, Path(self._source).name))
-        return (_restore, (self.to_namelist() if source is None else self._text, source))
+        text = self._identity()[0] if source is None else self.text
+        return (_restore, (text, source, self._motions))
 
     def __copy__(self) -> Case:
         """Return the case itself: it never changes."""
@@ -309,10 +412,56 @@ class Case:
 
     def __repr__(self) -> str:
         """Show the groups, one a line."""
-        lines = [f"Case({self._label() or 'in memory'})"]
+        lines = [f"Case({self.label or 'in memory'})"]
         lines += [f"  {name:8s} {group!r}" for name, group in self._groups.items()]
         return "\n".join(lines)
 
 
-def _restore(text: str, source: str | None) -> Case:
-    return Case.from_text(text, source)
+def _restore(text: str, source: str | None, motions: dict[str, Motion]) -> Case:
+    return Case._make(text, source, motions=motions)
+
+
+def _entries_of(name: str, group: Mapping[str, object] | Motion) -> dict[str, object]:
+    """Keys and values of a group; those of a motion from arrays with its own."""
+    if isinstance(group, Motion):
+        group = {"file": group}
+    entries = dict(group)
+    motion = next((value for value in entries.values() if isinstance(value, Motion)), None)
+    if motion is None:
+        return entries
+    if name not in ("motion", "vertical"):
+        raise InputError(f"&{name}: {motion!r} belongs into motion or vertical")
+    kind = {"kind": "record"} if name == "motion" else {}
+    return kind | entries | motion.keys() | {"file": motion}
+
+
+def _motions_of(entries: Mapping[str, Mapping[str, object]]) -> dict[str, Motion]:
+    """Find the motions from arrays among the values of groups."""
+    return {
+        name.lower(): value
+        for name, group in entries.items()
+        for value in group.values()
+        if isinstance(value, Motion)
+    }
+
+
+def _check_groups(
+    groups: Mapping[str, Mapping[str, object] | Motion | None], present: Collection[str]
+) -> None:
+    """Complain of what is no group, or of values without keys."""
+    for name, values in groups.items():
+        if name.lower() not in present:
+            _check_group(name)
+        if values is not None and not isinstance(values, Mapping | Motion):
+            raise InputError(f"&{name.lower()} = {values!r}: must be keys with values, or None")
+
+
+def _check_group(name: str) -> None:
+    rows = [(group, key) for group, key, *_ in _library.schema()]
+    known = dict.fromkeys(group for group, _ in rows)
+    if name.lower() in known:
+        return
+    owners = [f"{group}={{{key!r}: ...}}" for group, key in rows if key.lower() == name.lower()]
+    hint = f", did you mean {' or '.join(owners)}?" if owners else did_you_mean(name, known)
+    hint = f"{hint} There" if hint else "; there"
+    raise InputError(f"there is no group &{name}{hint} are {', '.join(known)}")

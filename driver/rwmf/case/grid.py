@@ -10,7 +10,7 @@ import numpy.typing as npt
 from rwmf.case.case import Case
 from rwmf.quantities import keys_of
 
-__all__ = ["Values", "count_ordinates", "with_grid"]
+__all__ = ["Values", "with_grid"]
 
 Values = Sequence[float] | npt.NDArray[np.float64] | float
 
@@ -43,7 +43,7 @@ def with_grid(
     InputError
         When the grid is not acceptable.
     """
-    grid: dict[str, list[float] | list[str] | None] = {}
+    grid: dict[str, npt.NDArray[np.float64] | list[str] | None] = {}
     if T_s is not None:
         # the list takes the place of the whole uniform grid
         grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))
@@ -57,25 +57,5 @@ def with_grid(
     return case.replace(spectrum=grid) if grid else case
 
 
-def count_ordinates(case: Case) -> int:
-    """Count the simulations of a case's spectrum.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    int
-        Their number, 0 without `&spectrum`.
-    """
-    grid = case.groups.get("spectrum")
-    if grid is None:
-        return 0
-    periods = len(grid["T_s"]) if "T_s" in grid else int(grid["n"])
-    return periods * len(grid.get("gamma", (0,))) * len(grid.get("b", (0,)))
-
-
-def _floats(values: Values) -> list[float]:
-    return np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel().tolist()
+def _floats(values: Values) -> npt.NDArray[np.float64]:
+    return np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()

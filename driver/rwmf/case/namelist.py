@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rwmf.case.motion import Motion
 from rwmf.errors import InputError
 
 __all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
@@ -115,6 +116,8 @@ def format_value(value: object) -> str:
         return repr(value)
     if isinstance(value, str):
         return "'" + value.replace("'", "''") + "'"
+    if isinstance(value, Motion):
+        return format_value(value.name)
     if isinstance(value, Iterable):
         return ", ".join(format_value(item) for item in value)
     raise TypeError(f"{value!r}: a namelist holds numbers, texts, true or false, and lists of them")

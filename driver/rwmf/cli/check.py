@@ -6,7 +6,6 @@ import argparse
 
 from rwmf import _library
 from rwmf.case import Case
-from rwmf.case.grid import count_ordinates
 
 __all__ = ["run"]
 
@@ -44,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     print(f"{options.case}: valid")
     for word, shown, nothing in _INVENTORY:
         print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")
-    n = count_ordinates(case)
+    n = case.kernel.ordinates()
     if n > 0:
         print(f"spectrum: {n} simulations")
     warning = _library.law_warning(case.kernel.broken_laws())

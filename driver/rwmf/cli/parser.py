@@ -169,7 +169,8 @@ def _add_records(commands: Subcommands) -> None:
 def _add_sweep(commands: Subcommands) -> None:
     parser = commands.add(
         "sweep",
-        "Run the product of records and parameters that a namelist asks for, into NetCDF.",
+        "Run the product of records, rows of a table and parameters that a namelist asks for, into "
+        "NetCDF.",
         "restitution.nml --file restitution.nc",
         "sweep.run",
     )

@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     with simulation.start(case) as result:
         summary = result.summary()
         if options.out:
-            result.write(options.case, options.out)
+            result.write(case.text, options.case, options.out)
         if options.plot:
             _plot_history(case, result, options.plot)
         if options.loops:

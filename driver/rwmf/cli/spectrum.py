@@ -11,7 +11,7 @@ import xarray as xr
 from rwmf import _spectrum
 from rwmf._files import files
 from rwmf.case import Case
-from rwmf.case.grid import count_ordinates, with_grid
+from rwmf.case.grid import with_grid
 from rwmf.cli.output import print_json, print_warnings
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import files as figures
@@ -43,12 +43,12 @@ def run(options: argparse.Namespace) -> int:
     files.check_outputs([options.plot, options.csv], case.inputs)
     figures.check_formats(options.plot)
     with (
-        progress_bar(count_ordinates(case)) as report,
+        progress_bar(case.kernel.ordinates()) as report,
         _spectrum.start(case, options.threads, report) as sweep,
     ):
         dataset = _spectrum.to_dataset(sweep)
         if options.csv:
-            sweep.write(options.csv)
+            sweep.write(case.text, options.csv)
     print_warnings(options.case, dataset.attrs["warnings"])
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
@@ -62,9 +62,9 @@ def run(options: argparse.Namespace) -> int:
 def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
     """Keys of ``rwmf spectrum --json`` in their order."""
     found: dict[str, Any] = {"T_s_s": dataset["T_s"].values}
-    if "gamma" in dataset.dims:
-        found["gamma"] = dataset["gamma"].values
-        found["b_m"] = dataset["b"].values
+    for name, key in (("gamma", "gamma"), ("b", "b_m")):
+        if name in dataset.dims:
+            found[key] = dataset[name].values
     for key, name in names_by_key(dataset.data_vars).items():
         found[key] = dataset[name].values
     for key in ("seconds", "threads", "rhs_evaluations", "warnings"):
@@ -91,15 +91,18 @@ def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
 
 def _print_ordinates(dataset: xr.Dataset) -> None:
     """One line a period, one column a mass ratio and half width."""
-    bare = "gamma" not in dataset.dims
-    columns = dataset if bare else dataset.stack(column=("b", "gamma"))
+    outer = [name for name in ("b", "gamma") if name in dataset.dims]
+    columns = dataset.stack(column=outer) if outer else dataset
     names = names_by_key(name for name in dataset.data_vars if name != "status")
     for key, name in names.items():
         heads = [key]
-        if not bare:
+        if outer:
             if len(names) > 1:
                 print(f"{key}:")
-            heads = [f"gamma={gamma:g},b={b:g}" for b, gamma in columns["column"].values]
+            heads = [
+                ",".join(f"{axis}={at[i]:g}" for i, axis in reversed(list(enumerate(outer))))
+                for at in columns["column"].values
+            ]
         print(" ".join([f"{'T_s_s':>9s}", *(f"{head:>20s}" for head in heads)]))
         values = columns[name].values.reshape(dataset.sizes["T_s"], -1)
         for period, row in zip(dataset["T_s"].values, values, strict=True):

@@ -13,11 +13,11 @@ from rwmf import studies
 from rwmf._files import files
 from rwmf._files.netcdf_file import new_file
 from rwmf._sweep import RecordFile, find_records
-from rwmf._sweep.quantities import find_quantities
+from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf.case import Case
 from rwmf.cli.output import print_warnings
 from rwmf.cli.progress import progress
-from rwmf.cli.study_parser import FACTORS, TENSIONS
+from rwmf.cli.study_parser import BLOCK_PERIODS, FACTORS, PERIODS, TENSIONS
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.plotting import files as figures
@@ -81,25 +81,31 @@ def _overturning(options: argparse.Namespace, case: Case, report: Report) -> xr.
 
 
 def _spectra(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    grid, how = _grid(options), _how(options, report)
+    grid, how = _grid(options, case), _how(options, report)
     return studies.suite_spectra(case, grid, options.records, options.quantity, **how)
 
 
 def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    (quantity,) = find_quantities((options.quantity,))
+    (quantity,) = find_quantities((options.quantity or default_quantity(case),))
     analysis = studies.incremental_dynamic_analysis(
-        case, options.levels, options.records, quantity, **_how(options, report)
+        case,
+        options.levels,
+        options.records,
+        quantity,
+        intensity=options.intensity,
+        **_how(options, report),
     )
     curve = studies.fragility(analysis, options.limit, quantity)
     return curve.assign({quantity: analysis[quantity]})
 
 
 def _wall(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    return studies.wall_effect(case, _grid(options), options.records, **_how(options, report))
+    return studies.wall_effect(case, _grid(options, case), options.records, **_how(options, report))
 
 
 def _friction(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    return studies.friction_spectra(case, _grid(options), options.records, **_how(options, report))
+    grid, how = _grid(options, case), _how(options, report)
+    return studies.friction_spectra(case, grid, options.records, **how)
 
 
 def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
@@ -108,7 +114,7 @@ def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Datase
         factors = numbers(FACTORS)
     if tensions is None and case.cable is not None:
         tensions = numbers(TENSIONS)
-    uncertain: dict[str, Sequence[object]] = {}
+    uncertain: dict[str, Sequence[object]] = dict(options.vary or ())
     if factors is not None:
         # a case that gives r takes its square
         squared = case.impact is not None and "r" in case.impact.given
@@ -118,15 +124,28 @@ def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Datase
             raise InputError("--eta: needs pairs eta_0, eta_alpha")
         uncertain["eta"] = list(zip(tensions[::2], tensions[1::2], strict=True))
     if not uncertain:
-        raise InputError(f"{options.case}: nothing is uncertain: give --e or --eta")
+        raise InputError(
+            f"{options.case}: nothing is uncertain: give --e or --eta, or another key of the case "
+            "by --vary KEY=LIST, for example --vary frame.xi_s=0.02,0.05"
+        )
     return studies.sensitivity_bands(
-        case, _grid(options), uncertain, options.records, **_how(options, report)
+        case,
+        _grid(options, case),
+        uncertain,
+        options.records,
+        options.quantity,
+        **_how(options, report),
     )
 
 
 def _equal_response(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
     return studies.equal_response(
-        case, options.T_p, options.target, threads=options.threads, progress=report
+        case,
+        options.T_p,
+        options.target,
+        threads=options.threads,
+        progress=report,
+        quantity=options.quantity,
     )
 
 
@@ -149,8 +168,11 @@ _STUDIES = {
 }
 
 
-def _grid(options: argparse.Namespace) -> dict[str, Sequence[object]]:
-    grid = {"T_s": options.T_s}
+def _grid(options: argparse.Namespace, case: Case) -> dict[str, Sequence[object]]:
+    periods = options.T_s
+    if periods is None and "T_s" in case.kernel.axes():
+        periods = numbers(PERIODS if case.frame is not None else BLOCK_PERIODS)
+    grid = {} if periods is None else {"T_s": periods}
     return grid if options.gamma is None else grid | {"gamma": options.gamma}
 
 

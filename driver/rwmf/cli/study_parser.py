@@ -5,14 +5,20 @@ from __future__ import annotations
 import argparse
 
 from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
-from rwmf.cli.words import number, numbers, written_file
+from rwmf.cli.words import key_with_numbers, number, numbers, written_file
 
-__all__ = ["FACTORS", "TENSIONS", "add_study"]
+__all__ = ["BLOCK_PERIODS", "FACTORS", "PERIODS", "TENSIONS", "add_study"]
 
 # the ranges of what is uncertain, when nothing else is said: velocity factors, pairs of eta
 FACTORS = "0.8:1:5"
 TENSIONS = "0,0,1,5,5,50"
-_PERIODS = "0.1:3:59"
+# periods [s] of a frame; 2 pi/p of blocks from half a metre to twenty metres high
+PERIODS = "0.1:3:59"
+BLOCK_PERIODS = "1:8:57"
+_QUANTITY = (
+    "u_s_max, theta_max_over_alpha, cable_force_increment_max_over_m_w_g and others "
+    "(default u_s_max, of a wall without a frame theta_max_over_alpha)"
+)
 
 
 def add_study(commands: Subcommands) -> None:
@@ -73,7 +79,8 @@ def _add_records(parser: argparse.ArgumentParser, required: bool) -> None:
 
 
 def _add_grid(parser: argparse.ArgumentParser) -> None:
-    _list(parser, "T_s", _PERIODS, "periods of the frame in s")
+    text = f"periods in s, of a wall without a frame 2 pi/p (default {PERIODS}, {BLOCK_PERIODS})"
+    _list(parser, "T_s", None, text)
     _list(parser, "gamma", None, "mass ratios (default: those of the case)")
 
 
@@ -100,11 +107,7 @@ def _add_spectra(studies: Subcommands) -> None:
     )
     _add_records(parser, required=True)
     _add_grid(parser)
-    parser.add_argument(
-        "--quantity",
-        default="u_s_max",
-        help="u_s_max, theta_max_over_alpha, cable_force_increment_max_over_m_w_g",
-    )
+    parser.add_argument("--quantity", help=_QUANTITY)
 
 
 def _add_fragility(studies: Subcommands) -> None:
@@ -115,8 +118,13 @@ def _add_fragility(studies: Subcommands) -> None:
         "inputs/study_one_sine.nml --records fema:far_field --limit 0.2 --plot f.png",
     )
     _add_records(parser, required=True)
-    _list(parser, "levels", "0.1:2:20", "pseudo-spectral accelerations over g")
-    parser.add_argument("--quantity", default="u_s_max", help="the demand, see rwmf study spectra")
+    _list(parser, "levels", "0.1:2:20", "intensities over g")
+    parser.add_argument("--quantity", help=f"the demand: {_QUANTITY}")
+    parser.add_argument(
+        "--intensity",
+        metavar="WORD",
+        help="pseudo_acceleration (a frame's own) or peak_acceleration (that of a wall alone)",
+    )
     parser.add_argument("--limit", type=number(), required=True, help="limit of the demand")
 
 
@@ -157,14 +165,24 @@ def _add_bands(studies: Subcommands) -> None:
     )
     for name, text in zip(("e", "eta"), texts, strict=True):
         _list(parser, name, None, text)
+    parser.add_argument(
+        "--vary",
+        metavar="KEY=LIST",
+        type=key_with_numbers,
+        action="append",
+        help="another uncertain key, for example frame.xi_s=0.02,0.05; may be repeated",
+    )
+    parser.add_argument("--quantity", help=f"the response: {_QUANTITY}")
 
 
 def _add_equal_response(studies: Subcommands) -> None:
     parser = _new(
         studies,
         "equal-response",
-        "Which amplitude of each pulse gives the same displacement of the frame.",
+        "Which amplitude of each pulse gives the same response.",
         "inputs/study_one_sine.nml --target 0.2 --plot equal.png",
     )
     _list(parser, "T_p", "0.2:3:57", "periods of the pulse in s")
-    parser.add_argument("--target", type=number(above=0), required=True, help="displacement in m")
+    text = "the response that is reached, a displacement in m"
+    parser.add_argument("--target", type=number(above=0), required=True, help=text)
+    parser.add_argument("--quantity", help=f"the response: {_QUANTITY}")

@@ -14,7 +14,6 @@ import xarray as xr
 from rwmf._files import files
 from rwmf._sweep.csv_parts import merge_csv
 from rwmf._sweep.executors import open_executor
-from rwmf._sweep.quantities import DISPLACEMENT
 from rwmf._sweep.run import merge, path_of_store, sweep
 from rwmf._sweep.sweep_file import read_sweep_file
 from rwmf.case import Case
@@ -55,7 +54,8 @@ def run(options: argparse.Namespace) -> int:
                 asked.grid,
                 asked.records,
                 path,
-                quantities=asked.quantities or (DISPLACEMENT,),
+                points=asked.points,
+                quantities=asked.quantities or None,
                 threads=options.threads,
                 executor=executor,
                 progress=report,
@@ -64,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
                 chunk=asked.chunk,
                 unit=asked.unit,
                 dt=asked.dt,
+                intensity=asked.intensity,
             )
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.errors import OutputError
 
-__all__ = ["number", "numbers", "thread_count", "whole", "written_file"]
+__all__ = ["key_with_numbers", "number", "numbers", "thread_count", "whole", "written_file"]
 
 _MOST_THREADS = 2**31 - 1
 _MOST_NUMBERS = 1_000_000
@@ -108,6 +108,32 @@ def numbers(word: str) -> list[float]:
             f"{shorten(word)}: must be FIRST:LAST:N or finite numbers with commas between them, "
             f"at most {_MOST_NUMBERS}"
         ) from None
+
+
+def key_with_numbers(word: str) -> tuple[str, list[float]]:
+    """Read ``KEY=LIST``.
+
+    Parameters
+    ----------
+    word : str
+        A key of the case, and numbers as for `numbers`.
+
+    Returns
+    -------
+    str
+        The key.
+    list of float
+        The numbers.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        When the word has another form.
+    """
+    key, sign, values = word.partition("=")
+    if not key or not sign:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LIST")
+    return key, numbers(values)
 
 
 def thread_count(word: str) -> int:

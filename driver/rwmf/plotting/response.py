@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import count, takewhile
+from itertools import count, product, takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, series
+from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, period_label, series
+from rwmf.quantities import AXES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,6 +50,7 @@ _SYMBOLS = {
 }
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
 # ordinates whose motion ended before its time
+_ROTATION = "theta_max_over_alpha"
 _FALLEN = ("overturned", "collapsed")
 
 
@@ -133,12 +135,12 @@ def spectrum(
     dataset: xr.Dataset,
     ax: Axes | None = None,
     bare: xr.Dataset | None = None,
-    quantity: str = "u_s_max",
+    quantity: str | None = None,
     *,
     legend: bool = True,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> Axes:
-    """Draw the largest displacement of the frame, or another quantity, against its period.
+    """Draw the largest displacement of the frame, or another quantity, against the period.
 
     Parameters
     ----------
@@ -148,8 +150,8 @@ def spectrum(
         Where to draw; otherwise a new figure.
     bare : xarray.Dataset, optional
         Spectrum of the frame without wall, drawn dotted for comparison.
-    quantity : str
-        Variable of the dataset.
+    quantity : str, optional
+        Variable of the dataset; otherwise ``u_s_max``, or its first where it has none.
     legend : bool
         With a legend beside the axes, where there are several lines.
     **line
@@ -158,13 +160,16 @@ def spectrum(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. Ordinates that overturned or collapsed are crosses; failed ones are gaps.
+        The axes. Ordinates that overturned or collapsed are crosses, rotations of walls that
+        overturned at the upper edge; failed ones are gaps.
 
     Raises
     ------
     ValueError
         When the dataset has no such quantity.
     """
+    if quantity is None:
+        quantity = "u_s_max" if "u_s_max" in dataset else str(next(iter(dataset.data_vars)))
     if quantity not in dataset:
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
         raise ValueError(f"{quantity}: is not in the spectrum, which has {names}")
@@ -172,12 +177,23 @@ def spectrum(
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
         look = {**series(i, len(curves)), "label": label or None} | line
-        (drawn,) = axes.plot(curve["T_s"], curve[quantity], **look)
-        fallen = curve.isel(T_s=np.flatnonzero(np.isin(curve["status"].values, _FALLEN)))
-        axes.plot(fallen["T_s"], fallen[quantity], "x", color=drawn.get_color(), markersize=4)
+        has_fallen = np.isin(curve["status"].values, _FALLEN)
+        periods, values = curve["T_s"].values, curve[quantity].values
+        # the rotation of a wall that lies on its side says nothing more: crosses at the upper edge
+        on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
+        (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **look)
+        cross: dict[str, Any] = {
+            "color": drawn.get_color(),
+            "markersize": 4,
+            "linestyle": "none",
+            "marker": "x",
+        }
+        axes.plot(periods[has_fallen & ~on_side], values[has_fallen & ~on_side], **cross)
+        edge = axes.get_xaxis_transform()
+        axes.plot(periods[on_side], np.ones(on_side.sum()), transform=edge, clip_on=False, **cross)
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
-    axes.set_xlabel("$T_s$ (s)")
+    axes.set_xlabel(period_label(dataset["T_s"]))
     axes.set_ylabel(_axis_label(dataset[quantity]))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
@@ -189,21 +205,22 @@ def spectrum(
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
     """Lines of a spectrum with their labels; a parameter with one value needs none."""
-    if "gamma" not in dataset.dims:
-        return [("", dataset)]
-    several_b = dataset.sizes["b"] > 1
-    several_gamma = dataset.sizes["gamma"] > 1
+    dims = [name for name in ("b", "gamma") if name in dataset.dims]
     curves = []
-    for i, b in enumerate(dataset["b"].values):
-        for j, gamma in enumerate(dataset["gamma"].values):
-            parts = [f"{gamma:g}"] if several_gamma else []
-            parts += [f"b = {b:g} m"] if several_b else []
-            curves.append((", ".join(parts), dataset.isel(b=i, gamma=j)))
+    for place in product(*(range(dataset.sizes[name]) for name in dims)):
+        curve = dataset.isel(dict(zip(dims, place, strict=True)))
+        several = {name: float(curve[name]) for name in dims if dataset.sizes[name] > 1}
+        parts = [f"{several['gamma']:g}"] if "gamma" in several else []
+        parts += [f"b = {several['b']:g} m"] if "b" in several else []
+        curves.append((", ".join(parts), curve))
     return curves
 
 
 def _legend_title(dataset: xr.Dataset) -> str | None:
-    return r"$\gamma = m_s/m_w$" if dataset.sizes.get("gamma", 0) > 1 else None
+    if dataset.sizes.get("gamma", 0) < 2:
+        return None
+    is_plain = dataset["gamma"].attrs.get("long_name") in (None, AXES["gamma"].meaning)
+    return r"$\gamma = m_s/m_w$" if is_plain else r"$\gamma$"
 
 
 def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:

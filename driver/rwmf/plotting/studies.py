@@ -18,6 +18,7 @@ from rwmf.plotting.style import (
     LEVEL,
     label_plainly,
     legend_above,
+    period_label,
     series,
 )
 from rwmf.studies.fragility import exceedance
@@ -41,6 +42,7 @@ _SYMBOLS = {
     "e": "$e$",
     "scale": "scale",
     "u_s_max": r"$u_{s,\max}$",
+    "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
 }
 # opacity of a band, and of the hatches of one without upper end
 _BAND, _OPEN = 0.25, 0.5
@@ -170,7 +172,8 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
     fine = np.linspace(scale.min(), scale.max(), 400)
     ax.plot(fine, exceedance(fine, median, dispersion), **series(0, 1), label=text)
-    ax.set_xlabel(r"$S_a(T_s)/g$")
+    level = str(dataset["scale"].attrs.get("long_name", ""))
+    ax.set_xlabel("peak ground acceleration over $g$" if level[:4] == "peak" else r"$S_a(T_s)/g$")
     quantity = dataset.attrs["quantity"]
     limit = f"{float(dataset['limit']):g}" + _unit(dataset["limit"], " {}")
     ax.set_ylabel(f"P({_SYMBOLS.get(quantity, quantity)} > {limit})")
@@ -180,7 +183,7 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the amplitudes of pulses that give the same displacement.
+    """Draw the amplitudes of pulses that give the same response.
 
     Parameters
     ----------
@@ -199,7 +202,9 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     label_plainly(ax.yaxis)
     ax.margins(x=0)
     ax.set_xlabel("$T_p$ (s)")
-    ax.set_ylabel(r"$a_{\max}/g$ for $u_{s,\max}$ = " + f"{float(dataset['target']):g} m")
+    quantity = str(dataset.attrs["quantity"])
+    target = f"{float(dataset['target']):g}" + _unit(dataset["target"], " {}")
+    ax.set_ylabel(r"$a_{\max}/g$ for " + f"{_SYMBOLS.get(quantity, quantity)} = {target}")
     return ax
 
 
@@ -261,7 +266,7 @@ def _unit(values: xr.DataArray, form: str) -> str:
 
 
 def _finish(ax: Axes, values: xr.DataArray, from_zero: bool = True) -> None:
-    ax.set_xlabel("$T_s$ (s)")
+    ax.set_xlabel(period_label(values["T_s"]))
     ax.set_ylabel(values.attrs.get("long_name", "") + _unit(values, " ({})"))
     if from_zero:
         ax.set_ylim(bottom=0)

@@ -13,7 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rwmf.quantities import AXES
+
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
@@ -38,6 +41,7 @@ __all__ = [
     "legend_beside",
     "make_panels",
     "new_figure",
+    "period_label",
     "series",
     "style",
     "tint",
@@ -226,6 +230,25 @@ def label_plainly(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def period_label(period: xr.DataArray) -> str:
+    """Label an axis of periods: what they are of, where it is not a single frame.
+
+    Parameters
+    ----------
+    period : xarray.DataArray
+        The coordinate ``T_s``.
+
+    Returns
+    -------
+    str
+        The label with its unit.
+    """
+    meaning = str(period.attrs.get("long_name", AXES["T_s"].meaning))
+    if meaning == AXES["T_s"].meaning:
+        return "$T_s$ (s)"
+    return meaning.replace("2 pi/p", r"$2\pi/p$") + " (s)"
 
 
 def legend_beside(ax: Axes, title: str | None = None) -> None:

@@ -8,6 +8,7 @@ from typing import Unpack
 import xarray as xr
 
 from rwmf._sweep.axes import name_axes
+from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
@@ -22,9 +23,10 @@ def sensitivity_bands(
     grid: Mapping[str, object],
     uncertain: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
+    quantity: str | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
-    """Compute the range of the displacement over uncertain parameters.
+    """Compute the range of a response over uncertain parameters.
 
     Parameters
     ----------
@@ -36,37 +38,43 @@ def sensitivity_bands(
         Values of the uncertain parameters, for example ``e`` and ``eta``.
     records : sequence of str or RecordFile
         Ground motions, otherwise the case's own.
+    quantity : str, optional
+        The response; otherwise ``u_s_max``, of a wall without a frame ``theta_max_over_alpha``.
     **how
         Further arguments of `rwmf.sweep`.
 
     Returns
     -------
     xarray.Dataset
-        ``lowest``, ``highest`` and ``nominal`` [m]; the highest is infinite where a wall
-        overturned.
+        ``lowest``, ``highest`` and ``nominal`` [the quantity's unit]; the highest is infinite
+        where a wall overturned.
 
     Raises
     ------
     InputError
-        When the case or the grid is not acceptable.
+        When the case or the grid is not acceptable, or when nothing is uncertain.
     """
-    if case.frame is None:
-        raise InputError("bands: the case has no &frame, whose displacement they are of")
+    if not uncertain:
+        raise InputError(
+            "bands: nothing is uncertain: give values of a key that the scene has, such as e, eta "
+            "(with a cable) or frame.xi_s"
+        )
+    (quantity,) = find_quantities((quantity or default_quantity(case),))
     clear, vague = name_axes(grid), name_axes(uncertain)
     both = [name for name in vague if name in clear]
     if both:
         raise InputError(f"bands: {both[0]}: is in the grid and uncertain")
     # a factor that is uncertain takes the place of the case's rule
     own_loss = {"impact.e", "impact.r"} & set(vague) and "impact" in case.groups
-    found = sweep(case.without("impact") if own_loss else case, vague | clear, records, **how)
-    values = with_overturning(found)
+    varied = case.without("impact") if own_loss else case
+    found = sweep(varied, vague | clear, records, quantities=(quantity,), **how)
+    values = with_overturning(found, quantity)
     over = [name for name in values.dims if name in {name.split(".")[-1] for name in vague}]
-    nominal = with_overturning(sweep(case, grid, records, **how))
+    plain = sweep(case, grid, records, quantities=(quantity,), **how)
     bands = {
         "lowest": values.min(over),
         "highest": values.max(over),
-        "nominal": nominal,
+        "nominal": with_overturning(plain, quantity),
     }
-    labels = {"units": "m", "long_name": "displacement of the frame"}
-    found_bands = {name: band.assign_attrs(labels) for name, band in bands.items()}
-    return xr.Dataset(found_bands, attrs=found.attrs)
+    labelled = {name: band.assign_attrs(found[quantity].attrs) for name, band in bands.items()}
+    return xr.Dataset(labelled, attrs=found.attrs | {"quantity": quantity})

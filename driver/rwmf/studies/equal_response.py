@@ -1,25 +1,25 @@
-"""Equal-response pulses: which amplitude of each pulse gives the same displacement."""
+"""Equal-response pulses: which amplitude of each pulse gives the same response."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from rwmf import _library
 from rwmf._sweep.executors import count_threads
-from rwmf._sweep.unsupported import refuse_storeys
+from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf.case import Case
 from rwmf.errors import InputError
-from rwmf.quantities import AXES, ending_of
+from rwmf.quantities import Quantity, ending_of
 from rwmf.studies.origin import origin_of
 from rwmf.studies.pulse import Pulse
 
 __all__ = ["equal_response"]
 
-_SUMMARY_KEY = "u_s_max_m"
 # ratio of neighbouring amplitudes of the search
 _GROWTH = 1.25
 _LOWEST, _HIGHEST = 1e-4, 20.0
@@ -34,23 +34,28 @@ def equal_response(
     tolerance: float = 1e-6,
     threads: int = 0,
     progress: Callable[[int, int], None] | None = None,
+    quantity: str | None = None,
 ) -> xr.Dataset:
-    """Find the smallest amplitude of a pulse that gives a displacement, for many periods.
+    """Find the smallest amplitude of a pulse that gives a response, for many periods.
 
     Parameters
     ----------
     case : Case
-        A frame, with a wall or not, under a pulse whose amplitude and period are replaced.
+        A frame, with a wall or not, or a wall that stands freely, under a pulse whose amplitude
+        and period are replaced.
     T_p : sequence of float
         Periods of the pulse [s].
     target : float
-        Displacement u_s,max [m].
+        The response [the quantity's unit].
     tolerance : float
         Relative width to which the amplitude is bisected [-].
     threads : int
         Threads, 0 for all.
     progress : callable, optional
         Called with the number of finished periods and of all.
+    quantity : str, optional
+        The response; otherwise ``u_s_max`` [m], of a wall that stands freely
+        ``theta_max_over_alpha``.
 
     Returns
     -------
@@ -62,44 +67,83 @@ def equal_response(
     InputError
         When the case is not acceptable.
     """
-    refuse_storeys(case)
-    if case.frame is None or case.frame.get("T_s") is None:
-        raise InputError("equal response: the case needs &frame T_s")
+    period = case.kernel.axes().get("T_s")
+    if period is None or period.value is None:
+        raise InputError("equal response: the case needs &frame T_s, or a &wall that rocks alone")
+    ((name, response),) = find_quantities((quantity or default_quantity(case),)).items()
+    if name == "u_s_max" and case.frame is None:
+        raise InputError(
+            "equal response: u_s_max: a wall that stands freely has no frame that is displaced; "
+            "take its rotation, theta_max_over_alpha"
+        )
+    if response.asked_by:
+        case = case.replace(output={response.asked_by: True})
     pulse = Pulse.of(case, "equal response")
-    for name, value in (("target", target), ("tolerance", tolerance), *(("T_p", T) for T in T_p)):
+    for word, value in (("target", target), ("tolerance", tolerance), *(("T_p", T) for T in T_p)):
         if not 0 < value < np.inf:
-            raise InputError(f"equal response: {name} = {value:g}: must be finite and > 0")
+            raise InputError(f"equal response: {word} = {value:g}: must be finite and > 0")
     periods = [float(value) for value in T_p]
+    search = _Search(pulse, _PERIODS_AFTER * period.value, response, target)
     amplitudes: list[float] = []
     with ThreadPoolExecutor(count_threads(threads)) as executor:
         try:
-            for found in executor.map(lambda T: _search(pulse, T, target, tolerance), periods):
+            for found in executor.map(lambda T: _climb(search, T, tolerance), periods):
                 amplitudes.append(found)
                 if progress is not None:
                     progress(len(amplitudes), len(periods))
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             raise
-    text = f"amplitude over g for u_s,max = {target:g} m"
+    unit = "" if response.unit == "1" else f" {response.unit}"
+    text = f"amplitude over g for {name} = {target:g}{unit}"
     return xr.Dataset(
         {
             "a_max_g": ("T_p", amplitudes, {"units": "1", "long_name": text}),
-            "target": ((), target, {"units": "m", "long_name": "displacement that is reached"}),
-            "T_s": ((), float(case.frame.T_s), AXES["T_s"].attributes),
+            "target": ((), target, response.attributes),
+            "T_s": ((), period.value, {"units": period.unit, "long_name": period.meaning}),
         },
         {"T_p": ("T_p", periods, {"units": "s", "long_name": "period of the pulse"})},
-        origin_of(case),
+        origin_of(case) | {"quantity": name},
     )
 
 
-def _search(pulse: Pulse, T_p: float, target: float, tolerance: float) -> float:
+@dataclass(frozen=True)
+class _Search:
+    """What is looked for.
+
+    Attributes
+    ----------
+    pulse : Pulse
+        The pulse.
+    follow : float
+        How long the motion is followed after it [s].
+    quantity : Quantity
+        The response.
+    target : float
+        What it is to reach [its unit].
+    """
+
+    pulse: Pulse
+    follow: float
+    quantity: Quantity
+    target: float
+
+    def is_reached(self, T_p: float, amplitude: float) -> bool:
+        """Run one pulse; what ended before its time exceeds every target."""
+        changed = self.pulse.resized(amplitude, T_p, self.follow)
+        with _library.start_simulation(changed.kernel, changed.label) as run:
+            summary = run.summary()
+        if ending_of(summary) != "ok":
+            return True
+        if self.quantity.key not in summary:
+            raise InputError(f"equal response: {self.quantity.key}: no run of the case reports it")
+        return float(summary[self.quantity.key]) >= self.target
+
+
+def _climb(search: _Search, T_p: float, tolerance: float) -> float:
     """Climb to the first amplitude that reaches the target, then bisect below it."""
-
-    def reaches(amplitude: float) -> bool:
-        return _response(pulse, T_p, amplitude) >= target
-
     low, high = _LOWEST, _LOWEST
-    while not reaches(high):
+    while not search.is_reached(T_p, high):
         low, high = high, high * _GROWTH
         if high > _HIGHEST:
             return np.nan
@@ -107,15 +151,8 @@ def _search(pulse: Pulse, T_p: float, target: float, tolerance: float) -> float:
         middle = 0.5 * (low + high)
         if middle in (low, high):
             break
-        if reaches(middle):
+        if search.is_reached(T_p, middle):
             high = middle
         else:
             low = middle
     return high
-
-
-def _response(pulse: Pulse, T_p: float, amplitude: float) -> float:
-    changed = pulse.resized(amplitude, T_p, _PERIODS_AFTER * float(pulse.case.frame.T_s))
-    with _library.start_simulation(changed.kernel, changed.kernel_source()) as run:
-        summary = run.summary()
-    return float(summary[_SUMMARY_KEY]) if ending_of(summary) == "ok" else np.inf

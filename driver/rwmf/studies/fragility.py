@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import Unpack
@@ -12,14 +11,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf._sweep.axes import name_axes
-from rwmf._sweep.quantities import find_quantities
-from rwmf._sweep.record_sets import RecordFile, find_records
-from rwmf._sweep.run import RunOptions, sweep
-from rwmf._sweep.unsupported import refuse_storeys
+from rwmf._sweep.intensity import choose_measure
+from rwmf._sweep.quantities import default_quantity, find_quantities
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-from rwmf.studies.wall_effect import without_wall
 
 __all__ = ["exceedance", "fragility", "incremental_dynamic_analysis"]
 
@@ -33,31 +31,33 @@ def incremental_dynamic_analysis(
     case: Case,
     levels: Sequence[float],
     records: Sequence[str | RecordFile],
-    quantity: str = "u_s_max",
+    quantity: str | Sequence[str] | None = None,
     grid: Mapping[str, object] | None = None,
-    unit: str | None = None,
-    dt: float | None = None,
-    **how: Unpack[RunOptions],
+    *,
+    intensity: str | None = None,
+    **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Scale every record of a suite to common levels of intensity and run it.
 
-    The intensity is the pseudo-spectral acceleration of the frame alone at its period and
-    damping, omega_s^2 u_s,max, found with the same kernel.
+    The intensity of a frame is the pseudo-spectral acceleration omega_s^2 u_s,max of a linear
+    oscillator with its period and damping, of storeys with their first period; that of a wall
+    alone is the peak ground acceleration. Both are found with the same kernel.
 
     Parameters
     ----------
     case : Case
-        The structure; its frame has a period.
+        The structure; its frame, if it has one, has a period. Its `&spectrum` is not looped over.
     levels : sequence of float
-        Pseudo-spectral accelerations over g [-].
+        Intensities over g [-].
     records : sequence of str or RecordFile
         The suite.
-    quantity : str
-        The demand that is kept.
+    quantity : str or sequence of str, optional
+        The demand that is kept, or several; otherwise the displacement of the frame, of a wall
+        alone ``theta_max_over_alpha``.
     grid : mapping, optional
         Further axes.
-    unit, dt : str, float, optional
-        Of records that are not AT2, see `rwmf.sweep`.
+    intensity : str, optional
+        ``pseudo_acceleration`` or ``peak_acceleration`` in the place of the scene's own.
     **how
         Further arguments of `rwmf.sweep`.
 
@@ -71,34 +71,32 @@ def incremental_dynamic_analysis(
     InputError
         When something is not acceptable.
     """
-    refuse_storeys(case)
-    if case.frame is None or case.frame.get("T_s") is None:
-        raise InputError("incremental dynamic analysis: the case needs &frame T_s")
-    T_s = float(case.frame.T_s)
     further = name_axes(grid or {})
     fixed = [name for name in ("scale", "T_s") if name in further]
     if fixed:
         raise InputError(f"incremental dynamic analysis: {fixed[0]} cannot be a further axis")
-    suite = find_records(records, unit=unit, dt=dt)
-    alone = sweep(without_wall(case), {"T_s": [T_s]}, suite)["u_s_max"].values.reshape(len(suite))
-    intensity = (2 * math.pi / T_s) ** 2 * alone / float(case.model.g)
-    for record, value in zip(suite, intensity, strict=True):
-        if not value > 0:
-            raise InputError(
-                f"incremental dynamic analysis: {record.path}: the frame alone has no response to "
-                "it that could be scaled"
-            )
-    scaled = [
-        dataclasses.replace(record, scale=record.scale / float(value))
-        for record, value in zip(suite, intensity, strict=True)
-    ]
-    axes = {"scale": [float(level) for level in levels], "T_s": [T_s]} | further
-    found = sweep(case, axes, scaled, quantities=(quantity,), **how)
-    found["scale"].attrs["long_name"] = "pseudo-spectral acceleration of the frame alone over g"
+    axes = {"scale": [float(level) for level in levels]}
+    if case.frame is not None:
+        period = case.kernel.axes()["T_s"].value
+        if period is None:
+            raise InputError("incremental dynamic analysis: the case needs &frame T_s")
+        axes["T_s"] = [period]
+    if "spectrum" in case.groups:
+        # one structure is analysed; others are further axes
+        case = case.without("spectrum")
+    asked = (quantity,) if isinstance(quantity, str) else quantity
+    found = sweep(
+        case,
+        axes | further,
+        records,
+        quantities=asked or (default_quantity(case),),
+        intensity=choose_measure(case, intensity),
+        **how,
+    )
     return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])
 
 
-def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> xr.Dataset:
+def fragility(analysis: xr.Dataset, limit: float, quantity: str | None = None) -> xr.Dataset:
     """Compute the probability that a limit is exceeded, with a lognormal fit.
 
     Parameters
@@ -107,8 +105,8 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
         From `incremental_dynamic_analysis`.
     limit : float
         Limit of the demand in its unit; a wall that overturned exceeds every one.
-    quantity : str
-        The demand.
+    quantity : str, optional
+        The demand; may be absent where the analysis has one.
 
     Returns
     -------
@@ -121,7 +119,14 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str = "u_s_max") -> 
     InputError
         When the limit is never or always exceeded: there is nothing to fit.
     """
+    if quantity is None:
+        kept = [str(name) for name in analysis.data_vars if name != "status"]
+        if len(kept) != 1:
+            raise InputError(f"fragility: quantity: must be given, one of {', '.join(kept)}")
+        quantity = kept[0]
     (quantity,) = find_quantities((quantity,))
+    if quantity not in analysis:
+        raise InputError(f"fragility: {quantity}: is not in the analysis")
     values = with_overturning(analysis, quantity)
     usable = values.notnull().sum("record")
     exceeded = (values > limit).sum("record")

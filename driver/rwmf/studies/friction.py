@@ -32,7 +32,7 @@ def friction_spectra(
     Parameters
     ----------
     case : Case
-        A wall with a frame.
+        A wall, with a frame or without.
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile

@@ -7,7 +7,7 @@ from typing import Unpack
 
 import xarray as xr
 
-from rwmf._sweep.quantities import find_quantities
+from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case
@@ -20,7 +20,7 @@ def suite_spectra(
     case: Case,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile],
-    quantity: str = "u_s_max",
+    quantity: str | None = None,
     q: Sequence[float] = USUAL_PERCENTILES,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
@@ -34,9 +34,10 @@ def suite_spectra(
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile
         The suite.
-    quantity : str
+    quantity : str, optional
         'u_s_max' for displacement, 'theta_max_over_alpha' for rocking,
-        'cable_force_increment_max_over_m_w_g' for cable force spectra.
+        'cable_force_increment_max_over_m_w_g' for cable force spectra, and others; otherwise the
+        displacement, of a wall without a frame its rotation.
     q : sequence of float
         Percentages [%].
     **how
@@ -52,7 +53,7 @@ def suite_spectra(
     InputError
         When the case, the grid or a record is not acceptable.
     """
-    (quantity,) = find_quantities((quantity,))
+    (quantity,) = find_quantities((quantity or default_quantity(case),))
     found = sweep(case, grid, records, quantities=(quantity,), **how)
     values = with_overturning(found, quantity)
     return found.assign({f"{quantity}_percentiles": percentiles(values, q)})

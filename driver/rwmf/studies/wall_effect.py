@@ -30,7 +30,9 @@ def without_wall(case: Case) -> Case:
     Returns
     -------
     Case
-        Without wall, cable and impacts; a height that was the wall's unless given stays.
+        Without wall, cable and impacts; a height that was the wall's unless given stays. Storeys
+        that the wall kept on a straight line move in their first mode, or in all of them where
+        they yield one by one.
 
     Raises
     ------
@@ -43,8 +45,21 @@ def without_wall(case: Case) -> Case:
     spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
     output = {"output": {"friction_limit": None}} if "output" in case.groups else {}
     return case.replace(
-        **gone, **spectrum, **output, **_heights_of_wall(case, gone), frame={"gamma": None}
+        **gone,
+        **spectrum,
+        **output,
+        **_free_floors(case),
+        **_heights_of_wall(case, gone),
+        frame={"gamma": None},
     )
+
+
+def _free_floors(case: Case) -> dict[str, dict[str, str]]:
+    """Choose how storeys move that no wall keeps on a straight line."""
+    if case.storeys is None or case.storeys.coupling != "every_floor":
+        return {}
+    one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
+    return {"storeys": {"coupling": "full" if one_by_one else "reduced"}}
 
 
 def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[str, float]]:
@@ -82,15 +97,27 @@ def wall_effect(
     -------
     xarray.Dataset
         ``ratio`` [-], ``u_s_max`` [m] and ``u_s_max_alone`` [m]; the ratio is infinite where the
-        wall overturned.
+        wall overturned. The frame alone is the same frame at each period: the first period of
+        storeys that the wall keeps on a straight line is another one without it.
 
     Raises
     ------
     InputError
-        When the case or the grid is not acceptable.
+        When the case or the grid is not acceptable, or when there is no frame.
     """
-    both = sweep(case, grid, records, **how)
-    alone = sweep(without_wall(case), _shared_axes(grid), records, **how)["u_s_max"]
+    if case.frame is None:
+        raise InputError(
+            "wall effect: the case has no &frame whose displacement the wall could change; the "
+            "rotation of a wall that stands freely: rwmf spectrum, or rwmf study spectra"
+        )
+    both = sweep(case, grid, records, quantities=("u_s_max",), **how)
+    frame = without_wall(case)
+    joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
+    # a period that the grid gives is that of the frame as the wall lets it move
+    factor = free / joined if free and joined else 1.0
+    shared = _shared_axes(grid) | {"T_s": factor * both["T_s"].values}
+    alone = sweep(frame, shared, records, quantities=("u_s_max",), **how)["u_s_max"]
+    alone = alone.assign_coords(T_s=both["T_s"])
     response = with_overturning(both)
     ratio = (response / alone).assign_attrs(
         units="1", long_name="displacement with the wall over that without it"

@@ -1,16 +1,18 @@
 !> C binding of a case that is read once: include/rwmf.h.
 module rwmf_bindings_c_case
-   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, &
-      c_ptr, c_size_t
-   use rwmf_bindings_c_pointers, only: require_empty, take_handle
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
+      c_null_ptr, c_ptr, c_size_t
+   use rwmf_bindings_c_pointers, only: require_address, require_empty, take_handle
    use rwmf_bindings_c_strings, only: get_text, put_message
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_input_reader, only: read_case_file, read_case_text
+   use rwmf_input_record_samples, only: samples_from_array, samples_t
    use rwmf_problem_case, only: case_t
    implicit none
    private
 
-   public :: kept_case_t, c_read_case, c_read_case_file, c_destroy_case, case_of, name_file
+   public :: kept_case_t, c_read_case, c_read_case_with, c_read_case_file, c_destroy_case
+   public :: case_of, name_file
 
    !> What the handle of a case stands for.
    type :: kept_case_t
@@ -18,6 +20,13 @@ module rwmf_bindings_c_case
       character(:), allocatable :: path
       !! of its file; '' for a text
    end type kept_case_t
+
+   !> `rwmf_samples` of the header.
+   type, bind(c) :: c_samples_t
+      integer(c_size_t) :: n
+      type(c_ptr) :: times
+      type(c_ptr) :: accelerations
+   end type c_samples_t
 
 contains
 
@@ -29,8 +38,25 @@ contains
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
+
+      c_read_case = c_read_case_with(namelist, folder, c_null_ptr, c_null_ptr, handle, message, &
+         size)
+   end function c_read_case
+
+   !> `rwmf_read_case_with`.
+   integer(c_int) function c_read_case_with(namelist, folder, motion, vertical, handle, message, &
+      size) bind(c, name='rwmf_read_case_with')
+      type(c_ptr), value :: namelist
+      type(c_ptr), value :: folder
+      type(c_ptr), value :: motion
+      type(c_ptr), value :: vertical
+      type(c_ptr), value :: handle
+      type(c_ptr), value :: message
+      integer(c_size_t), value :: size
       character(:), allocatable :: text
       character(:), allocatable :: place
+      type(samples_t), allocatable :: samples
+      type(samples_t), allocatable :: vertical_samples
       type(kept_case_t), pointer :: kept
       type(error_t), allocatable :: error
 
@@ -40,14 +66,52 @@ contains
       if (.not. allocated(error) .and. c_associated(folder)) then
          call get_text(folder, 'folder', place, error)
       end if
+      call get_samples(motion, 'motion', samples, error)
+      call get_samples(vertical, 'vertical', vertical_samples, error)
       if (.not. allocated(error)) then
          allocate (kept)
          kept%path = ''
-         call read_case_text(text, place, kept%case, error)
+         ! samples that are not there arrive as absent arguments
+         call read_case_text(text, place, kept%case, error, motion=samples, &
+            vertical=vertical_samples)
          call hand_over(kept, handle, error)
       end if
-      c_read_case = put_message(error, message, size)
-   end function c_read_case
+      c_read_case_with = put_message(error, message, size)
+   end function c_read_case_with
+
+   !> Copy and check samples; not allocated for NULL.
+   subroutine get_samples(address, group, samples, error)
+      type(c_ptr), intent(in) :: address
+      !! of an `rwmf_samples`
+      character(*), intent(in) :: group
+      type(samples_t), allocatable, intent(out) :: samples
+      type(error_t), allocatable, intent(inout) :: error
+      type(c_samples_t), pointer :: given
+      real(c_double), pointer :: a(:)
+      real(c_double), pointer :: t(:)
+      type(error_t), allocatable :: refused
+
+      if (allocated(error) .or. .not. c_associated(address)) return
+      call c_f_pointer(address, given)
+      call require_address(given%accelerations, 'accelerations of the '//group, error)
+      if (allocated(error)) return
+      ! a number that no memory holds is a sign that was lost
+      if (given%n > int(huge(1), c_size_t) .or. given%n < 0_c_size_t) then
+         call fail(error, err_input, '&'//group//': the number of samples is out of range')
+         return
+      end if
+      call c_f_pointer(given%accelerations, a, [given%n])
+      allocate (samples)
+      if (c_associated(given%times)) then
+         call c_f_pointer(given%times, t, [given%n])
+         call samples_from_array(a, samples, refused, t)
+      else
+         call samples_from_array(a, samples, refused)
+      end if
+      if (.not. allocated(refused)) return
+      call add_context(refused, '&'//group)
+      call move_alloc(refused, error)
+   end subroutine get_samples
 
    !> `rwmf_read_case_file`.
    integer(c_int) function c_read_case_file(path, handle, message, size) &

@@ -5,8 +5,10 @@ module rwmf_bindings_python_cost
    use rwmf_baseline_run, only: usual_interval
    use rwmf_baseline_timed_run, only: measure_method, names_of_values => value_names, &
       put_measured, repeat_baseline, timed_run_t
-   use rwmf_bindings_python_handles, only: find, kept_t, make_control, put_error, put_text
+   use rwmf_bindings_python_handles, only: complete_case, find, kept_t, make_control, &
+      put_error, put_text
    use rwmf_core_error, only: error_t
+   use rwmf_problem_case, only: case_t
    implicit none
    public
 
@@ -41,12 +43,14 @@ contains
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
+      type(case_t) :: case
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       kept => find(handle)
-      call measure_method(kept%case, method, rtol, budget, make_control(control), measured, error)
+      call complete_case(kept, case)
+      call measure_method(case, method, rtol, budget, make_control(control), measured, error)
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)
@@ -69,13 +73,15 @@ contains
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
+      type(case_t) :: case
       type(timed_run_t) :: measured
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       kept => find(handle)
-      dt = usual_interval(kept%case)/divisor
-      call repeat_baseline(kept%case, name, dt, budget, measured, error)
+      call complete_case(kept, case)
+      dt = usual_interval(case)/divisor
+      call repeat_baseline(case, name, dt, budget, measured, error)
       seconds = measured%seconds
       call put_measured(measured, values, counts, impact_times)
       call put_error(error, status, message, message_length)

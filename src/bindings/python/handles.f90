@@ -5,19 +5,31 @@ module rwmf_bindings_python_handles
       c_null_ptr
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: add_context, error_t
-   use rwmf_input_reader, only: read_case_text
+   use rwmf_input_change, only: changes_t
+   use rwmf_input_record_samples, only: samples_t
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none
    private
 
-   public :: kept_t, keep, find, put_text, put_error, join_status, read_source, make_control
+   public :: kept_t, keep, find, put_text, put_error, add_source, split_names, make_control
+   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
 
-   !> What a handle stands for: a case, or the result or the spectrum computed of one.
+   !> What a handle stands for: a case, samples of a motion, keys that change, or the result or the
+   !> spectrum computed of a case.
    type :: kept_t
       type(case_t), allocatable :: case
       !! never changes once it is kept, so that any number of threads may compute of it
+      type(motion_t), allocatable :: motion
+      !! of the case, tabulated once; absent when it is that of `origin`, or its record is scaled
+      type(kept_t), pointer :: origin => null()
+      !! of a changed case: that with the samples of its records, which the caller keeps as long
+      logical :: is_motion_of_origin = .false.
+      !! nothing has changed how the ground moves
+      type(samples_t), allocatable :: samples
+      type(changes_t), allocatable :: changes
       type(result_t), allocatable :: result
       type(spectrum_t), allocatable :: spectrum
    end type kept_t
@@ -48,6 +60,33 @@ contains
 
       call c_f_pointer(transfer(handle, c_null_ptr), kept)
    end function find
+
+   !> The case with the samples behind the handle of a case, which may be a changed one; null for 0.
+   function sampled_case(handle) result(case)
+      integer(c_int64_t), intent(in) :: handle
+      !! of a case, or 0
+      type(case_t), pointer :: case
+      type(kept_t), pointer :: kept
+
+      nullify (case)
+      if (handle == 0_c_int64_t) return
+      kept => find(handle)
+      case => kept%case
+      if (associated(kept%origin)) case => kept%origin%case
+   end function sampled_case
+
+   !> The samples behind a handle; null for 0.
+   function samples_of(handle) result(samples)
+      integer(c_int64_t), intent(in) :: handle
+      !! of samples, or 0
+      type(samples_t), pointer :: samples
+      type(kept_t), pointer :: kept
+
+      nullify (samples)
+      if (handle == 0_c_int64_t) return
+      kept => find(handle)
+      samples => kept%samples
+   end function samples_of
 
    !> Copy a text into a buffer of bytes, as much of it as there is room for.
    pure subroutine put_text(text, buffer, length)
@@ -83,42 +122,79 @@ contains
       end if
    end subroutine put_error
 
-   !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   pure subroutine join_status(spectrum, text)
-      type(spectrum_t), intent(in) :: spectrum
-      character(:), allocatable, intent(out) :: text
-      !! each line ends with a line feed
-      character(len(spectrum%status)) :: status(size(spectrum%status))
-      integer :: length
-      integer :: i
-      integer :: n
-
-      status = reshape(spectrum%status, shape(status))
-      ! the room is taken once: a text that grows a line at a time is copied as often
-      allocate (character(sum(len_trim(status) + 1)) :: text)
-      length = 0
-      do i = 1, size(status)
-         n = len_trim(status(i)) + 1
-         text(length + 1:length + n) = trim(status(i))//new_line('a')
-         length = length + n
-      end do
-   end subroutine join_status
-
-   !> Read and validate a case; messages begin with the name of its file.
-   subroutine read_source(text, source, case, error, known)
+   !> Names that tabs separate.
+   pure subroutine split_names(text, names)
       character(*), intent(in) :: text
-      !! namelist text
+      !! '' for none
+      character(40), allocatable, intent(out) :: names(:)
+      !! (n) padded with blanks
+      integer :: first, n
+
+      allocate (names(0))
+      first = 1
+      do while (first <= len(text))
+         n = index(text(first:)//achar(9), achar(9))
+         names = [character(40) :: names, text(first:first + n - 2)]
+         first = first + n
+      end do
+   end subroutine split_names
+
+   !> Messages about a case begin with the name of its file.
+   pure subroutine add_source(source, error)
       character(*), intent(in) :: source
       !! path of its file, '' when it was made in memory
-      type(case_t), intent(out) :: case
-      type(error_t), allocatable, intent(out) :: error
-      !! the case is not acceptable, or a record cannot be read
-      type(case_t), intent(in), optional :: known
-      !! as in `read_case_text`
+      type(error_t), allocatable, intent(inout) :: error
+      !! stays unallocated when nothing is wrong
 
-      call read_case_text(text, source(:index(source, '/', back=.true.)), case, error, known)
       if (allocated(error) .and. len(source) > 0) call add_context(error, source)
-   end subroutine read_source
+   end subroutine add_source
+
+   !> Tabulate the motion of a case, unless its samples are with another one: a long record that is
+   !> only scaled would fill the memory of many cases.
+   subroutine keep_motion(kept)
+      type(kept_t), intent(inout) :: kept
+      !! with its case
+
+      if (kept%is_motion_of_origin) return
+      if (associated(kept%origin)) then
+         if (allocated(kept%case%record) .or. allocated(kept%case%vertical_record)) return
+      end if
+      kept%motion = motion_from_case(kept%case)
+   end subroutine keep_motion
+
+   !> The motion of a case: what is tabulated, or `room` with what is then.
+   subroutine motion_of(kept, room, motion)
+      type(kept_t), pointer, intent(in) :: kept
+      !! a case
+      type(motion_t), target, intent(inout) :: room
+      type(motion_t), pointer, intent(out) :: motion
+
+      if (allocated(kept%motion)) then
+         motion => kept%motion
+      else if (kept%is_motion_of_origin) then
+         motion => kept%origin%motion
+      else
+         room = motion_from_case(kept%case, kept%origin%case)
+         motion => room
+      end if
+   end subroutine motion_of
+
+   !> A case with the samples of its records.
+   subroutine complete_case(kept, case)
+      type(kept_t), intent(in) :: kept
+      !! a case
+      type(case_t), intent(out) :: case
+
+      case = kept%case
+      if (.not. associated(kept%origin)) return
+      if (allocated(case%record)) then
+         case%record%t = kept%origin%case%record%t
+         case%record%a = kept%origin%case%record%a
+      end if
+      if (.not. allocated(case%vertical_record)) return
+      case%vertical_record%t = kept%origin%case%vertical_record%t
+      case%vertical_record%a = kept%origin%case%vertical_record%a
+   end subroutine complete_case
 
    !> Progress counter and cancel flag in the caller's memory.
    function make_control(counters) result(control)

@@ -14,24 +14,27 @@
 module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_bindings_python_handles, only: find, join_status, keep, kept_t, make_control, &
-      put_error, put_text, read_source
+   use rwmf_bindings_python_handles, only: complete_case, find, keep, kept_t, make_control, &
+      motion_of, put_error, put_text, split_names
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
-   use rwmf_motion_ground_motion, only: motion_end, motion_from_case
+   use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
+   use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_quantities, only: quantities_text
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
-   use rwmf_simulation_simulate, only: run_simulation => simulate
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: find_broken => broken_laws, tell_broken_laws
-   use rwmf_spectrum_quantities, only: list_applicable
-   use rwmf_spectrum_spectrum, only: compute_spectrum
+   use rwmf_spectrum_quantities, only: default_quantity, list_applicable
+   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
+   use rwmf_text_strings, only: real_to_text
    implicit none
    public
 
@@ -99,33 +102,6 @@ contains
       call put_text(names, buffer, length)
    end subroutine event_names
 
-   !> Read and validate a case. `known` is the handle of a case whose records are not read again
-   !> where both name the same, or 0.
-   subroutine case_read(text, source, known, handle, status, message, message_length)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: source
-      integer(c_int64_t), intent(in) :: known
-      integer(c_int64_t), intent(out) :: handle
-      integer(c_int), intent(out) :: status
-      integer(c_int8_t), intent(inout) :: message(:)
-      integer(c_int), intent(out) :: message_length
-      type(kept_t), pointer :: kept
-      type(kept_t), pointer :: other
-      type(error_t), allocatable :: error
-      !f2py threadsafe
-
-      allocate (kept)
-      allocate (kept%case)
-      if (known == 0_c_int64_t) then
-         call read_source(text, source, kept%case, error)
-      else
-         other => find(known)
-         call read_source(text, source, kept%case, error, other%case)
-      end if
-      call keep(kept, error, handle)
-      call put_error(error, status, message, message_length)
-   end subroutine case_read
-
    !> Give back the memory behind a handle, which is void from then on.
    subroutine release(handle)
       integer(c_int64_t), intent(in) :: handle
@@ -153,10 +129,50 @@ contains
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(out) :: t
       type(kept_t), pointer :: kept
+      type(motion_t), target :: room
+      type(motion_t), pointer :: motion
 
       kept => find(handle)
-      t = real(motion_end(motion_from_case(kept%case)), c_double)
+      call motion_of(kept, room, motion)
+      t = real(motion_end(motion), c_double)
    end subroutine end_of_motion
+
+   !> Largest horizontal acceleration of the ground in a case [m/s2].
+   subroutine peak_of_motion(handle, a)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(out) :: a
+      type(kept_t), pointer :: kept
+      type(motion_t), target :: room
+      type(motion_t), pointer :: motion
+
+      kept => find(handle)
+      call motion_of(kept, room, motion)
+      a = real(peak_acceleration(motion), c_double)
+   end subroutine peak_of_motion
+
+   !> The axes that the scene of a case has in a spectrum, one a line: name, value ('' for none),
+   !> unit, meaning; then the key of what its runs report unless they are asked for more.
+   subroutine axes_of_case(handle, buffer, length)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      character(*), parameter :: tab = achar(9)
+      type(kept_t), pointer :: kept
+      type(axis_t), allocatable :: axes(:)
+      character(:), allocatable :: lines, value
+      integer :: i
+
+      kept => find(handle)
+      call list_axes(kept%case, axes)
+      lines = ''
+      do i = 1, size(axes)
+         value = ''
+         if (axes(i)%has_value) value = trim(real_to_text(axes(i)%value))
+         lines = lines//trim(axes(i)%name)//tab//value//tab//trim(axes(i)%unit)//tab &
+            //trim(axes(i)%meaning)//new_line('a')
+      end do
+      call put_text(lines//trim(default_quantity(kept%case)), buffer, length)
+   end subroutine axes_of_case
 
    !> What a case will simulate and report: see `preview_text`.
    subroutine inventory(handle, buffer, length, status, message, message_length)
@@ -167,12 +183,14 @@ contains
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
+      type(case_t) :: case
       type(error_t), allocatable :: error
       character(:), allocatable :: lines
 
       length = 0_c_int
       kept => find(handle)
-      call preview_text(kept%case, lines, error)
+      call complete_case(kept, case)
+      call preview_text(case, lines, error)
       if (.not. allocated(error)) call put_text(lines, buffer, length)
       call put_error(error, status, message, message_length)
    end subroutine inventory
@@ -208,13 +226,16 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
+      type(motion_t), target :: room
+      type(motion_t), pointer :: motion
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       from => find(handle)
       allocate (kept)
       allocate (kept%result)
-      call run_simulation(from%case, kept%result, error, make_control(control))
+      call motion_of(from, room, motion)
+      call simulate_with_motion(from%case, motion, make_control(control), kept%result, error)
       call keep(kept, error, run)
       call put_error(error, status, message, message_length)
    end subroutine simulate
@@ -320,10 +341,12 @@ contains
       call put_text(lines, buffer, length)
    end subroutine result_names
 
-   !> Write the files of a run, named after `source`, as the batch program does.
-   subroutine result_write(handle, run, source, folder, status, message, message_length)
+   !> Write the files of a run, named after `source`, as the batch program does. `text` is the
+   !> namelist text of the case.
+   subroutine result_write(handle, run, text, source, folder, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: run
+      character(*), intent(in) :: text
       character(*), intent(in) :: source
       character(*), intent(in) :: folder
       integer(c_int), intent(out) :: status
@@ -331,11 +354,14 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
+      type(case_t) :: case
       type(error_t), allocatable :: error
 
       from => find(handle)
       kept => find(run)
-      call write_result(from%case, kept%result, folder, case_name(source), error, source)
+      case = from%case
+      case%text = text
+      call write_result(case, kept%result, folder, case_name(source), error, source)
       call put_error(error, status, message, message_length)
    end subroutine result_write
 
@@ -357,16 +383,54 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
+      type(case_t), target :: case
       type(error_t), allocatable :: error
       !f2py threadsafe
 
       from => find(handle)
+      call complete_case(from, case)
       allocate (kept)
       allocate (kept%spectrum)
-      call compute_spectrum(from%case, int(threads), kept%spectrum, error, make_control(control))
+      call compute_spectrum(case, int(threads), kept%spectrum, error, make_control(control))
       call keep(kept, error, sweep)
       call put_error(error, status, message, message_length)
    end subroutine spectrum
+
+   !> Compute the rows of a table: runs of one case whose numbers differ.
+   !>
+   !> `columns` are the names of the columns, `keys` those of the quantities ('' for those of the
+   !> case), separated by tabs; the table is (columns, rows). The result is a spectrum whose n_T is
+   !> the number of rows.
+   subroutine rows(handle, columns, table, keys, threads, control, sweep, status, message, &
+      message_length)
+      integer(c_int64_t), intent(in) :: handle
+      character(*), intent(in) :: columns
+      real(c_double), intent(in), target :: table(:, :)
+      character(*), intent(in) :: keys
+      integer(c_int), intent(in) :: threads
+      integer(c_int64_t), intent(inout), target :: control(2)
+      integer(c_int64_t), intent(out) :: sweep
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: from
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+      type(case_t), target :: case
+      character(40), allocatable :: names(:), wanted(:)
+      !f2py threadsafe
+
+      from => find(handle)
+      call complete_case(from, case)
+      call split_names(columns, names)
+      call split_names(keys, wanted)
+      allocate (kept)
+      allocate (kept%spectrum)
+      call compute_rows(case, names, table, wanted, int(threads), kept%spectrum, error, &
+         make_control(control))
+      call keep(kept, error, sweep)
+      call put_error(error, status, message, message_length)
+   end subroutine rows
 
    !> Sizes and cost of a spectrum; `bare` is 1 for a frame without wall (no gamma, no b).
    subroutine spectrum_shape(sweep, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds)
@@ -381,16 +445,17 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
-      n_T = size(kept%spectrum%u_s_max, 1, c_int)
-      n_gamma = size(kept%spectrum%u_s_max, 2, c_int)
-      n_b = size(kept%spectrum%u_s_max, 3, c_int)
+      n_T = size(kept%spectrum%values, 1, c_int)
+      n_gamma = size(kept%spectrum%values, 2, c_int)
+      n_b = size(kept%spectrum%values, 3, c_int)
       bare = merge(0_c_int, 1_c_int, allocated(kept%spectrum%gamma))
       threads = int(kept%spectrum%threads, c_int)
       rhs_evaluations = int(kept%spectrum%rhs_evaluations, c_int64_t)
       seconds = real(kept%spectrum%seconds, c_double)
    end subroutine spectrum_shape
 
-   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, and the address
+   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, those of rows as
+   !> well, and the address
    !> of the values (n_T, n_gamma, n_b, n_quantities), T_s running fastest.
    subroutine spectrum_values(sweep, T_s, gamma, b, address)
       integer(c_int64_t), intent(in) :: sweep
@@ -401,9 +466,10 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(sweep)
-      T_s = real(kept%spectrum%T_s, c_double)
+      T_s = ieee_value(1.0_c_double, ieee_quiet_nan)
       gamma = ieee_value(1.0_c_double, ieee_quiet_nan)
       b = ieee_value(1.0_c_double, ieee_quiet_nan)
+      if (allocated(kept%spectrum%T_s)) T_s = real(kept%spectrum%T_s, c_double)
       if (allocated(kept%spectrum%gamma)) gamma = real(kept%spectrum%gamma, c_double)
       if (allocated(kept%spectrum%b)) b = real(kept%spectrum%b, c_double)
       address = transfer(c_loc(kept%spectrum%values), address)
@@ -430,44 +496,52 @@ contains
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
+      type(motion_t), target :: room
+      type(motion_t), pointer :: motion
       type(error_t), allocatable :: error
       character(40), allocatable :: keys(:)
 
       length = 0_c_int
       kept => find(handle)
-      call list_applicable(kept%case, motion_from_case(kept%case), keys, error)
+      call motion_of(kept, room, motion)
+      call list_applicable(kept%case, motion, keys, error)
       if (.not. allocated(error)) call put_text(joined(keys), buffer, length)
       call put_error(error, status, message, message_length)
    end subroutine applicable
 
-   !> What became of the ordinates, one a line in the order of the array (T_s, gamma, b).
-   subroutine spectrum_status(sweep, buffer, length)
+   !> What became of the ordinates: places, from 1, in the table of names, in the order of the array
+   !> (T_s, gamma, b), and these names, separated by tabs.
+   subroutine spectrum_status(sweep, places, buffer, length)
       integer(c_int64_t), intent(in) :: sweep
+      integer(c_int8_t), intent(inout) :: places(:)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
-      character(:), allocatable :: lines
 
       kept => find(sweep)
-      call join_status(kept%spectrum, lines)
-      call put_text(lines, buffer, length)
+      places = reshape(kept%spectrum%status, shape(places))
+      call put_text(joined(kept%spectrum%status_names), buffer, length)
    end subroutine spectrum_status
 
-   !> Write a spectrum as the batch program does.
-   subroutine spectrum_write(handle, sweep, path, status, message, message_length)
+   !> Write a spectrum as the batch program does. `text` is the namelist text of the case.
+   subroutine spectrum_write(handle, sweep, text, path, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: sweep
+      character(*), intent(in) :: text
       character(*), intent(in) :: path
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
+      type(case_t) :: case
       type(error_t), allocatable :: error
 
       from => find(handle)
       kept => find(sweep)
-      call write_spectrum(from%case, kept%spectrum, path, error)
+      case = from%case
+      case%text = text
+      call write_spectrum(case, kept%spectrum, path, error)
       call put_error(error, status, message, message_length)
    end subroutine spectrum_write
 

@@ -8,9 +8,10 @@ module rwmf_bindings_python_reference
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, &
       put_differences, put_measured, timed_run_t
-   use rwmf_bindings_python_handles, only: make_control, put_error, read_source
+   use rwmf_bindings_python_handles, only: add_source, make_control, put_error
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_input_reader, only: read_case_text
    use rwmf_problem_case, only: case_t
    implicit none
    public
@@ -52,7 +53,8 @@ contains
 
       loose = empty_measured()
       tight = empty_measured()
-      call read_source(text, source, case, error)
+      call read_case_text(text, source(:index(source, '/', back=.true.)), case, error)
+      call add_source(source, error)
       if (.not. allocated(error)) then
          call measure_method(case, method, real(rtol_loose, wp), once, &
             make_control(control), loose, error)

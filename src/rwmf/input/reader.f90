@@ -3,20 +3,21 @@ module rwmf_input_reader
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_input_namelist, only: group_t, parse_namelist
-   use rwmf_input_record_reader, only: read_record
-   use rwmf_input_schema, only: all_groups
-   use rwmf_input_schema_check, only: check_rules, collect_values
+   use rwmf_input_record_reader, only: make_record, read_record
+   use rwmf_input_record_samples, only: samples_t
+   use rwmf_input_schema, only: all_groups, keys_of
+   use rwmf_input_schema_check, only: check_groups, check_values, collect_values
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: has_group, has_key, key_line
-   use rwmf_problem_record, only: record_source_t, record_t
+   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, key_line, text_of
+   use rwmf_problem_record, only: record_source_t, record_t, set_factor
    use rwmf_text_atomic_file, only: join_path
    use rwmf_text_file, only: read_file
    use rwmf_text_strings, only: integer_to_text, real_to_text, shown
    implicit none
    private
 
-   public :: read_case_file, read_case_text
+   public :: read_case_file, read_case_text, fill_case, end_with_records
 
 contains
 
@@ -41,7 +42,7 @@ contains
    !>
    !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
    !> allowed, groups that contradict each other, a record that is missing or damaged.
-   subroutine read_case_text(text, folder, case, error, known)
+   subroutine read_case_text(text, folder, case, error, known, motion, vertical)
       character(*), intent(in) :: text
       !! namelist text
       character(*), intent(in) :: folder
@@ -50,93 +51,149 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
       !! whose samples are taken where both name the same record: what it has read is not read again
-      type(group_t), allocatable :: groups(:)
+      type(samples_t), intent(in), optional :: motion
+      !! of `&motion`, whose `file` is then the name of these samples; no file is read
+      type(samples_t), intent(in), optional :: vertical
+      !! of `&vertical`, likewise
+      type(group_t), allocatable :: given(:)
+      type(case_group_t), allocatable :: groups(:)
 
-      call parse_namelist(text, groups, error)
-      if (.not. allocated(error)) call collect_values(groups, case%values, error)
-      if (.not. allocated(error)) call check_rules(case%values, error)
+      call parse_namelist(text, given, error)
+      if (allocated(error)) return
+      groups = all_groups()
+      call collect_values(given, keys_of(groups), case%values, error)
+      if (.not. allocated(error)) call check_groups(case%values, groups, error)
+      if (.not. allocated(error)) call check_values(case%values, groups, error)
       if (allocated(error)) return
       case%text = text
-      call fill_case(case, error)
-      if (.not. allocated(error)) call read_records(folder, case, error, known)
+      call fill_case(case, groups, error)
+      if (.not. allocated(error)) then
+         call read_records(folder, case, error, known, motion, vertical)
+      end if
+      if (.not. allocated(error)) call end_with_records(case, error)
    end subroutine read_case_text
 
    !> Every group that is given puts its values into the case; those that say how to compute always.
-   subroutine fill_case(case, error)
+   subroutine fill_case(case, groups, error)
       type(case_t), intent(inout) :: case
-      !! with its values
+      !! with its values, nothing else filled
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
       type(error_t), allocatable, intent(out) :: error
-      type(case_group_t), allocatable :: groups(:)
+      !! `err_input` when the storeys have no first mode
       integer :: i
 
-      groups = all_groups()
       do i = 1, size(groups)
-         if (.not. (has_group(case%values, trim(groups(i)%name)) &
-                    .or. groups(i)%name == 'model' .or. groups(i)%name == 'solver')) cycle
+         if (.not. has_group(case%values, groups(i)%name)) then
+            if (.not. any(groups(i)%name == ['model ', 'solver'])) cycle
+         end if
          call groups(i)%fill(case, error)
          if (allocated(error)) return
       end do
    end subroutine fill_case
 
    !> Records of the horizontal and of the vertical motion.
-   subroutine read_records(folder, case, error, known)
+   subroutine read_records(folder, case, error, known, motion, vertical)
       character(*), intent(in) :: folder
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
+      type(samples_t), intent(in), optional :: motion
+      type(samples_t), intent(in), optional :: vertical
 
-      if (allocated(case%motion)) then
-         if (case%motion%kind == 'record') call add_record('motion', folder, case%motion, &
-            case%record, case, error, known)
+      if (present(motion) .and. .not. has_key(case%values, 'motion', 'file')) then
+         call fail(error, err_input, '&motion: samples are given, but no key file that names them')
+      else if (present(motion)) then
+         call add_samples('motion', motion, case%values, case%model%g, case%motion, case%record, &
+            error)
+      else if (has_key(case%values, 'motion', 'file')) then
+         call add_record('motion', folder, case%values, case%model%g, case%motion, case%record, &
+            error, known)
       end if
-      if (allocated(error) .or. .not. allocated(case%vertical)) return
-      if (allocated(case%vertical%file)) call add_record('vertical', folder, case%vertical, &
-         case%vertical_record, case, error, known)
+      if (allocated(error)) return
+      if (present(vertical) .and. .not. has_key(case%values, 'vertical', 'file')) then
+         call fail(error, err_input, '&vertical: samples are given, but no key file that names ' &
+            //'them')
+      else if (present(vertical)) then
+         call add_samples('vertical', vertical, case%values, case%model%g, case%vertical, &
+            case%vertical_record, error)
+      else if (has_key(case%values, 'vertical', 'file')) then
+         call add_record('vertical', folder, case%values, case%model%g, case%vertical, &
+            case%vertical_record, error, known)
+      end if
    end subroutine read_records
 
-   !> Read the record of a group. The longest record ends the simulation unless the case says when.
-   subroutine add_record(group, folder, source, record, case, error, known)
+   !> The record of a group from samples.
+   subroutine add_samples(group, samples, values, g, source, record, error)
       character(*), intent(in) :: group
-      character(*), intent(in) :: folder
+      type(samples_t), intent(in) :: samples
+      type(group_values_t), intent(in) :: values
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
       class(record_source_t), intent(inout) :: source
       type(record_t), allocatable, intent(out) :: record
-      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      ! no file has this path
+      source%path = ''
+      allocate (record)
+      call make_record(samples, source%dt, source%unit, source%scale, g, record, error)
+      if (allocated(error)) call add_file(values, group, error)
+   end subroutine add_samples
+
+   !> Read the record of a group.
+   subroutine add_record(group, folder, values, g, source, record, error, known)
+      character(*), intent(in) :: group
+      character(*), intent(in) :: folder
+      type(group_values_t), intent(in) :: values
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
+      class(record_source_t), intent(inout) :: source
+      type(record_t), allocatable, intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
 
       source%path = join_path(folder, source%file)
       if (index(source%file, '/') == 1) source%path = source%file
-      if (present(known)) call take_record(known, source, case%model%g, record)
-      if (.not. allocated(record)) then
+      if (present(known)) call take_record(known, source, record)
+      ! what is not given is unallocated and arrives as an absent argument
+      if (allocated(record)) then
+         call set_factor(record, source%scale, g, error, source%unit)
+      else
          allocate (record)
-         ! what is not given is unallocated and arrives as an absent argument
-         call read_record(source%path, source%dt, source%unit, source%scale, case%model%g, &
-            record, error)
-      end if
-      if (.not. allocated(error) .and. .not. has_key(case%values, 'solver', 't_end')) then
-         call check_last_sample(record%t(record%n), case, error)
+         call read_record(source%path, source%dt, source%unit, source%scale, g, record, error)
       end if
       if (.not. allocated(error)) return
       if (source%path /= source%file) call add_context(error, source%path)
-      call add_context(error, '&'//group//": file = '"//shown(source%file)//"' (line " &
-         //trim(integer_to_text(key_line(case%values, group, 'file')))//')')
+      call add_file(values, group, error)
    end subroutine add_record
 
+   !> Put the key that names a record in front of a message.
+   subroutine add_file(values, group, error)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(error_t), intent(inout) :: error
+
+      call add_context(error, '&'//group//": file = '"//shown(text_of(values, group, 'file')) &
+         //"' (line "//trim(integer_to_text(key_line(values, group, 'file')))//')')
+   end subroutine add_file
+
    !> The samples that a case has read from the same file in the same way, if it has.
-   pure subroutine take_record(known, source, g, record)
+   pure subroutine take_record(known, source, record)
       type(case_t), intent(in) :: known
       class(record_source_t), intent(in) :: source
-      real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
       type(record_t), allocatable, intent(out) :: record
+      !! its factor is still to be set
 
-      if (abs(known%model%g - g) > 0) return
       if (allocated(known%record)) then
          if (is_same_source(known%motion, source)) record = known%record
       end if
       if (allocated(known%vertical_record)) then
          if (is_same_source(known%vertical, source)) record = known%vertical_record
       end if
+      if (.not. allocated(record)) return
+      ! those of a changed case are with the case that it comes from
+      if (.not. allocated(record%t)) deallocate (record)
    end subroutine take_record
 
    !> Is the same file read in the same way?
@@ -144,28 +201,39 @@ contains
       class(record_source_t), intent(in) :: one
       class(record_source_t), intent(in) :: other
 
-      is_same = one%path == other%path .and. abs(one%scale - other%scale) <= 0 &
+      is_same = one%path == other%path &
          .and. (allocated(one%dt) .eqv. allocated(other%dt)) &
          .and. (allocated(one%unit) .eqv. allocated(other%unit))
       if (is_same .and. allocated(one%dt)) is_same = abs(one%dt - other%dt) <= 0
       if (is_same .and. allocated(one%unit)) is_same = one%unit == other%unit
    end function is_same_source
 
-   !> A simulation cannot end before it starts.
-   subroutine check_last_sample(t_last, case, error)
-      real(wp), intent(in) :: t_last
-      !! [s]
+   !> The longest record ends the simulation, unless the case says when. Fails with `err_input` when
+   !> it would end before it starts.
+   subroutine end_with_records(case, error)
       type(case_t), intent(inout) :: case
+      !! with what is known of its records
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: group
+      real(wp) :: t_last
+      !! [s]
 
-      if (allocated(case%solver%t_end)) then
-         case%solver%t_end = max(case%solver%t_end, t_last)
-         return
+      if (has_key(case%values, 'solver', 't_end')) return
+      t_last = -huge(t_last)
+      if (allocated(case%record)) then
+         t_last = case%record%t_last
+         group = 'motion'
       end if
+      if (allocated(case%vertical_record)) then
+         if (case%vertical_record%t_last > t_last) group = 'vertical'
+         t_last = max(t_last, case%vertical_record%t_last)
+      end if
+      if (.not. allocated(group)) return
       case%solver%t_end = t_last
       if (t_last >= 0) return
       call fail(error, err_input, 'the record ends at '//trim(real_to_text(t_last)) &
          //' s, before t = 0: &solver t_end must be given')
-   end subroutine check_last_sample
+      call add_file(case%values, group, error)
+   end subroutine end_with_records
 
 end module rwmf_input_reader

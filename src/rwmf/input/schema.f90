@@ -16,7 +16,7 @@ module rwmf_input_schema
    implicit none
    private
 
-   public :: all_groups, all_keys, group_names, find_key, write_schema, write_groups
+   public :: all_groups, all_keys, keys_of, group_names, find_key, write_schema, write_groups
 
 contains
 
@@ -59,15 +59,25 @@ contains
    !> Every key, in the order of the documentation.
    function all_keys() result(keys)
       type(key_t), allocatable :: keys(:)
-      type(case_group_t), allocatable :: groups(:)
-      integer :: i
 
-      groups = all_groups()
-      allocate (keys(0))
-      do i = 1, size(groups)
-         keys = [keys, groups(i)%keys]
-      end do
+      keys = keys_of(all_groups())
    end function all_keys
+
+   !> The keys of all groups, one group after the other.
+   pure function keys_of(groups) result(keys)
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
+      type(key_t), allocatable :: keys(:)
+      integer :: i
+      integer :: n
+
+      allocate (keys(sum([(size(groups(i)%keys), i=1, size(groups))])))
+      n = 0
+      do i = 1, size(groups)
+         keys(n + 1:n + size(groups(i)%keys)) = groups(i)%keys
+         n = n + size(groups(i)%keys)
+      end do
+   end function keys_of
 
    !> The groups in the order of the documentation.
    function group_names() result(names)

@@ -4,17 +4,18 @@ module rwmf_input_schema_check
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
    use rwmf_input_namelist, only: entry_t, group_t
-   use rwmf_input_schema, only: all_groups, all_keys, find_key, group_names
+   use rwmf_input_schema, only: find_key, group_names
    use rwmf_input_value_check, only: check_value, default_number, requirement
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, key_values_t
-   use rwmf_problem_key, only: key_t
-   use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key
+   use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, has_key, &
+      key_code, key_values_t, text_of
+   use rwmf_problem_key, only: belongs_to, key_t
+   use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key, fail_key
    use rwmf_text_strings, only: integer_to_text, nearest_name, shown, to_lower
    implicit none
    private
 
-   public :: collect_values, check_rules
+   public :: collect_values, check_groups, check_values, enter_defaults, append, suggest
 
    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
 
@@ -24,16 +25,16 @@ contains
    !>
    !> Errors: unknown or repeated group, unknown or repeated key, wrong type, value out of range,
    !> required key that is missing. The message names group, key, value, line and what is allowed.
-   subroutine collect_values(groups, values, error)
+   subroutine collect_values(groups, keys, values, error)
       type(group_t), intent(in) :: groups(:)
+      type(key_t), intent(in) :: keys(:)
+      !! `all_keys`
       type(group_values_t), intent(out) :: values
       type(error_t), allocatable, intent(out) :: error
-      type(key_t), allocatable :: keys(:)
       integer :: n
       !! values so far
       integer :: i
 
-      keys = all_keys()
       call make_room(groups, keys, values)
       n = 0
       do i = 1, size(groups)
@@ -44,14 +45,14 @@ contains
       call enter_defaults(keys, values, n)
    end subroutine collect_values
 
-   !> Check the groups of a case against each other.
+   !> Check which groups and keys a case gives, whatever their numbers.
    !>
-   !> Errors: a group without the one it acts on, keys that exclude each other, keys that the
-   !> presence of another key or group requires.
-   subroutine check_rules(values, error)
+   !> Errors: a group without the one it acts on, keys that do not belong to the kind of motion.
+   subroutine check_groups(values, groups, error)
       type(group_values_t), intent(in) :: values
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
       type(error_t), allocatable, intent(out) :: error
-      type(case_group_t), allocatable :: groups(:)
       integer :: i
       integer :: j
 
@@ -59,7 +60,6 @@ contains
          call fail(error, err_input, '&wall, &frame: at least one of these groups must be given')
          return
       end if
-      groups = all_groups()
       do i = 1, size(groups)
          do j = 1, count(groups(i)%needs /= '')
             call check_needs(values, trim(groups(i)%name), trim(groups(i)%needs(j)), &
@@ -68,13 +68,57 @@ contains
          end do
       end do
       do i = 1, size(groups)
-         if (.not. associated(groups(i)%check)) cycle
-         ! of those that say how to compute, something is always given
-         if (groups(i)%is_of_scene .and. .not. has_group(values, trim(groups(i)%name))) cycle
+         if (.not. must_be_checked(values, groups(i))) cycle
+         call check_kinds(values, groups(i)%keys, error)
+         if (allocated(error)) return
+      end do
+   end subroutine check_groups
+
+   !> Check the rules between the values of a case whose groups go together.
+   !>
+   !> Errors: keys that exclude each other, keys that the presence of another key or group requires.
+   subroutine check_values(values, groups, error)
+      type(group_values_t), intent(in) :: values
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(groups)
+         if (.not. must_be_checked(values, groups(i))) cycle
          call groups(i)%check(values, error)
          if (allocated(error)) return
       end do
-   end subroutine check_rules
+   end subroutine check_values
+
+   !> Has a group rules that apply to a case? Of those that say how to compute, something is always
+   !> given.
+   pure logical function must_be_checked(values, group) result(must)
+      type(group_values_t), intent(in) :: values
+      type(case_group_t), intent(in) :: group
+
+      must = associated(group%check)
+      if (must .and. group%is_of_scene) must = has_group(values, trim(group%name))
+   end function must_be_checked
+
+   !> Keys of the kind of motion, and no others.
+   subroutine check_kinds(values, keys, error)
+      type(group_values_t), intent(in) :: values
+      type(key_t), intent(in) :: keys(:)
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: kind
+      integer :: i
+
+      do i = 1, size(keys)
+         if (keys(i)%kinds == '') cycle
+         if (.not. has_key(values, keys(i)%group, keys(i)%key)) cycle
+         kind = text_of(values, trim(keys(i)%group), 'kind')
+         if (belongs_to(keys(i), kind)) cycle
+         call fail_key(values, trim(keys(i)%group), trim(keys(i)%key), &
+            "must not be given with kind = '"//kind//"'", error)
+         return
+      end do
+   end subroutine check_kinds
 
    !> Room for all values: those that are given, and each default once, which may be another value.
    subroutine make_room(groups, keys, values)
@@ -100,11 +144,13 @@ contains
       allocate (character(2*length + len(keys%default)*size(keys)) :: values%texts)
       values%ends(0) = 0
       names = group_names()
-      allocate (values%groups(size(names)), values%keys(size(keys)))
-      values%groups(:) = [(group_place_t(names(i), .false., 0), i=1, size(names))]
+      allocate (values%groups(size(names)), values%keys(size(keys)), values%codes(size(keys)))
+      values%groups(:) = [(group_place_t(names(i), .false., 0, key_code(names(i), '')), &
+         i=1, size(names))]
       do i = 1, size(keys)
          values%keys(i) = key_values_t(keys(i)%group, keys(i)%key, to_lower(keys(i)%key), &
             .false., .false., 0, 0, 0)
+         values%codes(i) = key_code(keys(i)%group, keys(i)%key)
       end do
    end subroutine make_room
 
@@ -133,11 +179,13 @@ contains
    !> What a name that is not known may have been meant for, and what is allowed, for a message.
    pure subroutine suggest(name, sign, names, text)
       character(*), intent(in) :: name
+      !! that is not known
       character(*), intent(in) :: sign
       !! before each name: '&' or ''
       character(*), intent(in) :: names(:)
       !! (n) allowed, padded with blanks
       character(:), allocatable, intent(out) :: text
+      !! for behind 'unknown key' or the like
       character(len(names)) :: near
       integer :: i
 
@@ -250,8 +298,11 @@ contains
    !> the key that a default names.
    subroutine enter_defaults(keys, values, n)
       type(key_t), intent(in) :: keys(:)
+      !! `all_keys`
       type(group_values_t), intent(inout) :: values
+      !! with room for a value of each key
       integer, intent(inout) :: n
+      !! values so far
       integer :: source
       integer :: i
 
@@ -295,11 +346,15 @@ contains
    !> Append a value to those of a key.
    pure subroutine append(values, at, n, number, text)
       type(group_values_t), intent(inout) :: values
+      !! with room for it
       integer, intent(in) :: at
       !! place of the key
       integer, intent(inout) :: n
+      !! values so far
       real(dp), intent(in) :: number
+      !! of a logical 1 or 0, of a text 0 [unit of the key]
       character(*), intent(in) :: text
+      !! as it stands in the case; '' for a number that stands in none
       integer :: start
 
       start = values%ends(n)

@@ -1,12 +1,13 @@
 !> Is a value of a case file what its key allows, and which number is it?
 module rwmf_input_value_check
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_kinds, only: dp
    use rwmf_problem_key, only: any_real, key_t
    use rwmf_text_strings, only: next_word, parse_integer, parse_real, to_lower
    implicit none
    private
 
-   public :: check_value, default_number, requirement
+   public :: check_value, check_number, default_number, requirement
 
    integer, parameter :: requirement_length = 256
 
@@ -50,6 +51,30 @@ contains
       problem = 'must be '//trim(requirement(key))
       if (key%type == 'choice' .and. .not. is_quoted) problem = problem//' in quotes'
    end subroutine check_value
+
+   !> Check a number that did not come as text. `problem` is 'must be ...', not allocated when it is
+   !> fine.
+   pure subroutine check_number(key, number, problem)
+      type(key_t), intent(in) :: key
+      !! of type 'real', 'real list', 'integer' or 'logical'
+      real(dp), intent(in) :: number
+      !! of a logical 1 or 0 [unit of the key]
+      character(:), allocatable, intent(out) :: problem
+      !! what it must be; not allocated when it is fine
+      logical :: ok
+
+      ok = ieee_is_finite(number)
+      select case (key%type)
+      case ('logical')
+         if (ok) ok = abs(number) <= 0 .or. abs(number - 1) <= 0
+      case ('integer')
+         if (ok) ok = abs(number) <= huge(1)
+         if (ok) ok = abs(number - anint(number)) <= 0 .and. is_within(trim(key%allowed), number)
+      case default
+         if (ok) ok = is_within(trim(key%allowed), number)
+      end select
+      if (.not. ok) problem = 'must be '//trim(requirement(key))
+   end subroutine check_number
 
    !> The value of a default; of a text 0 [unit of the key].
    pure real(dp) function default_number(key) result(number)

@@ -20,11 +20,12 @@ module rwmf_model_assembly
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
-   use rwmf_model_parameters, only: half_diagonal, parameters_t
+   use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, &
       linear_cable_term, scene_t, straight_cable_term, term_t
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_wall_size, only: half_diagonal
    implicit none
    private
 

@@ -1,11 +1,10 @@
 !> The parameters of the equation of motion in the paper's letters.
 module rwmf_model_parameters
-   use, intrinsic :: iso_fortran_env, only: real128
    use rwmf_core_kinds, only: wp
    implicit none
    private
 
-   public :: parameters_t, half_diagonal
+   public :: parameters_t
 
    !> Parameters of Eq. (15).
    type :: parameters_t
@@ -36,18 +35,5 @@ module rwmf_model_parameters
       real(wp) :: omega_squared = 0
       !! omega_s**2 [1/s2]
    end type parameters_t
-
-contains
-
-   !> R of a wall [m]. In quadruple precision and not by `hypot`, whose last digit depends on the C
-   !> library, and whose symbol keeps a wheel from systems older than glibc 2.35.
-   pure real(wp) function half_diagonal(h, b)
-      real(wp), intent(in) :: h
-      !! half height of the wall [m]
-      real(wp), intent(in) :: b
-      !! half width of the wall [m]
-
-      half_diagonal = real(sqrt(real(h, real128)**2 + real(b, real128)**2), wp)
-   end function half_diagonal
 
 end module rwmf_model_parameters

@@ -4,7 +4,7 @@ module rwmf_model_scene
    implicit none
    private
 
-   public :: scene_t, term_t, add_term
+   public :: scene_t, term_t, add_term, is_same_scene
    public :: force_parts_t, force_parts_of
    public :: frame_term, linear_cable_term, straight_cable_term, first_wall
    public :: link_term, fuse_term
@@ -64,6 +64,19 @@ module rwmf_model_scene
    end type force_parts_t
 
 contains
+
+   !> Have two scenes the same loops with the same coefficients and states?
+   pure logical function is_same_scene(one, other) result(is_same)
+      type(scene_t), intent(in) :: one
+      type(scene_t), intent(in) :: other
+
+      is_same = (one%has_wall .eqv. other%has_wall) .and. one%n == other%n &
+         .and. one%n_coef == other%n_coef .and. size(one%terms) == size(other%terms)
+      if (.not. is_same) return
+      is_same = all(one%terms%effect == other%terms%effect .and. one%terms%n == other%terms%n &
+         .and. one%terms%law == other%terms%law .and. one%terms%coef == other%terms%coef &
+         .and. one%terms%state == other%terms%state)
+   end function is_same_scene
 
    !> Sort the loops of a scene. Floors, leaning columns and hinges act in more than one way.
    pure type(force_parts_t) function force_parts_of(scene) result(parts)

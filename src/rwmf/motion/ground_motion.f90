@@ -11,10 +11,12 @@ module rwmf_motion_ground_motion
    use rwmf_motion_pulse, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
       knots_with_bends, steep_time
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_record, only: record_t
    implicit none
    private
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
+   public :: unit_motion, motion_unit
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
    public :: is_curved
@@ -56,22 +58,40 @@ module rwmf_motion_ground_motion
 contains
 
    !> The ground motion that a case describes, its vertical part included.
-   pure function motion_from_case(case) result(motion)
+   pure function motion_from_case(case, origin) result(motion)
       type(case_t), intent(in) :: case
+      type(case_t), intent(in), optional :: origin
+      !! of a changed case: that which keeps the samples of its records
       type(motion_t) :: motion
 
-      motion = horizontal_motion(case)
+      ! a record that a case does not have arrives as an absent argument
+      if (present(origin)) then
+         motion = built_motion(case, origin%record, origin%vertical_record)
+      else
+         motion = built_motion(case, case%record, case%vertical_record)
+      end if
+   end function motion_from_case
+
+   !> The motion of a case with the samples of its records.
+   pure function built_motion(case, record, vertical_record) result(motion)
+      type(case_t), intent(in) :: case
+      type(record_t), intent(in), optional :: record
+      type(record_t), intent(in), optional :: vertical_record
+      type(motion_t) :: motion
+
+      motion = horizontal_motion(case, motion_unit(case), record)
       if (allocated(case%vertical)) then
          if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
       end if
-      if (.not. allocated(case%vertical_record)) return
-      motion%vertical = lines_through(case%vertical_record%t, case%vertical_record%a)
+      if (.not. present(vertical_record)) return
+      motion%vertical = lines_through(vertical_record%t, &
+         case%vertical_record%factor*vertical_record%a)
       if (motion%shape == shape_linear) then
          call join_lines(motion)
       else
          call join_curve(motion)
       end if
-   end function motion_from_case
+   end function built_motion
 
    !> One sequence of knots for straight lines of both motions.
    pure subroutine join_lines(motion)
@@ -100,19 +120,50 @@ contains
       motion%last_turning = motion%curve%last - 1
    end subroutine join_curve
 
-   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
-   pure function horizontal_motion(case) result(motion)
+   !> The horizontal ground motion of a case in its own unit: a record as it stands in the file, a
+   !> pulse over its amplitude. Cases that differ in this unit alone have the same.
+   pure function unit_motion(case) result(motion)
       type(case_t), intent(in) :: case
+      !! with its samples
+      type(motion_t) :: motion
+
+      ! a record that a case does not have arrives as an absent argument
+      motion = horizontal_motion(case, 1.0_wp, case%record)
+   end function unit_motion
+
+   !> The unit of the horizontal motion of a case, with its sign [m/s2].
+   pure real(wp) function motion_unit(case) result(unit)
+      type(case_t), intent(in) :: case
+      type(curve_t) :: curve
+
+      unit = 1
+      if (.not. allocated(case%motion)) return
+      if (case%motion%kind == 'record') then
+         unit = case%record%factor
+      else if (case%motion%kind /= 'none') then
+         curve = build_curve(case%motion, case%model%g)
+         unit = curve%amplitude
+      end if
+   end function motion_unit
+
+   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
+   pure function horizontal_motion(case, unit, record) result(motion)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: unit
+      !! of the samples, or amplitude of the pulse [m/s2]
+      type(record_t), intent(in), optional :: record
+      !! with samples, of kind 'record'
       type(motion_t) :: motion
 
       motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       if (.not. allocated(case%motion)) return
       select case (case%motion%kind)
       case ('record')
-         motion = piecewise_linear_motion(case%record%t, case%record%a)
+         motion = piecewise_linear_motion(record%t, unit*record%a)
       case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
+         motion%curve%amplitude = unit
       case default
          continue
       end select

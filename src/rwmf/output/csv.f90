@@ -10,6 +10,7 @@ module rwmf_output_csv
    use rwmf_output_summary, only: summarise, summary_item_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t
+   use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_result, only: history_t, result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    use rwmf_text_atomic_file, only: atomic_file_t, check_not_read, discard, finish, join_path, &
@@ -67,6 +68,7 @@ contains
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
       type(atomic_file_t) :: file
+      type(axis_t), allocatable :: axes(:)
       character(:), allocatable :: names
       integer :: i
 
@@ -74,8 +76,15 @@ contains
       if (.not. allocated(error)) call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case, part)
-      names = 'T_s_s,'
-      if (allocated(spectrum%gamma)) names = 'b_m,gamma,T_s_s,'
+      call list_axes(case, axes)
+      do i = 1, size(axes)
+         if (.not. axes(i)%is_plain) call write_line(file, '# axis '//trim(axes(i)%column)//': ' &
+            //trim(axes(i)%meaning))
+      end do
+      names = ''
+      if (allocated(spectrum%b)) names = 'b_m,'
+      if (allocated(spectrum%gamma)) names = names//'gamma,'
+      names = names//'T_s_s,'
       do i = 1, size(spectrum%quantities)
          names = names//trim(spectrum%quantities(i))//','
       end do
@@ -213,15 +222,15 @@ contains
       integer :: j
       integer :: k
 
-      do k = 1, size(spectrum%u_s_max, 3)
-         do j = 1, size(spectrum%u_s_max, 2)
+      do k = 1, size(spectrum%values, 3)
+         do j = 1, size(spectrum%values, 2)
             lead = ''
-            if (allocated(spectrum%gamma)) then
-               lead = trim(csv_numbers([spectrum%b(k), spectrum%gamma(j)]))//','
-            end if
+            if (allocated(spectrum%b)) lead = trim(csv_numbers(spectrum%b(k:k)))//','
+            if (allocated(spectrum%gamma)) lead = lead//trim(csv_numbers(spectrum%gamma(j:j)))//','
             do i = 1, size(spectrum%T_s)
                call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
-                  spectrum%values(i, j, k, :)]))//','//trim(spectrum%status(i, j, k)))
+                  spectrum%values(i, j, k, :)]))//',' &
+                  //trim(spectrum%status_names(spectrum%status(i, j, k))))
             end do
          end do
       end do

@@ -10,7 +10,7 @@ module rwmf_output_preview
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_instant
-   use rwmf_spectrum_quantities, only: check_asked
+   use rwmf_spectrum_quantities, only: check_asked, keys_asked_by
    implicit none
    private
 
@@ -38,7 +38,8 @@ contains
       type(result_t) :: result
 
       motion = motion_from_case(case)
-      if (allocated(case%spectrum)) call check_asked(case, motion, error)
+      if (allocated(case%spectrum)) call check_asked(case, motion, &
+         keys_asked_by(case), error)
       if (.not. allocated(error)) call simulate_instant(case, motion, instant, result, error)
       if (allocated(error)) return
       call compose(case, instant, result, text)

@@ -10,7 +10,7 @@ module rwmf_problem_group_values
    private
 
    public :: group_values_t, key_values_t, group_place_t
-   public :: has_group, has_key, group_place, key_place, key_line, value_text
+   public :: has_group, has_key, group_place, key_place, key_code, key_line, value_text
    public :: text_of, real_of, integer_of, logical_of
    public :: get_real, get_text, get_list, get_texts
 
@@ -20,6 +20,8 @@ module rwmf_problem_group_values
       logical :: is_given
       integer :: line
       !! 0 when it is not given
+      integer :: code
+      !! `key_code` of the group
    end type group_place_t
 
    !> The values of one key.
@@ -46,6 +48,8 @@ module rwmf_problem_group_values
       !! (groups of the schema)
       type(key_values_t), allocatable :: keys(:)
       !! (keys of the schema)
+      integer, allocatable :: codes(:)
+      !! (keys of the schema) `key_code` of each
       real(dp), allocatable :: numbers(:)
       !! (values) [unit of the key]; of a logical 1 or 0, of texts 0
       integer, allocatable :: ends(:)
@@ -61,10 +65,13 @@ contains
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: name
       !! in small letters
+      integer :: code
 
       place = 0
       if (.not. allocated(values%groups)) return
+      code = key_code(name, '')
       do place = size(values%groups), 1, -1
+         if (values%groups(place)%code /= code) cycle
          if (values%groups(place)%name == name) exit
       end do
    end function group_place
@@ -76,15 +83,39 @@ contains
       !! its name, without &
       character(*), intent(in) :: key
       !! letters may be small or capital
-      character(len(key)) :: name
+      integer :: code
 
       place = 0
       if (.not. allocated(values%keys)) return
-      name = to_lower(key)
+      ! a case is filled with some hundred look-ups: few of them compare letters
+      code = key_code(group, key)
       do place = size(values%keys), 1, -1
-         if (values%keys(place)%name == name .and. values%keys(place)%group == group) exit
+         if (values%codes(place) /= code) cycle
+         if (values%keys(place)%name == to_lower(key) .and. values%keys(place)%group == group) exit
       end do
    end function key_place
+
+   !> A number that most keys have for themselves.
+   pure integer function key_code(group, key) result(code)
+      character(*), intent(in) :: group
+      !! its name, without &, in small letters
+      character(*), intent(in) :: key
+      !! its name, '' for the group itself; letters may be small or capital
+      integer, parameter :: most = 2**24 - 1
+      !! 31 times as much is still an integer
+      integer :: letter
+      integer :: i
+
+      code = 0
+      do i = 1, len_trim(group)
+         code = iand(31*code + iachar(group(i:i)), most)
+      end do
+      do i = 1, len_trim(key)
+         letter = iachar(key(i:i))
+         if (key(i:i) >= 'A' .and. key(i:i) <= 'Z') letter = letter + 32
+         code = iand(31*code + letter, most)
+      end do
+   end function key_code
 
    !> Is the group given?
    pure logical function has_group(values, name)
@@ -216,8 +247,10 @@ contains
       !! its name
       real(wp), allocatable, intent(out) :: value
       !! [unit of the key]
+      integer :: number
 
-      if (first_value(values, group, key) > 0) value = real_of(values, group, key)
+      number = first_value(values, group, key)
+      if (number > 0) value = real(values%numbers(number), wp)
    end subroutine get_real
 
    !> Set a text that stays unallocated when the key has no value.
@@ -229,8 +262,10 @@ contains
       !! its name
       character(:), allocatable, intent(out) :: value
       !! not allocated when the key has no value
+      integer :: number
 
-      if (first_value(values, group, key) > 0) value = text_of(values, group, key)
+      number = first_value(values, group, key)
+      if (number > 0) value = value_text(values, number)
    end subroutine get_text
 
    !> Set a list that stays unallocated when the key has no value.

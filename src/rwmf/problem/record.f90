@@ -1,11 +1,12 @@
 !> A recorded ground acceleration: where it comes from, and its samples when it has been read.
 module rwmf_problem_record
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: dp, wp
    use rwmf_problem_group_values, only: get_real, get_text, group_values_t, real_of
    implicit none
    private
 
-   public :: record_t, record_source_t, fill_source
+   public :: record_t, record_source_t, fill_source, set_factor
 
    !> Where a record comes from.
    type :: record_source_t
@@ -21,24 +22,32 @@ module rwmf_problem_record
       !! factor on the record [-]
    end type record_source_t
 
-   !> A record that has been read and checked.
+   !> A record that has been read and checked. A changed case has all but the samples, which the
+   !> case that it comes from keeps.
    type :: record_t
       real(wp), allocatable :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), allocatable :: a(:)
-      !! (n) ground acceleration, `scale` applied [m/s2]
+      !! (n) ground acceleration as it stands in the file; `factor` times it is the motion
+      !! [unit of the file]
+      real(wp) :: factor = 1
+      !! m/s2 per unit of the file, `scale` included
       integer :: n
       !! number of samples, at least 2
       real(wp), allocatable :: dt
       !! sampling interval [s]; absent when it is not uniform
+      real(wp) :: t_last
+      !! time of the last sample [s]
+      real(wp) :: largest
+      !! largest magnitude of `a` [unit of the file]
       real(wp) :: peak
       !! largest magnitude of the acceleration [m/s2]
       real(wp) :: t_peak
       !! its first time [s]
       character(:), allocatable :: format
-      !! 'one column', 'two columns' or 'AT2'
+      !! 'one column', 'two columns', 'AT2' or 'array'
       character(8) :: crc32
-      !! of the bytes of the file, hexadecimal
+      !! of the bytes of the file, or of the samples of an array, hexadecimal
    end type record_t
 
 contains
@@ -55,5 +64,27 @@ contains
       call get_text(values, group, 'file', source%file)
       call get_text(values, group, 'unit', source%unit)
    end subroutine fill_source
+
+   !> What the samples are multiplied with. Fails with `err_input` when they then overflow.
+   pure subroutine set_factor(record, scale, g, error, unit)
+      type(record_t), intent(inout) :: record
+      !! with the largest of its samples
+      real(wp), intent(in) :: scale
+      !! [-]
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
+      type(error_t), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; absent for 'g'
+
+      record%factor = scale*g
+      if (present(unit)) then
+         if (unit == 'm/s2') record%factor = scale
+         if (unit == 'cm/s2') record%factor = scale/100
+      end if
+      record%peak = abs(record%factor)*record%largest
+      if (record%largest <= huge(1.0_dp)/max(1.0_wp, abs(record%factor))) return
+      call fail(error, err_input, 'the accelerations overflow: check unit and scale')
+   end subroutine set_factor
 
 end module rwmf_problem_record

@@ -86,7 +86,8 @@ contains
       call fail_at_group(group, values%groups(group_place(values, group))%line, problem, error)
    end subroutine fail_group
 
-   !> Report a key that is given by its name: `&frame: gamma = -1.0 (line 7): must be ...`.
+   !> Report a key that is given by its name: `&frame: gamma = -1.0 (line 7): must be ...`. A number
+   !> of a changed case has no text: it is shown as it is.
    subroutine fail_key(values, group, key, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -102,8 +103,14 @@ contains
 
       associate (row => values%keys(key_place(values, group, key)))
          shown_values = ''
-         do i = 1, row%n
-            call append_value(i, row%is_quoted, value_text(values, row%first + i - 1), shown_values)
+         do i = row%first, row%first + row%n - 1
+            if (values%ends(i) > values%ends(i - 1)) then
+               call append_value(i - row%first + 1, row%is_quoted, value_text(values, i), &
+                  shown_values)
+            else
+               call append_value(i - row%first + 1, row%is_quoted, &
+                  trim(real_to_text(real(values%numbers(i), wp))), shown_values)
+            end if
          end do
          call fail_at_key(group, trim(row%key), shown_values, row%line, problem, error)
       end associate
@@ -140,14 +147,14 @@ contains
       character(*), intent(in) :: shown_values
       !! its values as `append_value` lists them
       integer, intent(in) :: line
-      !! number of the line of the key
+      !! number of the line of the key; 0 when it stands in no text
       character(*), intent(in) :: problem
       !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
-      call fail(error, err_input, '&'//group//': '//key//' = '//shown_values//' (line ' &
-         //trim(integer_to_text(line))//'): '//problem)
+      call fail(error, err_input, '&'//group//': '//key//' = '//shown_values &
+         //trim(line_note(line))//': '//problem)
    end subroutine fail_at_key
 
    !> Report a group with its line: `&frame (line 5): ...`.
@@ -155,14 +162,22 @@ contains
       character(*), intent(in) :: group
       !! its name, without &
       integer, intent(in) :: line
-      !! number of the line where the group begins
+      !! number of the line where the group begins; 0 when it stands in no text
       character(*), intent(in) :: problem
       !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
-      call fail(error, err_input, '&'//shown(group)//' (line '//trim(integer_to_text(line))//'): ' &
-         //problem)
+      call fail(error, err_input, '&'//shown(group)//trim(line_note(line))//': '//problem)
    end subroutine fail_at_group
+
+   !> ` (line 7)`, with blanks behind; blank for line 0.
+   pure function line_note(line) result(note)
+      integer, intent(in) :: line
+      character(28) :: note
+
+      note = ''
+      if (line > 0) note = ' (line '//trim(integer_to_text(line))//')'
+   end function line_note
 
 end module rwmf_problem_rules

@@ -7,7 +7,7 @@ module rwmf_problem_shear_frame
    implicit none
    private
 
-   public :: shear_frame_t, find_modes, enforce_straight_line
+   public :: shear_frame_t, find_modes, enforce_straight_line, scale_masses
    public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix
 
    !> From the ground to the roof.
@@ -69,6 +69,18 @@ contains
       frame%shape(:, 1) = frame%shape(:, 1)/sqrt(mass)
       frame%omega(1) = sqrt(sum(frame%k*share**2)/mass)
    end subroutine enforce_straight_line
+
+   !> Scale all masses, and the stiffnesses with them: the periods stay, and the shapes.
+   pure subroutine scale_masses(frame, factor)
+      type(shear_frame_t), intent(inout) :: frame
+      !! with its modes
+      real(wp), intent(in) :: factor
+      !! > 0 [-]
+
+      frame%m = factor*frame%m
+      frame%k = factor*frame%k
+      frame%shape = frame%shape/sqrt(factor)
+   end subroutine scale_masses
 
    !> L_j = sum of m_i phi_ij, Chopra's Eq. (13.2.3); its square is the effective modal mass.
    pure real(wp) function excitation(frame, mode)

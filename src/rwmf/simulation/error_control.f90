@@ -116,12 +116,14 @@ contains
    end function verifying_tolerance
 
    !> An initial state grows as the motion does whose influence is looked for.
-   pure subroutine shake(case)
+   pure subroutine shake(case, factor)
       class(structure_t), intent(inout) :: case
+      real(wp), intent(in) :: factor
+      !! of the motion [-]
 
       if (.not. allocated(case%initial)) return
-      case%initial%theta_over_alpha = case%initial%theta_over_alpha*(1 + shake_step)
-      case%initial%theta_dot = case%initial%theta_dot*(1 + shake_step)
+      case%initial%theta_over_alpha = case%initial%theta_over_alpha*factor
+      case%initial%theta_dot = case%initial%theta_dot*factor
    end subroutine shake
 
    !> Estimate the error of a finished run by an independent, much tighter one, and the sensitivity
@@ -149,7 +151,7 @@ contains
          result%estimated_relative_error = relative_difference(result, tight)
       end if
       shaken = scaled_motion(motion, 1 + shake_step)
-      call shake(trial)
+      call shake(trial, 1 + shake_step)
       call run_once(trial, shaken, control, larger, error)
       if (allocated(error)) return
       result%sensitivity = relative_difference(larger, tight)/shake_step

@@ -4,10 +4,9 @@ module rwmf_spectrum_estimates
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
-   use rwmf_problem_case, only: case_t
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
-      next_tolerance, relative_change, shake, shake_step, tightest, verifying_tolerance
-   use rwmf_spectrum_lanes, only: ordinate_t, run_ordinates
+      next_tolerance, relative_change, shake_step, tightest, verifying_tolerance
+   use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
    use rwmf_spectrum_quantities, only: asked_t
    implicit none
    private
@@ -17,62 +16,60 @@ module rwmf_spectrum_estimates
 contains
 
    !> Run all ordinates, and as often again as the case's `accuracy` or what is asked for need.
-   subroutine run_with_estimates(case, asked, motion, threads, control, ordinates)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
+   subroutine run_with_estimates(queue, threads, control, ordinates)
+      type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
       !! number of threads to use
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
       integer :: i
 
-      if (allocated(case%solver%accuracy)) then
-         call run_to_accuracy(case, asked, motion, threads, control, ordinates)
+      if (allocated(queue%rows%case%solver%accuracy)) then
+         call run_to_accuracy(queue, threads, control, ordinates)
       else
-         call run_ordinates(case, asked, motion, threads, control, ordinates)
+         call run_ordinates(queue, threads, control, ordinates)
       end if
-      if (asked%has_sensitivity) call verify_ordinates(case, motion, threads, control, ordinates)
+      if (queue%asked%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
-         where (asked%keys == 'estimated_relative_error') ordinates(i)%values = &
+         where (queue%asked%keys == 'estimated_relative_error') ordinates(i)%values = &
             ordinates(i)%estimate
-         where (asked%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
+         where (queue%asked%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
       end do
    end subroutine run_with_estimates
 
    !> Run each until the estimated error of its peak is at most what the case asks for.
-   subroutine run_to_accuracy(case, asked, motion, threads, control, ordinates)
-      type(case_t), intent(in) :: case
-      !! with `solver%accuracy`
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
+   subroutine run_to_accuracy(queue, threads, control, ordinates)
+      type(queue_t), intent(in) :: queue
+      !! whose case has `solver%accuracy`
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(ordinate_t), allocatable :: tight(:)
       type(control_t) :: silent
+      real(wp) :: accuracy
       integer, allocatable :: open(:)
       logical, allocatable :: stays(:)
       integer :: i, m, round
 
+      accuracy = queue%rows%case%solver%accuracy
       ! an ordinate is done when it needs no further run
       silent%cancel => control%cancel
-      ordinates%rtol = first_tolerance(case%solver%accuracy)
-      call run_ordinates(case, asked, motion, threads, silent, ordinates)
+      ordinates%rtol = first_tolerance(accuracy)
+      call run_ordinates(queue, threads, silent, ordinates)
       open = pack([(i, i=1, size(ordinates))], ordinates%failure == '')
       do round = 1, most_refinements
          if (size(open) == 0) exit
          if (is_cancelled(control)) return
          tight = ordinates(open)
-         tight%rtol = next_tolerance(case%solver%accuracy, tight%rtol, tight%estimate)
-         call run_ordinates(case, asked, motion, threads, silent, tight)
+         tight%rtol = next_tolerance(accuracy, tight%rtol, tight%estimate)
+         call run_ordinates(queue, threads, silent, tight)
          allocate (stays(size(open)))
          do m = 1, size(open)
             i = open(m)
             tight(m)%estimate = difference(ordinates(i), tight(m))
             stays(m) = tight(m)%failure == '' .and. tight(m)%rtol > tightest &
-               .and. .not. is_close_enough(tight(m)%estimate, case%solver%accuracy)
+               .and. .not. is_close_enough(tight(m)%estimate, accuracy)
             if (stays(m) .or. tight(m)%failure /= '') then
                ordinates(i) = tight(m)
             else
@@ -84,37 +81,35 @@ contains
          open = pack(open, stays)
          deallocate (stays)
       end do
-      ordinates%is_inaccurate = ordinates%estimate > case%solver%accuracy
+      ordinates%is_inaccurate = ordinates%estimate > accuracy
    end subroutine run_to_accuracy
 
    !> Estimate what no run before has estimated, and the sensitivity to the motion, by much tighter
    !> runs.
-   subroutine verify_ordinates(case, motion, threads, control, ordinates)
-      type(case_t), intent(in) :: case
-      type(motion_t), intent(in) :: motion
+   subroutine verify_ordinates(queue, threads, control, ordinates)
+      type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(ordinate_t), allocatable :: tight(:), larger(:)
-      type(asked_t) :: displacement
+      type(queue_t) :: trial
+      type(motion_t), target :: shaken
       type(control_t) :: silent
-      type(case_t) :: trial
       integer :: i
 
       silent%cancel => control%cancel
-      trial%structure_t = case%structure_t
-      trial%solver = case%solver
-      trial%solver%method = 'dop853'
-      if (allocated(trial%solver%atol)) deallocate (trial%solver%atol)
-      displacement = asked_t(keys=[character(40) ::], place=[integer ::], storey=[integer ::])
+      trial = queue
+      trial%asked = asked_t(keys=[character(40) ::], place=[integer ::], storey=[integer ::])
+      trial%verifies = .true.
       tight = ordinates
-      where (tight%rtol <= 0) tight%rtol = case%solver%rtol
+      where (tight%rtol <= 0) tight%rtol = queue%rows%case%solver%rtol
       tight%rtol = verifying_tolerance(tight%rtol)
-      call run_ordinates(trial, displacement, motion, threads, silent, tight)
+      call run_ordinates(trial, threads, silent, tight)
       larger = tight
-      call shake(trial)
-      call run_ordinates(trial, displacement, scaled_motion(motion, 1 + shake_step), threads, &
-         silent, larger)
+      trial%shaken = 1 + shake_step
+      shaken = scaled_motion(queue%motion, trial%shaken)
+      trial%motion => shaken
+      call run_ordinates(trial, threads, silent, larger)
       do i = 1, size(ordinates)
          if (ordinates(i)%failure == '') then
             if (tight(i)%failure /= '') ordinates(i)%failure = tight(i)%failure
@@ -135,7 +130,7 @@ contains
       difference = 1
       if (one%overturned .neqv. other%overturned) return
       if (one%collapsed .neqv. other%collapsed) return
-      difference = relative_change(one%u_s_max, other%u_s_max)
+      difference = relative_change(one%peak, other%peak)
    end function difference
 
 end module rwmf_spectrum_estimates

@@ -1,6 +1,6 @@
-!> Ordinates of a spectrum in lanes: runs of one scene, sixteen at a time, each with its own clock,
-!> step and events. A lane whose run is over takes the next ordinate from the queue, the shortest
-!> periods first.
+!> Rows in lanes: runs of one scene, sixteen at a time, each with its own numbers, clock, step and
+!> events. A lane whose run is over takes the next ordinate from the queue, the shortest periods
+!> first.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: error_t
@@ -10,8 +10,10 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_lane_kernels, only: lane_kernels_of, team_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, equation_t
-   use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_model_scene, only: is_same_scene, scene_t
+   use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t
+   use rwmf_simulation_error_control, only: shake
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_lanes_loop, only: join_team, step_team
    use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
@@ -22,40 +24,52 @@ module rwmf_spectrum_lanes
       most_passes, response_size
    use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_spectrum_quantities, only: asked_t, take_values
+   use rwmf_spectrum_rows, only: row_motion, rows_t, take_row
    implicit none
    private
 
-   public :: ordinate_t, run_ordinates
+   public :: ordinate_t, queue_t, run_ordinates, refused
+
+   character(*), parameter :: refused = 'refused'
+   !! name of the failure of a row whose numbers the rules of the case do not allow
 
    integer, parameter :: few_lanes = 2
    !! that are faster alone than in a team
 
-   !> What is asked for, and what comes of it.
+   !> A row that is to be run, and what comes of it.
    type :: ordinate_t
-      real(wp) :: T_s = 0
-      !! period of the frame [s]
-      real(wp) :: gamma = 0
-      !! mass ratio [-]; of a wall, as the following
-      real(wp) :: b = 0
-      !! half width [m]
-      real(wp) :: u_s_max = 0
-      !! [m]
+      integer :: row = 0
+      !! its number
+      real(wp) :: peak = 0
+      !! u_s_max [m], without a frame the largest |theta| [rad]
       logical :: overturned = .false.
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: rtol = 0
       !! tolerance, where it is not that of the case [-]
       real(wp) :: estimate = -1
-      !! of the relative error of u_s_max; negative: there is none [-]
+      !! of the relative error of the peak; negative: there is none [-]
       real(wp) :: sensitivity = -1
-      !! relative change of u_s_max per relative change of the motion, likewise [-]
+      !! relative change of the peak per relative change of the motion, likewise [-]
       logical :: is_inaccurate = .false.
       !! no tolerance has brought the error down to what is asked for
       character(24) :: failure = ''
       !! name of the error
       real(wp), allocatable :: values(:)
-      !! (quantities) that were asked for, in their units, where it is more than u_s_max
+      !! (quantities) that were asked for, in their units, where it is more than the displacement
    end type ordinate_t
+
+   !> What all runs of a queue have in common.
+   type :: queue_t
+      type(rows_t), pointer :: rows => null()
+      type(motion_t), pointer :: motion => null()
+      !! of all of them that have none of their own
+      type(asked_t) :: asked
+      logical :: verifies = .false.
+      !! by the pair of the higher order, at the tolerance of the ordinate alone
+      real(wp) :: shaken = 1
+      !! factor on motions that rows have of their own, and on their initial states [-]
+   end type queue_t
 
    !> The run of a lane.
    type :: lane_run_t
@@ -63,6 +77,8 @@ module rwmf_spectrum_lanes
       !! its number; 0: the lane is idle
       integer :: pass = 0
       type(case_t) :: case
+      type(motion_t) :: motion
+      !! of a row that has its own
       type(equation_t) :: equation
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
@@ -70,13 +86,25 @@ module rwmf_spectrum_lanes
       real(wp) :: size_guess(2)
    end type lane_run_t
 
+   !> What the runs of a team must have in common.
+   type :: kind_t
+      type(scene_t) :: scene
+      logical :: has_vertical
+      logical :: has_loading_direction
+      integer :: place
+      !! of the hysteretic state
+      integer :: stages
+      !! of the pair
+      integer :: max_steps
+      real(wp) :: t_end
+      !! [s]
+   end type kind_t
+
 contains
 
-   !> Run all ordinates of a case; the number of threads changes no bit.
-   subroutine run_ordinates(case, asked, motion, threads, control, ordinates)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
+   !> Run all ordinates of a queue; the number of threads changes no bit.
+   subroutine run_ordinates(queue, threads, control, ordinates)
+      type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
       !! number of threads to use
       type(control_t), intent(in) :: control
@@ -86,17 +114,15 @@ contains
       if (size(ordinates) == 0) return
       next = 0
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
-      call run_team(case, asked, motion, control, min(team_width, 1 + (team_width - 1) &
+      call run_team(queue, control, min(team_width, 1 + (team_width - 1) &
          *min(1, size(ordinates)/(2*threads))), next, ordinates)
       !$omp end parallel
    end subroutine run_ordinates
 
    !> Steps of one team, until the queue is empty and its lanes are idle; the last ones go on alone,
    !> because a step of sixteen lanes takes as long as two to three of one.
-   subroutine run_team(case, asked, motion, control, width, next, ordinates)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
+   subroutine run_team(queue, control, width, next, ordinates)
+      type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       integer, intent(in) :: width
       !! number of lanes
@@ -106,18 +132,21 @@ contains
       type(lane_t), allocatable, target :: lanes(:)
       type(lane_run_t), allocatable, target :: runs(:)
       type(team_t), target :: team, alone
+      type(kind_t), allocatable :: kind
       integer :: i
 
       allocate (lanes(width), runs(width))
       do i = 1, width
-         call take_ordinate(case, asked, motion, control, next, ordinates, runs(i), lanes(i))
+         call take_ordinate(queue, control, next, ordinates, kind, runs(i), lanes(i))
       end do
-      if (all(runs%ordinate == 0)) return
-      call create_team(runs(1)%equation, pair_for(case, runs(1)%equation), &
+      if (runs(1)%ordinate == 0) return
+      call create_team(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
          runs(1)%hybrid%max_steps, width, team)
       team%kernels = lane_kernels_of(best_level())
-      call tabulate_lines(motion, runs(1)%equation%has_vertical, case%solver%t_end, team)
-      team%keeps_more = asked%is_watched
+      ! lanes with motions of their own follow them without a table
+      if (.not. queue%rows%has_own_motion) call tabulate_lines(queue%motion, kind%has_vertical, &
+         kind%t_end, team)
+      team%keeps_more = queue%asked%is_watched
       do i = 1, width
          if (runs(i)%ordinate > 0) call join_team(lanes(i), i, team)
       end do
@@ -142,10 +171,10 @@ contains
             if (team%has_ended) then
                do i = 1, team%width
                   do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
-                     call finish_ordinate(asked, control, runs(i), lanes(i)%error, &
+                     call finish_ordinate(queue%asked, control, runs(i), lanes(i)%error, &
                         ordinates(runs(i)%ordinate))
-                     if (runs(i)%ordinate == 0) call take_ordinate(case, asked, motion, control, &
-                        next, ordinates, runs(i), lanes(i))
+                     if (runs(i)%ordinate == 0) call take_ordinate(queue, control, next, &
+                        ordinates, kind, runs(i), lanes(i))
                      team%is_busy(i) = runs(i)%ordinate > 0
                      if (team%is_busy(i)) call join_team(lanes(i), i, team)
                   end do
@@ -159,45 +188,125 @@ contains
       end subroutine step_lanes
    end subroutine run_team
 
-   !> Take the next ordinate from the queue and begin its run; none: the lane stays idle.
-   subroutine take_ordinate(case, asked, motion, control, next, ordinates, run, lane)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
+   !> Take the next ordinate from the queue and begin its run; none: the lane stays idle. Rows that
+   !> are refused, and those that cannot step with the team, are done on the way.
+   subroutine take_ordinate(queue, control, next, ordinates, kind, run, lane)
+      type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       integer, intent(inout) :: next
-      type(ordinate_t), intent(in) :: ordinates(:)
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      type(kind_t), allocatable, intent(inout) :: kind
+      !! of the team; not allocated: that of this run
       type(lane_run_t), intent(inout), target :: run
       type(lane_t), intent(inout) :: lane
+      type(error_t), allocatable :: error
       integer :: number
 
       run%ordinate = 0
-      if (is_cancelled(control)) return
-      !$omp atomic capture
-      next = next + 1
-      number = next
-      !$omp end atomic
-      if (number > size(ordinates)) return
-      run%ordinate = number
-      run%case%structure_t = case%structure_t
-      run%case%solver = case%solver
-      if (ordinates(number)%rtol > 0) run%case%solver%rtol = ordinates(number)%rtol
-      if (allocated(asked%output)) run%case%output = asked%output
-      run%case%frame%T_s = ordinates(number)%T_s
-      if (allocated(run%case%wall)) then
-         run%case%frame%gamma = ordinates(number)%gamma
-         run%case%wall%b = ordinates(number)%b
+      do
+         if (is_cancelled(control)) return
+         !$omp atomic capture
+         next = next + 1
+         number = next
+         !$omp end atomic
+         if (number > size(ordinates)) return
+         call set_up(queue, ordinates(number), run, lane, error)
+         if (allocated(error)) then
+            ordinates(number)%failure = refused
+            call count_done(control)
+            cycle
+         end if
+         run%ordinate = number
+         if (.not. allocated(kind)) kind = kind_of(run)
+         if (is_of_kind(run, kind)) return
+         call run_alone(queue, control, run, lane, ordinates(number))
+         run%ordinate = 0
+      end do
+   end subroutine take_ordinate
+
+   !> Put the run of a row together. Errors: as `take_row`.
+   subroutine set_up(queue, ordinate, run, lane, error)
+      type(queue_t), intent(in) :: queue
+      type(ordinate_t), intent(in) :: ordinate
+      type(lane_run_t), intent(inout), target :: run
+      type(lane_t), intent(inout) :: lane
+      type(error_t), allocatable, intent(out) :: error
+      type(motion_t), pointer :: motion
+
+      call take_row(queue%rows, ordinate%row, run%case, error)
+      if (allocated(error)) return
+      if (ordinate%rtol > 0) run%case%solver%rtol = ordinate%rtol
+      if (queue%verifies) then
+         run%case%solver%method = 'dop853'
+         if (allocated(run%case%solver%atol)) deallocate (run%case%solver%atol)
+      end if
+      call shake(run%case, queue%shaken)
+      if (allocated(run%case%output)) deallocate (run%case%output)
+      if (allocated(queue%asked%output)) run%case%output = queue%asked%output
+      motion => queue%motion
+      if (queue%rows%has_own_motion) then
+         run%motion = row_motion(queue%rows, run%case)
+         if (abs(queue%shaken - 1) > 0) run%motion = scaled_motion(run%motion, queue%shaken)
+         motion => run%motion
       end if
       lane%equation => run%equation
       lane%hybrid => run%hybrid
       lane%recorder => run%recorder
       lane%integrator => run%integrator
-      lane%t_end = case%solver%t_end
+      lane%t_end = run%case%solver%t_end
       call build_equation(run%case, motion, run%equation)
       run%size_guess = guess_size(run%case, run%equation)
       run%pass = 1
       call begin_lane(run, lane%error)
-   end subroutine take_ordinate
+   end subroutine set_up
+
+   type(kind_t) function kind_of(run) result(kind)
+      type(lane_run_t), intent(in) :: run
+      type(pair_t) :: pair
+
+      pair = pair_for(run%case, run%equation)
+      kind = kind_t(run%equation%scene, run%equation%has_vertical, &
+         run%equation%has_loading_direction, run%equation%hysteresis%place, pair%stages, &
+         run%case%solver%max_steps, run%case%solver%t_end)
+   end function kind_of
+
+   !> Can a run step with those of a kind?
+   logical function is_of_kind(run, kind)
+      type(lane_run_t), intent(in) :: run
+      type(kind_t), intent(in) :: kind
+      type(kind_t) :: own
+
+      own = kind_of(run)
+      is_of_kind = is_same_scene(own%scene, kind%scene) &
+         .and. (own%has_vertical .eqv. kind%has_vertical) &
+         .and. (own%has_loading_direction .eqv. kind%has_loading_direction) &
+         .and. own%place == kind%place .and. own%stages == kind%stages &
+         .and. own%max_steps == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0
+   end function is_of_kind
+
+   !> Run an ordinate in a team of its own.
+   subroutine run_alone(queue, control, run, lane, ordinate)
+      type(queue_t), intent(in) :: queue
+      type(control_t), intent(in) :: control
+      type(lane_run_t), intent(inout), target :: run
+      type(lane_t), intent(in) :: lane
+      type(ordinate_t), intent(inout) :: ordinate
+      type(lane_t), target :: lanes(1)
+      type(team_t), target :: team
+
+      lanes(1) = lane
+      call create_team(run%equation, pair_for(run%case, run%equation), run%hybrid%max_steps, 1, &
+         team)
+      team%keeps_more = queue%asked%is_watched
+      do while (run%ordinate > 0)
+         call join_team(lanes(1), 1, team)
+         do while (team%table(1, of_length) > 0)
+            if (is_cancelled(control)) return
+            call step_team(lanes, team)
+         end do
+         call finish_ordinate(queue%asked, control, run, lanes(1)%error, ordinate)
+      end do
+   end subroutine run_alone
 
    !> Begin the run of a lane for its expected size.
    subroutine begin_lane(run, error)
@@ -239,7 +348,9 @@ contains
       if (.not. allocated(error)) then
          call finish_recorder(run%recorder, run%equation, run%hybrid%t, run%hybrid%y, &
             run%hybrid%mode == mode_rest)
-         ordinate%u_s_max = run%recorder%u_max
+         ordinate%peak = run%recorder%u_max
+         if (.not. run%equation%has_frame) ordinate%peak = max(run%recorder%theta_max, &
+            -run%recorder%theta_min)
          ordinate%overturned = run%hybrid%mode == mode_overturned
          ordinate%collapsed = run%hybrid%mode == mode_collapsed
          size_found = response_size(run%recorder)

@@ -2,14 +2,15 @@
 !> with the numbers of a run (`rwmf_simulation_scalars`).
 module rwmf_spectrum_quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_core_error, only: error_t
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_model_assembly, only: build_equation, enter_side, equation_t
    use rwmf_model_equation, only: frame_motion
    use rwmf_model_history_row, only: numbered
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case, only: case_t, output_t, structure_t
+   use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_hybrid_loop, only: hybrid_t
    use rwmf_simulation_quantities, only: all_quantities, is_demand, is_of_ordinate, look_up
@@ -21,7 +22,8 @@ module rwmf_spectrum_quantities
    implicit none
    private
 
-   public :: asked_t, asked_of, check_asked, list_applicable, take_values
+   public :: asked_t, asked_of, keys_asked_by, check_asked, default_quantity, list_applicable
+   public :: take_values
    public :: follow_from_displacement, values_from_displacement
 
    character(*), parameter :: displacement = 'u_s_max_m'
@@ -47,19 +49,37 @@ module rwmf_spectrum_quantities
 
 contains
 
-   !> What a case asks for.
-   pure type(asked_t) function asked_of(case) result(asked)
+   !> What is reported where nothing is asked for: the largest displacement of the frame, and
+   !> without one the largest rotation of the wall.
+   pure function default_quantity(case) result(key)
+      class(structure_t), intent(in) :: case
+      character(20) :: key
+
+      key = 'theta_max_over_alpha'
+      if (allocated(case%frame)) key = displacement
+   end function default_quantity
+
+   !> What the `&spectrum` of a case asks for.
+   pure function keys_asked_by(case) result(keys)
       type(case_t), intent(in) :: case
-      !! with `&spectrum`
+      character(40), allocatable :: keys(:)
+      !! (quantities)
+
+      keys = [character(40) :: default_quantity(case)]
+      if (.not. allocated(case%spectrum)) return
+      if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
+   end function keys_asked_by
+
+   !> What a case is asked for.
+   pure type(asked_t) function asked_of(case, keys) result(asked)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: keys(:)
+      !! (quantities) keys that apply to its scene (`check_asked`)
       type(output_t) :: output
       integer :: i
 
       output%energy = .false.
-      if (allocated(case%spectrum%quantities)) then
-         asked%keys = case%spectrum%quantities
-      else
-         asked%keys = [character(40) :: displacement]
-      end if
+      asked%keys = keys
       allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
       do i = 1, size(asked%keys)
          call look_up(trim(asked%keys(i)), asked%place(i), asked%storey(i))
@@ -84,30 +104,32 @@ contains
       asked%output = output
    end function asked_of
 
-   !> Does all that a case asks for apply to its scene? Errors: a key that does not, with those that
-   !> do; as `simulate`.
-   subroutine check_asked(case, motion, error)
+   !> Does all that a case is asked for apply to its scene? Errors: a key that does not, with those
+   !> that do; as `simulate`.
+   subroutine check_asked(case, motion, asked_keys, error)
       type(case_t), intent(in) :: case
-      !! with `&spectrum`
       type(motion_t), intent(in) :: motion
+      character(*), intent(in) :: asked_keys(:)
+      !! (quantities)
       type(error_t), allocatable, intent(out) :: error
-      type(asked_t) :: asked
       character(40), allocatable :: keys(:)
-      character(:), allocatable :: allowed
+      character(:), allocatable :: problem
       integer :: i, j
 
-      asked = asked_of(case)
-      if (asked%is_displacement) return
+      if (allocated(case%frame) .and. all(asked_keys == displacement)) return
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
-      do i = 1, size(asked%keys)
-         if (any(keys == asked%keys(i))) cycle
-         allowed = ''
+      do i = 1, size(asked_keys)
+         if (any(keys == asked_keys(i))) cycle
+         problem = trim(asked_keys(i))//' does not apply to this scene; allowed:'
          do j = 1, size(keys)
-            allowed = allowed//' '//trim(keys(j))
+            problem = problem//' '//trim(keys(j))
          end do
-         call fail_key(case%values, 'spectrum', 'quantities', trim(asked%keys(i)) &
-            //' does not apply to this scene; allowed:'//allowed, error)
+         if (has_key(case%values, 'spectrum', 'quantities')) then
+            call fail_key(case%values, 'spectrum', 'quantities', problem, error)
+         else
+            call fail(error, err_input, 'quantities: '//problem)
+         end if
          return
       end do
    end subroutine check_asked
@@ -193,36 +215,34 @@ contains
          == 'cable_force_increment_max_over_m_w_g')
    end function follow_from_displacement
 
-   !> What follows from the largest displacements of runs of one wall.
+   !> What follows from the largest displacement of a run.
    subroutine values_from_displacement(asked, case, motion, u_s_max, values)
       type(asked_t), intent(in) :: asked
       type(case_t), intent(in) :: case
       !! with a wall, and any period of the frame
       type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: u_s_max(:)
-      !! (runs) [m]
-      real(wp), intent(out) :: values(:, :)
-      !! (runs, quantities) [unit of each]
+      !! any
+      real(wp), intent(in) :: u_s_max
+      !! [m]
+      real(wp), intent(out) :: values(:)
+      !! (quantities) [unit of each]
       type(equation_t), target :: equation
       type(explicit_pair_t) :: integrator
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
       type(result_t) :: result
       type(error_t), allocatable :: error
-      integer :: i
 
       call build_equation(case, motion, equation)
       call begin_run(case, guess_size(case, equation), equation, integrator, hybrid, recorder, &
          error)
       allocate (result%warnings(0))
-      do i = 1, size(u_s_max)
-         call enter_side(equation%model_t, equation%state, 1)
-         recorder%u_max = u_s_max(i)
-         recorder%theta_max = rotation_of(equation, u_s_max(i))
-         recorder%theta_min = -recorder%theta_max
-         call fill_result(case, equation, hybrid, recorder, result)
-         call take_values(asked, case, result, values(i, :))
-      end do
+      call enter_side(equation%model_t, equation%state, 1)
+      recorder%u_max = u_s_max
+      recorder%theta_max = rotation_of(equation, u_s_max)
+      recorder%theta_min = -recorder%theta_max
+      call fill_result(case, equation, hybrid, recorder, result)
+      call take_values(asked, case, result, values)
    end subroutine values_from_displacement
 
    !> Rotation at a displacement of the frame, by Newton's method [rad].

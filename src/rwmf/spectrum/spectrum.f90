@@ -1,48 +1,57 @@
-!> Response spectra: the loop over frame periods, mass ratios and widths of the wall, in parallel.
+!> Response spectra: many runs over frame periods, mass ratios and widths of the wall, or over the
+!> rows of a table, in parallel.
 module rwmf_spectrum_spectrum
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int8
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_factory, only: spectrum_method
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, spectrum_spec_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_scene_axes, only: set_axes
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws
    use rwmf_spectrum_estimates, only: run_with_estimates
-   use rwmf_spectrum_fast_bare_frame, only: run_frames
-   use rwmf_spectrum_fast_driver, only: run_fast
-   use rwmf_spectrum_fast_eligibility, only: is_supported
+   use rwmf_spectrum_fast_driver, only: begin_fast, exponential_t, run_fast
    use rwmf_spectrum_fast_schedule, only: order_by_cost
-   use rwmf_spectrum_lanes, only: ordinate_t
-   use rwmf_spectrum_quantities, only: asked_of, asked_t, check_asked, follow_from_displacement, &
-      take_values, values_from_displacement
+   use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
+   use rwmf_spectrum_quantities, only: asked_of, check_asked, follow_from_displacement, &
+      keys_asked_by, take_values, values_from_displacement
+   use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
+      rows_of_table, rows_t, spectrum_periods, take_row
    use rwmf_spectrum_threads, only: choose_threads
    implicit none
    private
 
-   public :: spectrum_t, compute_spectrum, spectrum_periods
+   public :: spectrum_t, compute_spectrum, compute_rows, spectrum_periods, status_of
 
-   !> What is reported over the grid of a `&spectrum` group.
+   integer, parameter :: block_size = 8192
+   !! rows that are in work at a time: what a row needs while it runs is not kept for millions
+   character(*), parameter :: interrupted = 'interrupted'
+
+   !> What is reported over the grid of a `&spectrum` group, or over the rows of a table, which are
+   !> its first dimension then.
    type :: spectrum_t
       real(wp), allocatable :: T_s(:)
-      !! (n_T) periods [s]
+      !! (n_T) periods [s]; not allocated of a table, as the following two
       real(wp), allocatable :: gamma(:)
-      !! (n_gamma) mass ratios [-]; absent for the bare frame
+      !! (n_gamma) mass ratios [-]; absent for the bare frame and for a block
       real(wp), allocatable :: b(:)
       !! (n_b) half widths [m]; absent for the bare frame
-      real(wp), allocatable :: u_s_max(:, :, :)
-      !! (n_T, n_gamma, n_b) [m]; NaN where the simulation failed
       character(40), allocatable :: quantities(:)
       !! (n_quantities) keys of what was asked for
       real(wp), allocatable :: values(:, :, :, :)
       !! (n_T, n_gamma, n_b, n_quantities) [unit of each]; a count or yes (1) or no (0) is a number,
       !! too; NaN where the simulation failed, or where there is nothing to report
-      character(24), allocatable :: status(:, :, :)
-      !! (n_T, n_gamma, n_b) 'ok', 'overturned', 'collapsed', 'inaccurate' (the values are the best
-      !! that there are, but err by more than `accuracy`) or the name of an error
+      integer(int8), allocatable :: status(:, :, :)
+      !! (n_T, n_gamma, n_b) number of the name in the following; `status_of` gives the names
+      character(24), allocatable :: status_names(:)
+      !! 'ok', 'overturned', 'collapsed', 'inaccurate' (the values are the best that there are, but
+      !! err by more than `accuracy`), 'refused' (numbers of a row that the rules of the case do not
+      !! allow) or the name of an error
       integer(i8) :: rhs_evaluations
       real(wp) :: seconds
       !! wall-clock time [s]
@@ -59,275 +68,341 @@ contains
    !> Each ordinate is a simulation of its own, so that the result has the same bits for every
    !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
    !> on.
-   subroutine compute_spectrum(case, threads, spectrum, error, control)
-      type(case_t), intent(in) :: case
+   subroutine compute_spectrum(case, threads, spectrum, error, control, known_motion)
+      type(case_t), intent(in), target :: case
       integer, intent(in) :: threads
       !! number of threads; 0 for all that OpenMP offers
       type(spectrum_t), intent(out) :: spectrum
       type(error_t), allocatable, intent(out) :: error
       !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted
       type(control_t), intent(in), optional :: control
-      type(asked_t) :: asked
-      type(motion_t), target :: motion
-      type(control_t) :: signals
-      integer(i8) :: started
-      integer(i8) :: finished
-      integer(i8) :: rate
-      integer :: threads_to_use
-      logical :: is_broken(2)
+      type(motion_t), intent(in), optional :: known_motion
+      !! of the case, when the caller holds it
+      type(rows_t), target :: rows
+      integer :: sizes(3)
 
       if (.not. allocated(case%spectrum)) then
          call fail(error, err_input, 'no &spectrum group: nothing to loop over')
          return
       end if
-      call choose_threads(threads, threads_to_use, error)
+      call rows_of_grid(case, rows)
+      spectrum%T_s = rows%T_s
+      sizes = [size(rows%T_s), 1, 1]
+      if (allocated(rows%gamma)) then
+         spectrum%gamma = rows%gamma
+         sizes(2) = size(rows%gamma)
+      end if
+      if (allocated(rows%b)) then
+         spectrum%b = rows%b
+         sizes(3) = size(rows%b)
+      end if
+      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, known_motion)
+   end subroutine compute_spectrum
+
+   !> Compute the rows of a table: runs of one case whose numbers differ, each as if it were alone.
+   !> A row that the rules of the case refuse, or that fails, gets NaN; the others go on.
+   subroutine compute_rows(case, columns, values, quantities, threads, spectrum, error, control)
+      type(case_t), intent(in), target :: case
+      !! what they have in common; of `&spectrum` only the quantities count
+      character(*), intent(in) :: columns(:)
+      !! (columns) 'T_s', 'gamma', 'b', 'scale' (factor on the horizontal motion) or 'group.key'
+      real(wp), intent(in), target, contiguous :: values(:, :)
+      !! (columns, rows) each in the unit of its key
+      character(*), intent(in) :: quantities(:)
+      !! keys of what each row reports; none: what the case asks for
+      integer, intent(in) :: threads
+      !! number of threads; 0 for all that OpenMP offers
+      type(spectrum_t), intent(out) :: spectrum
+      !! (rows, 1, 1, quantities)
+      type(error_t), allocatable, intent(out) :: error
+      !! columns that cannot change, and as `compute_spectrum`
+      type(control_t), intent(in), optional :: control
+      type(rows_t), target :: rows
+      integer :: sizes(3)
+
+      call rows_of_table(case, columns, values, rows, error)
+      if (allocated(error)) return
+      sizes = [rows%n, 1, 1]
+      if (size(quantities) == 0) then
+         call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control)
+      else
+         call compute(rows, sizes, quantities, threads, spectrum, error, control)
+      end if
+   end subroutine compute_rows
+
+   !> Compute all rows.
+   subroutine compute(rows, sizes, keys, threads, spectrum, error, control, known_motion)
+      type(rows_t), intent(in), target :: rows
+      integer, intent(in) :: sizes(3)
+      !! of the results
+      character(*), intent(in) :: keys(:)
+      !! (quantities)
+      integer, intent(in) :: threads
+      type(spectrum_t), intent(inout), target :: spectrum
+      type(error_t), allocatable, intent(out) :: error
+      type(control_t), intent(in), optional :: control
+      type(motion_t), intent(in), optional :: known_motion
+      !! common to all rows
+      type(queue_t) :: queue
+      type(motion_t), target :: motion
+      type(control_t) :: signals
+      integer(i8) :: started, finished, rate
+      logical :: is_broken(2)
+
+      call choose_threads(threads, spectrum%threads, error)
       if (allocated(error)) return
       if (present(control)) signals = control
       call system_clock(started, rate)
-      motion = motion_from_case(case)
-      call check_asked(case, motion, error)
+      if (present(known_motion)) then
+         motion = known_motion
+      else
+         motion = motion_from_case(rows%case)
+      end if
+      call check_asked(rows%case, motion, keys, error)
+      if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
-      asked = asked_of(case)
-      call prepare_grid(case, asked, spectrum, error)
-      if (allocated(error)) return
-      spectrum%threads = threads_to_use
-      is_broken = broken_laws(case, .true.)
+      queue%rows => rows
+      queue%motion => motion
+      queue%asked = asked_of(rows%case, keys)
+      is_broken = broken_laws(rows%case, in_grid=.not. associated(rows%table))
       spectrum%warnings = pack([tell_broken_laws(is_broken)], [any(is_broken)])
-      call run_all(case, asked, motion, signals, spectrum)
-      if (asked%is_displacement) spectrum%values(:, :, :, 1) = spectrum%u_s_max
+      call run_rows(queue, signals, spectrum)
       call system_clock(finished)
       spectrum%seconds = real(finished - started, wp)/real(rate, wp)
       if (is_cancelled(signals)) call fail(error, err_interrupt, 'spectrum interrupted')
-   end subroutine compute_spectrum
+   end subroutine compute
 
-   !> Allocate the results on the grid of a case's `&spectrum` group.
-   pure subroutine prepare_grid(case, asked, spectrum, error)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
+   !> Allocate the results: nothing has been computed yet.
+   pure subroutine make_room(sizes, keys, spectrum, error)
+      integer, intent(in) :: sizes(3)
+      character(*), intent(in) :: keys(:)
       type(spectrum_t), intent(inout) :: spectrum
       type(error_t), allocatable, intent(out) :: error
-      integer :: n_gamma
-      integer :: n_b
       integer :: status
 
-      spectrum%T_s = spectrum_periods(case%spectrum)
-      n_gamma = 1
-      n_b = 1
-      if (allocated(case%wall)) then
-         if (allocated(case%spectrum%gamma)) then
-            spectrum%gamma = case%spectrum%gamma
-         else
-            spectrum%gamma = [case%frame%gamma]
-         end if
-         spectrum%b = [case%wall%b]
-         if (allocated(case%spectrum%b)) spectrum%b = case%spectrum%b
-         n_gamma = size(spectrum%gamma)
-         n_b = size(spectrum%b)
-      end if
-      allocate (spectrum%u_s_max(size(spectrum%T_s), n_gamma, n_b), stat=status)
-      if (status == 0) then
-         allocate (spectrum%status(size(spectrum%T_s), n_gamma, n_b), stat=status)
-      end if
-      if (status == 0) then
-         allocate (spectrum%values(size(spectrum%T_s), n_gamma, n_b, size(asked%keys)), stat=status)
-      end if
+      allocate (spectrum%status(sizes(1), sizes(2), sizes(3)), stat=status)
+      if (status == 0) allocate (spectrum%values(sizes(1), sizes(2), sizes(3), size(keys)), &
+         stat=status)
       if (status /= 0) then
          call fail(error, err_numerical, 'out of memory for the spectrum', 'out_of_memory')
          return
       end if
-      spectrum%quantities = asked%keys
-      spectrum%u_s_max = ieee_value(1.0_wp, ieee_quiet_nan)
+      spectrum%quantities = keys
       spectrum%values = ieee_value(1.0_wp, ieee_quiet_nan)
-      spectrum%status = 'interrupted'
+      spectrum%status_names = [character(24) :: interrupted, 'ok', 'overturned', 'collapsed', &
+         'inaccurate', refused]
+      spectrum%status = 1
       spectrum%rhs_evaluations = 0_i8
-   end subroutine prepare_grid
+   end subroutine make_room
 
-   !> Periods of a `&spectrum`: the list, or the grid with both ends included [s].
-   pure function spectrum_periods(spec) result(T_s)
-      type(spectrum_spec_t), intent(in) :: spec
-      real(wp), allocatable :: T_s(:)
-      !! (n_T)
-      real(wp) :: x
-      integer :: i
-
-      if (allocated(spec%T_s)) then
-         T_s = spec%T_s
-         return
-      end if
-      allocate (T_s(spec%n))
-      do i = 1, spec%n
-         x = real(i - 1, wp)/real(max(1, spec%n - 1), wp)
-         if (spec%spacing == 'log') then
-            T_s(i) = spec%T_s_min*(spec%T_s_max/spec%T_s_min)**x
-         else
-            T_s(i) = spec%T_s_min + x*(spec%T_s_max - spec%T_s_min)
-         end if
-      end do
-      if (spec%n > 1) T_s(spec%n) = spec%T_s_max
-   end function spectrum_periods
-
-   !> Compute all ordinates, with dynamic scheduling because short periods cost more.
-   subroutine run_all(case, asked, motion, control, spectrum)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
-      type(control_t), intent(in) :: control
-      type(spectrum_t), intent(inout) :: spectrum
-      integer(i8) :: evaluations
-      integer :: i
-
-      if (spectrum_method(case%solver%method) == 'fast') then
-         call run_lanes(case, asked, motion, control, spectrum)
-      end if
-      if (spectrum_method(case%solver%method) == 'fast' .or. case%solver%method == 'dop853') then
-         call run_general_lanes(case, asked, motion, control, spectrum)
-         return
-      end if
-      evaluations = 0_i8
-      !$omp parallel do num_threads(spectrum%threads) schedule(dynamic) default(shared) &
-      !$omp reduction(+:evaluations)
-      do i = 1, size(spectrum%u_s_max)
-         call run_one(case, asked, motion, control, spectrum, i, evaluations)
-      end do
-      !$omp end parallel do
-      spectrum%rhs_evaluations = evaluations
-   end subroutine run_all
-
-   !> Compute the ordinates that method 'fast' covers, when all that is asked for follows from their
-   !> displacements; the others keep their status.
-   subroutine run_lanes(case, asked, motion, control, spectrum)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
-      type(control_t), intent(in) :: control
-      type(spectrum_t), intent(inout) :: spectrum
-      logical :: is_done(size(spectrum%T_s), size(spectrum%u_s_max, 2), size(spectrum%u_s_max, 3))
-      type(case_t) :: column
-      type(equation_t) :: equation
-      real(wp), allocatable :: values(:, :)
-      integer, allocatable :: done(:)
+   !> Names of what became of the ordinates.
+   pure function status_of(spectrum) result(names)
+      type(spectrum_t), intent(in) :: spectrum
+      character(24) :: names(size(spectrum%status, 1), size(spectrum%status, 2), &
+         size(spectrum%status, 3))
+      !! (n_T, n_gamma, n_b)
       integer :: i, j, k
 
-      is_done = .false.
-      if (.not. is_supported(case, motion)) return
-      call begin_column(case, spectrum, 1, 1, column)
-      call build_equation(column, motion, equation)
-      if (.not. follow_from_displacement(asked, equation)) return
-      if (allocated(case%wall)) then
-         call run_fast(case, motion, spectrum%threads, control, spectrum%T_s, spectrum%gamma, &
-            spectrum%b, spectrum%u_s_max, is_done)
-      else
-         call run_frames(case, motion, spectrum%threads, control, spectrum%T_s, &
-            spectrum%u_s_max(:, 1, 1), is_done(:, 1, 1))
-      end if
-      where (is_done) spectrum%status = 'ok'
-      if (asked%is_displacement) return
-      do k = 1, size(is_done, 3)
-         do j = 1, size(is_done, 2)
-            call begin_column(case, spectrum, j, k, column)
-            done = pack([(i, i=1, size(is_done, 1))], is_done(:, j, k))
-            allocate (values(size(done), size(asked%keys)))
-            call values_from_displacement(asked, column, motion, spectrum%u_s_max(done, j, k), &
-               values)
-            spectrum%values(done, j, k, :) = values
-            deallocate (values)
-         end do
+      do concurrent(i=1:size(names, 1), j=1:size(names, 2), k=1:size(names, 3))
+         names(i, j, k) = spectrum%status_names(spectrum%status(i, j, k))
       end do
+   end function status_of
+
+   !> Compute all rows, a block after the other.
+   subroutine run_rows(queue, control, spectrum)
+      type(queue_t), intent(in) :: queue
+      type(control_t), intent(in) :: control
+      type(spectrum_t), intent(inout), target :: spectrum
+      real(wp), pointer :: values(:, :)
+      integer(int8), pointer :: codes(:)
+      character(24), allocatable :: status(:)
+      type(exponential_t) :: fast
+      integer :: first, last, i
+
+      if (spectrum_method(queue%rows%case%solver%method) == 'fast') call begin_lanes(queue, &
+         spectrum%threads, control, fast)
+      associate (n => queue%rows%n)
+         values(1:n, 1:size(spectrum%quantities)) => spectrum%values
+         codes(1:n) => spectrum%status
+         do first = 1, n, block_size
+            last = min(n, first + block_size - 1)
+            if (allocated(status)) deallocate (status)
+            allocate (status(last - first + 1))
+            status = interrupted
+            if (fast%is_used) call run_lanes(queue, first, fast, values(first:last, :), status)
+            call run_block(queue, first, spectrum%threads, control, values(first:last, :), &
+               status, spectrum%rhs_evaluations)
+            do i = first, last
+               call put_code(status(i - first + 1), spectrum%status_names, codes(i))
+            end do
+            if (is_cancelled(control)) return
+         end do
+      end associate
+   end subroutine run_rows
+
+   !> Prepare method 'fast', if all that is asked for follows from displacements.
+   subroutine begin_lanes(queue, threads, control, fast)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      type(exponential_t), intent(out) :: fast
+      type(case_t) :: row
+      type(equation_t) :: equation
+
+      call begin_fast(queue%rows, threads, control, fast)
+      if (.not. fast%is_used .or. queue%asked%is_displacement) return
+      row%structure_t = queue%rows%case%structure_t
+      call set_axes(row, T_s=1.0_wp, gamma=1.0_wp)
+      call build_equation(row, fast%motion, equation)
+      fast%is_used = follow_from_displacement(queue%asked, equation)
+      fast%keeps_rows = fast%is_used
+   end subroutine begin_lanes
+
+   !> Compute the rows of a block that method 'fast' covers; the others keep their status.
+   subroutine run_lanes(queue, first, fast, values, status)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: first
+      !! number of the first row
+      type(exponential_t), intent(inout) :: fast
+      real(wp), intent(inout) :: values(:, :)
+      !! (rows, quantities)
+      character(24), intent(inout) :: status(:)
+      !! (rows)
+      real(wp) :: u_s_max(size(status))
+      logical :: is_done(size(status))
+      integer :: i
+
+      call run_fast(fast, first, u_s_max, is_done)
+      where (is_done) status = 'ok'
+      if (queue%asked%is_displacement) then
+         do i = 1, size(status)
+            if (is_done(i)) values(i, :) = u_s_max(i)
+         end do
+         return
+      end if
+      !$omp parallel do num_threads(fast%threads) schedule(dynamic, 16) default(shared)
+      do i = 1, size(status)
+         if (is_done(i)) call values_from_displacement(queue%asked, fast%row(i), fast%motion, &
+            u_s_max(i), values(i, :))
+      end do
+      !$omp end parallel do
    end subroutine run_lanes
 
-   !> The case of the first ordinate of one mass ratio and width.
-   subroutine begin_column(case, spectrum, j, k, column)
-      type(case_t), intent(in) :: case
-      type(spectrum_t), intent(in) :: spectrum
-      integer, intent(in) :: j, k
-      type(case_t), intent(out) :: column
+   !> Number of a name in the table, which grows where it is not there yet.
+   pure subroutine put_code(name, names, code)
+      character(24), intent(in) :: name
+      character(24), allocatable, intent(inout) :: names(:)
+      integer(int8), intent(out) :: code
+      integer :: place
 
-      column%structure_t = case%structure_t
-      column%solver = case%solver
-      column%frame%T_s = spectrum%T_s(1)
-      if (.not. allocated(column%wall)) return
-      column%frame%gamma = spectrum%gamma(j)
-      column%wall%b = spectrum%b(k)
-   end subroutine begin_column
-
-   !> Compute the ordinates that are still to be done in general lanes, the shortest periods first.
-   subroutine run_general_lanes(case, asked, motion, control, spectrum)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
-      type(control_t), intent(in) :: control
-      type(spectrum_t), intent(inout) :: spectrum
-      type(ordinate_t), allocatable :: ordinates(:)
-      integer, allocatable :: order(:), place(:)
-      integer :: i, j, k, n, m
-
-      order = order_by_cost(spectrum%T_s, spread(0, 1, size(spectrum%T_s)), 0)
-      allocate (ordinates(size(spectrum%u_s_max)), place(size(spectrum%u_s_max)))
-      n = 0
-      do m = 1, size(order)
-         i = order(m)
-         do k = 1, size(spectrum%u_s_max, 3)
-            do j = 1, size(spectrum%u_s_max, 2)
-               if (spectrum%status(i, j, k) == 'ok') cycle
-               n = n + 1
-               ordinates(n)%T_s = spectrum%T_s(i)
-               if (allocated(spectrum%gamma)) ordinates(n)%gamma = spectrum%gamma(j)
-               if (allocated(spectrum%b)) ordinates(n)%b = spectrum%b(k)
-               place(n) = i + size(spectrum%T_s)*(j - 1 + size(spectrum%u_s_max, 2)*(k - 1))
-            end do
-         end do
+      do place = 1, size(names)
+         if (names(place) == name) exit
       end do
-      call run_with_estimates(case, asked, motion, spectrum%threads, control, ordinates(:n))
+      if (place > size(names)) names = [names, name]
+      code = int(place, int8)
+   end subroutine put_code
+
+   !> Compute the rows of a block.
+   subroutine run_block(queue, first, threads, control, values, status, evaluations)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: first
+      !! number of the first row
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      real(wp), intent(inout) :: values(:, :)
+      !! (rows, quantities)
+      character(24), intent(inout) :: status(:)
+      !! (rows)
+      integer(i8), intent(inout) :: evaluations
+      integer :: i
+
+      associate (method => queue%rows%case%solver%method)
+         if (spectrum_method(method) == 'fast' .or. method == 'dop853') then
+            call run_general_lanes(queue, first, threads, control, values, status, evaluations)
+            return
+         end if
+      end associate
+      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
+      !$omp reduction(+:evaluations)
+      do i = 1, size(status)
+         call run_one(queue, first + i - 1, control, values(i, :), status(i), evaluations)
+      end do
+      !$omp end parallel do
+   end subroutine run_block
+
+   !> Compute the rows that are still to be done in general lanes, the shortest periods first.
+   subroutine run_general_lanes(queue, first, threads, control, values, status, evaluations)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: first
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      real(wp), intent(inout) :: values(:, :)
+      character(24), intent(inout) :: status(:)
+      integer(i8), intent(inout) :: evaluations
+      type(ordinate_t), allocatable :: ordinates(:)
+      integer, allocatable :: open(:)
+      real(wp), allocatable :: T_s(:)
+      integer :: i, m
+
+      open = pack([(i, i=1, size(status))], status == interrupted)
+      T_s = [(period_of(queue%rows, first + open(m) - 1), m=1, size(open))]
+      open = open(order_by_cost(T_s, spread(0, 1, size(open)), 0))
+      allocate (ordinates(size(open)))
+      ordinates%row = first + open - 1
+      call run_with_estimates(queue, threads, control, ordinates)
       if (is_cancelled(control)) return
-      spectrum%rhs_evaluations = sum(ordinates(:n)%rhs_evaluations)
-      do m = 1, n
-         i = mod(place(m) - 1, size(spectrum%T_s)) + 1
-         j = mod((place(m) - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
-         k = (place(m) - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
-         spectrum%status(i, j, k) = ordinates(m)%failure
+      evaluations = evaluations + sum(ordinates%rhs_evaluations)
+      do m = 1, size(open)
+         i = open(m)
+         status(i) = ordinates(m)%failure
          if (ordinates(m)%failure /= '') cycle
-         spectrum%u_s_max(i, j, k) = ordinates(m)%u_s_max
-         if (allocated(ordinates(m)%values)) spectrum%values(i, j, k, :) = ordinates(m)%values
-         spectrum%status(i, j, k) = merge('overturned', 'ok        ', ordinates(m)%overturned)
-         if (ordinates(m)%collapsed) spectrum%status(i, j, k) = 'collapsed'
-         if (ordinates(m)%is_inaccurate) spectrum%status(i, j, k) = 'inaccurate'
+         if (allocated(ordinates(m)%values)) then
+            values(i, :) = ordinates(m)%values
+         else
+            values(i, :) = ordinates(m)%peak
+         end if
+         status(i) = merge('overturned', 'ok        ', ordinates(m)%overturned)
+         if (ordinates(m)%collapsed) status(i) = 'collapsed'
+         if (ordinates(m)%is_inaccurate) status(i) = 'inaccurate'
       end do
    end subroutine run_general_lanes
 
-   !> Compute one ordinate by the general kernel, with local work space only: threads run it at
-   !> once.
-   subroutine run_one(case, asked, motion, control, spectrum, number, evaluations)
-      type(case_t), intent(in) :: case
-      type(asked_t), intent(in) :: asked
-      type(motion_t), intent(in) :: motion
-      type(control_t), intent(in) :: control
-      type(spectrum_t), intent(inout) :: spectrum
+   !> Compute one row by the general kernel, with local work space only: threads run it at once.
+   subroutine run_one(queue, number, control, values, status, evaluations)
+      type(queue_t), intent(in) :: queue
       integer, intent(in) :: number
-      !! number of the ordinate, T_s running fastest
+      !! of the row
+      type(control_t), intent(in) :: control
+      real(wp), intent(inout) :: values(:)
+      !! (quantities)
+      character(24), intent(inout) :: status
       integer(i8), intent(inout) :: evaluations
-      type(case_t) :: ordinate
+      type(case_t) :: row
       type(result_t) :: result
       type(error_t), allocatable :: error
-      integer :: i, j, k
 
       if (is_cancelled(control)) return
-      i = mod(number - 1, size(spectrum%T_s)) + 1
-      j = mod((number - 1)/size(spectrum%T_s), size(spectrum%u_s_max, 2)) + 1
-      k = (number - 1)/(size(spectrum%T_s)*size(spectrum%u_s_max, 2)) + 1
-      if (spectrum%status(i, j, k) == 'ok') return
-      call begin_column(case, spectrum, j, k, ordinate)
-      ordinate%solver%method = trim(spectrum_method(case%solver%method))
-      ordinate%frame%T_s = spectrum%T_s(i)
-      if (allocated(asked%output)) ordinate%output = asked%output
-      call simulate_with_motion(ordinate, motion, control, result, error)
-      call count_done(control)
+      call take_row(queue%rows, number, row, error)
       if (allocated(error)) then
-         spectrum%status(i, j, k) = error%name
+         status = refused
+         call count_done(control)
          return
       end if
-      spectrum%u_s_max(i, j, k) = result%u_s_max
-      call take_values(asked, ordinate, result, spectrum%values(i, j, k, :))
-      spectrum%status(i, j, k) = ending_name(result)
+      row%solver%method = trim(spectrum_method(row%solver%method))
+      if (allocated(row%output)) deallocate (row%output)
+      if (allocated(queue%asked%output)) row%output = queue%asked%output
+      if (queue%rows%has_own_motion) then
+         call simulate_with_motion(row, row_motion(queue%rows, row), control, result, error)
+      else
+         call simulate_with_motion(row, queue%motion, control, result, error)
+      end if
+      call count_done(control)
+      if (allocated(error)) then
+         status = error%name
+         return
+      end if
+      call take_values(queue%asked, row, result, values)
+      status = ending_name(result)
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
 

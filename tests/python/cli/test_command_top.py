@@ -83,7 +83,7 @@ def test_words_that_are_refused(
         ("chunk=2.5", "", "&sweep: chunk = 2.5: must be one whole number >= 0"),
         ("dt=1e999", "", "&sweep: dt = inf: must be one finite number > 0"),
         ("unit=3", "", "&sweep: unit = 3.0: must be one text"),
-        ("", "n_pulses='abc'", "&motion: n_pulses = 'abc'"),
+        ("", "n_pulses='abc'", "grid: motion.n_pulses = 'abc': must be a whole number"),
         ("", "T_s='exact'", "grid: T_s = 'exact': must be a finite number"),
         ("", "e=1e999", "grid: impact.e = inf: must be a finite number"),
         ("records='**x.at2'", "", "records: **x.at2: "),

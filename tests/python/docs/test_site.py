@@ -6,23 +6,20 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from checkout import ROOT
 
-if TYPE_CHECKING:
-    from pages import check
+sys.path.append(str(ROOT / "tools"))
+
+from pages import check
 
 SITE = ROOT / "build" / "site"
-sys.path.append(str(ROOT / "tools"))
 
 
 @pytest.fixture(scope="module")
 def site() -> check.Site:
     """Build what has changed since tools/docs; tools/test installs what that needs."""
-    from pages import check
-
     done = subprocess.run(
         [sys.executable, "-m", "pages"],
         cwd=ROOT,

@@ -245,8 +245,8 @@ def test_bands_vary_what_the_case_leaves_open(
     (case if cable is not None else case.without("cable")).to_namelist("case.nml")
     assert cli.main(["study", "bands", "case.nml", "--t_s", "1.0", "--file", "b.nc"]) == 0
     with xr.open_dataset("b.nc", engine="h5netcdf") as found:
-        outer = json.loads(found.attrs["sweep"])["outer"]
-    assert [name for name, _ in outer] == axes
+        dimensions = json.loads(found.attrs["sweep"])["dimensions"]
+    assert [item["name"] for item in dimensions] == [*axes, "b", "gamma", "T_s"]
 
 
 def test_bands_without_anything_uncertain(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

@@ -60,12 +60,13 @@ def test_dask_with_a_worker_that_is_killed(tmp_path: Path) -> None:
             case,
             grid,
             executor=client.get_executor(),
+            chunk=2,
             progress=lambda done, _: reports.append(done),
         )
         killer.join()
         assert reports[-1] == 120
         assert pids[0] not in client.run(os.getpid).values()
-    xr.testing.assert_identical(found, rwmf.sweep(case, grid))
+    xr.testing.assert_identical(found, rwmf.sweep(case, grid, chunk=2))
 
 
 def test_mpi_with_two_ranks(tmp_path: Path) -> None:

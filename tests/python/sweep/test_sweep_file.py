@@ -66,3 +66,31 @@ def test_names_that_are_no_utf8(folder: Path, monkeypatch: pytest.MonkeyPatch) -
     xr.testing.assert_identical(
         rwmf.sweep(case, {"T_s": [1.0]}), rwmf.sweep(case, {"T_s": [1.0]}, file="x.nc").load()
     )
+
+
+def test_points_in_a_file(folder: Path) -> None:
+    """The table lies beside the namelist, its records beside the table."""
+    (folder / "tables").mkdir()
+    (folder / "tables" / "r.txt").write_text("0 0\n.1 .2\n.2 -.1\n", encoding="ascii")
+    (folder / "tables" / "p.csv").write_text(
+        "e,xi_s,record\n.8,.02,r.txt\n.9,.05,r.txt\n", encoding="ascii"
+    )
+    _write(folder, "case='case.nml', points='tables/p.csv', unit='g'", "T_s=0.5,1.0")
+    assert cli.main(["sweep", "s.nml", "--file", "p.nc"]) == 0
+    case = rwmf.Case.from_namelist("case.nml")
+    points = {"e": [0.8, 0.9], "xi_s": [0.02, 0.05], "record": ["tables/r.txt"] * 2}
+    with xr.open_dataset("p.nc", engine="h5netcdf") as found:
+        assert found.sizes["point"] == 2
+        expected = rwmf.sweep(case, {"T_s": [0.5, 1.0]}, points=points, unit="g")
+        xr.testing.assert_identical(found.load(), expected)
+
+
+def test_an_error_in_a_file_of_points(folder: Path, command: Runner) -> None:
+    (folder / "p.csv").write_text("# drawn\ne,xi_s\n.8,.02\n1.2,.05\n", encoding="ascii")
+    _write(folder, "case='case.nml', points='p.csv'", "T_s=0.5,1.0")
+    found = command("sweep", "s.nml")
+    assert found.returncode == 2
+    assert found.stderr == (
+        "rwmf: s.nml: sweep, p.csv, line 4: case.nml: &impact: e = 1.2: "
+        "must be a number in [0, 1] [-]\n"
+    )

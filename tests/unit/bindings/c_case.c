@@ -110,6 +110,33 @@ static void test_bad_calls(void) {
    rwmf_destroy_case(&scene);
 }
 
+/* Samples in place of the record: the bits of its file, and what is refused. */
+static void test_samples(void) {
+   double times[] = {0, 0.5, 1, 1.5, 2}, a[] = {0, 4, -4, 3, 0};
+   rwmf_samples samples = {5, times, a};
+   rwmf_case *scene = NULL;
+   rwmf_result one, two;
+
+   expect(rwmf_run(text, &one, TALK) == 0, "runs a file");
+   expect(rwmf_read_case_with(text, "nowhere", &samples, NULL, &scene, TALK) == 0, "reads samples");
+   a[1] = 0;
+   expect(rwmf_run_case(scene, &two, TALK) == 0, "runs samples, which it has copied");
+   expect(one.u_s_max == two.u_s_max && one.steps == two.steps, "the bits of the file's samples");
+   rwmf_destroy_case(&scene);
+   refuse(rwmf_read_case_with(text, NULL, NULL, &samples, &scene, TALK), "&vertical: samples are");
+   times[4] = 1.5;
+   refuse(rwmf_read_case_with(text, NULL, &samples, NULL, &scene, TALK), "must increase strictly");
+   samples.times = NULL;
+   refuse(rwmf_read_case_with(text, NULL, &samples, NULL, &scene, TALK), "needs the key dt");
+   samples.n = 1;
+   refuse(rwmf_read_case_with(text, NULL, &samples, NULL, &scene, TALK), "at least 2 samples");
+   samples.n = (size_t)-1;
+   refuse(rwmf_read_case_with(text, NULL, &samples, NULL, &scene, TALK), "out of range");
+   samples.accelerations = NULL;
+   refuse(rwmf_read_case_with(text, NULL, &samples, NULL, &scene, TALK), "is NULL");
+   expect(scene == NULL, "nothing is made");
+}
+
 /* What a case of a file cannot do is said of the file. */
 static void test_no_period(void) {
    rwmf_case *scene = NULL;
@@ -132,6 +159,7 @@ int main(void) {
    test_same_bits();
    write_file("record.txt", record);
    test_bad_calls();
+   test_samples();
    test_no_period();
    remove("record.txt");
    remove("case.nml");

@@ -200,7 +200,9 @@ contains
       call refuse(bare//ends//'&cable eta_0 = 1 /', '&cable (line 3): must not be given without')
       call refuse(bare//ends//'&impact e = 1 /', '&impact (line 3): must not be given without')
       call refuse(bare//ends//'&initial /', '&initial (line 3): must not be given without &wall')
-      call refuse(wall//ends//'&spectrum T_s = 1 /', 'must not be given without &frame')
+      call refuse(wall//ends//'&spectrum T_s = 1, gamma = 1 /', 'must not be given without &frame')
+      call refuse('&wall h = 2, b = 0.5, base = ''pinned'' /'//ends//'&spectrum T_s = 1 /', &
+         'must not be given without &frame when &wall base = ''pinned''')
       call refuse(frame//ends, '&frame: gamma = 5.0 (line 1): must not be given without &wall')
       call refuse(wall//bare//ends, '&frame (line 2): the key gamma is missing')
       call refuse('&frame xi_s = 0 /'//ends, '&frame (line 1): the key T_s is missing')

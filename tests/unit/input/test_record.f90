@@ -38,7 +38,7 @@ contains
       call checks%no_error(error, 'one column')
       if (allocated(error)) return
       call checks%that(record%format == 'one column' .and. record%n == 3, 'one column, 3 samples')
-      call checks%close_to(record%a(1), 1.0_wp, 'scaled sample')
+      call checks%close_to(record%factor*record%a(1), 1.0_wp, 'scaled sample')
       call checks%close_to(record%t(3), 1.0_wp, 'sample 1 is at t = 0')
       call checks%close_to(record%peak, 2.0_wp, 'peak')
       call checks%close_to(record%t_peak, 0.5_wp, 'time of the peak')
@@ -54,7 +54,8 @@ contains
       call checks%no_error(error, 'two columns')
       if (allocated(error)) return
       call checks%that(record%format == 'two columns' .and. record%n == 3, 'two columns')
-      call checks%close_to(record%a(2), g*real(0.0063_dp, wp), 'unit g', rtol=round_off)
+      call checks%close_to(record%factor*record%a(2), g*real(0.0063_dp, wp), 'unit g', &
+         rtol=round_off)
       call checks%that(allocated(record%dt), 'uniform times have an interval')
       call checks%that(record%crc32 == '463e2d82', 'checksum of the bytes', record%crc32)
    end subroutine test_two_columns
@@ -78,7 +79,8 @@ contains
       call parse_record('0'//nl//'100', 1.0_wp, 'cm/s2', -3.0_wp, g, record, error)
       call checks%no_error(error, 'cm/s2')
       if (.not. allocated(error)) then
-         call checks%close_to(record%a(2), -3.0_wp, 'cm/s2 and a negative scale', rtol=round_off)
+         call checks%close_to(record%factor*record%a(2), -3.0_wp, 'cm/s2 and a negative scale', &
+            rtol=round_off)
       end if
       call parse_record('0'//nl//'1e307', 1.0_wp, 'g', 1000.0_wp, g, record, error)
       call checks%has_error(error, err_input, 'overflow', 'accelerations that overflow')

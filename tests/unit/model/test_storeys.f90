@@ -411,7 +411,7 @@ contains
       call checks%no_error(error, 'spectrum')
       case = uniform_case(3, 2.0_wp, 0.7_wp, 'full', 'exact', 'dop853')
       call simulate(case, result, error)
-      call checks%close_to(spectrum%u_s_max(1, 1, 1), result%u_s_max, &
+      call checks%close_to(spectrum%values(1, 1, 1, 1), result%u_s_max, &
          'stiffness follows the period', rtol=1.0e-8_wp)
    end subroutine check_spectrum
 
@@ -589,8 +589,8 @@ contains
          'gamma = 1 (line 1): must not be given with &storeys')
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 /', 'has 1 values')
       call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 2 /', 'their sum is 5')
-      call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 /'//two &
-         //', height = 3 3 /', 'gamma = 2 (line 1): must not be given with &storeys')
+      call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 0 /'//two &
+         //', height = 3 3 /', 'gamma = 2, 0 (line 1): must be > 0 with &storeys')
       call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
          //', height = 3 3, coupling = ''full'' /', 'u_y = 0.01 (line 1): must not be given where')
       call refuse(wall//'&frame xi_s = 0 / &yielding /'//two &

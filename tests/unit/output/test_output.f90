@@ -136,7 +136,7 @@ contains
       call make_spectrum(spectrum)
       spectrum%gamma = [5.0_wp, 10.0_wp]
       spectrum%b = [0.5_wp]
-      spectrum%status(2, 1, 1) = 'too_many_steps'
+      spectrum%status(2, 1, 1) = 2
       call write_spectrum(case, spectrum, folder//'/s.csv', error)
       call checks%no_error(error, 'spectrum written')
       call checks%that(line_of('s.csv', 5) == 'b_m,gamma,T_s_s,u_s_max_m,status', &
@@ -338,11 +338,11 @@ contains
       type(spectrum_t), intent(out) :: spectrum
 
       spectrum%T_s = [1.0_wp, 2.0_wp]
-      allocate (spectrum%u_s_max(2, 2, 1), source=0.1_wp)
       allocate (spectrum%values(2, 2, 1, 1), source=0.1_wp)
       spectrum%quantities = [character(40) :: 'u_s_max_m']
       allocate (spectrum%status(2, 2, 1))
-      spectrum%status = 'ok'
+      spectrum%status = 1
+      spectrum%status_names = [character(24) :: 'ok', 'too_many_steps']
       spectrum%rhs_evaluations = 1
       spectrum%seconds = 0.0_wp
       spectrum%threads = 1

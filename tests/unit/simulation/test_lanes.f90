@@ -203,7 +203,7 @@ contains
       call compute_spectrum(case, 1, lanes, error)
       call checks%no_error(error, name)
       call compute_spectrum(case, 2, threads, error)
-      call checks%that(all(abs(lanes%u_s_max - threads%u_s_max) <= 0), 'bits of threads, '//name)
+      call checks%that(all(abs(lanes%values - threads%values) <= 0), 'bits of threads, '//name)
       case%solver%accuracy = 1.0e-6_wp
       call compute_spectrum(case, 1, accurate, error)
       deallocate (case%solver%accuracy)
@@ -215,17 +215,19 @@ contains
          call simulate(single, run, error)
          call checks%no_error(error, name)
          u_s_max = run%u_s_max
-         call checks%that(lanes%status(i, 1, 1) == ending_name(run), 'status, '//name)
-         call checks%that(accurate%status(i, 1, 1) == ending_name(run), 'accurate status, '//name)
-         call checks%close_to(lanes%u_s_max(i, 1, 1), u_s_max, 'single run, '//name, &
+         call checks%that(lanes%status_names(lanes%status(i, 1, 1)) == ending_name(run), &
+            'status, '//name)
+         call checks%that(accurate%status_names(accurate%status(i, 1, 1)) == ending_name(run), &
+            'accurate status, '//name)
+         call checks%close_to(lanes%values(i, 1, 1, 1), u_s_max, 'single run, '//name, &
             atol=10*rtol*u_s_max)
-         call checks%close_to(accurate%u_s_max(i, 1, 1), u_s_max, 'accuracy, '//name, &
+         call checks%close_to(accurate%values(i, 1, 1, 1), u_s_max, 'accuracy, '//name, &
             atol=1.0e-6_wp*u_s_max)
       end do
       do i = 1, size(lanes%T_s), 4
          case%spectrum%T_s = lanes%T_s(i:i)
          call compute_spectrum(case, 1, alone, error)
-         call checks%that(abs(alone%u_s_max(1, 1, 1) - lanes%u_s_max(i, 1, 1)) <= 0, &
+         call checks%that(abs(alone%values(1, 1, 1, 1) - lanes%values(i, 1, 1, 1)) <= 0, &
             'bits of an ordinate alone, '//name)
       end do
    end subroutine check_spectrum

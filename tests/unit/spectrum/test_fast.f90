@@ -6,13 +6,14 @@ program test_fast
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_driver, only: run_fast
+   use rwmf_spectrum_fast_driver, only: begin_fast, exponential_t, run_fast
    use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
    use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
    use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
    use rwmf_spectrum_fast_team, only: ordinate_result_t, run_team
    use rwmf_spectrum_fast_time_grid, only: build_grids
-   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_spectrum_rows, only: rows_of_grid, rows_t
+   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t, status_of
    use rwmf_text_strings, only: real_to_text
    use scenes, only: rwmf_scene
    implicit none
@@ -74,23 +75,29 @@ contains
       real(wp), allocatable :: allowed(:, :, :)
       real(wp), allocatable :: excess(:, :, :)
       character(12) :: position
-      logical :: is_done(size(case%spectrum%T_s), size(case%spectrum%gamma), size(case%spectrum%b))
+      type(rows_t), target :: rows
+      type(exponential_t) :: method
+      logical, allocatable :: is_done(:)
+      real(wp), allocatable :: u_s_max(:)
 
       call compute_spectrum(case, 2, fast, error)
       call checks%no_error(error, name)
-      call run_fast(case, motion_from_case(case), 1, control_t(), case%spectrum%T_s, &
-         case%spectrum%gamma, case%spectrum%b, fast%u_s_max, is_done)
+      call rows_of_grid(case, rows)
+      call begin_fast(rows, 1, control_t(), method)
+      allocate (u_s_max(rows%n), is_done(rows%n))
+      call run_fast(method, 1, u_s_max, is_done)
       call checks%that(all(is_done), name//': all ordinates in lanes')
       case%solver%method = 'dop853'
       case%solver%rtol = 1.0e-13_wp
       call compute_spectrum(case, 2, general, error)
       call checks%no_error(error, name//', general kernel')
-      call checks%that(all(fast%status == general%status), name//': status')
+      call checks%that(all(status_of(fast) == status_of(general)), name//': status')
       call shake_harder(case, 1.0e-6_wp)
       call compute_spectrum(case, 2, harder, error)
       call checks%no_error(error, name//', larger motion')
-      allowed = accuracy + amplified*abs(harder%u_s_max/general%u_s_max - 1)/1.0e-6_wp
-      excess = abs(fast%u_s_max/general%u_s_max - 1)/allowed
+      allowed = accuracy + amplified*abs(harder%values(:, :, :, 1)/general%values(:, :, :, 1) &
+         - 1)/1.0e-6_wp
+      excess = abs(fast%values(:, :, :, 1)/general%values(:, :, :, 1) - 1)/allowed
       write (position, '(3i4)') maxloc(excess)
       call checks%that(all(excess <= 1), name//': peaks', &
          'error over what is allowed '//trim(real_to_text(maxval(excess)))//' at '//position)
@@ -226,10 +233,10 @@ contains
       call checks%no_error(error, 'fallback')
       case%solver%method = 'dop853'
       call compute_spectrum(case, 1, general, error)
-      call checks%that(any(general%status == 'overturned'), 'fallback: something overturns')
-      call checks%that(all(fast%status == general%status), 'fallback: status')
-      call checks%that(all(abs(fast%u_s_max(:, 1, 1) - general%u_s_max(:, 1, 1)) &
-         <= 10*case%solver%rtol*general%u_s_max(:, 1, 1)), 'fallback: peaks in general lanes')
+      call checks%that(any(status_of(general) == 'overturned'), 'fallback: something overturns')
+      call checks%that(all(status_of(fast) == status_of(general)), 'fallback: status')
+      call checks%that(all(abs(fast%values(:, 1, 1, 1) - general%values(:, 1, 1, 1)) &
+         <= 10*case%solver%rtol*general%values(:, 1, 1, 1)), 'fallback: peaks in general lanes')
    end subroutine check_fallback
 
    !> An ordinate has the same bits alone, in any order and for any number of threads.
@@ -247,7 +254,7 @@ contains
       do i = 1, size(periods)
          case%spectrum%T_s = [together%T_s(i)]
          call compute_spectrum(case, 1, alone, error)
-         call checks%that(all(abs(alone%u_s_max(1, :, :) - together%u_s_max(i, :, :)) <= 0), &
+         call checks%that(all(abs(alone%values(1, :, :, 1) - together%values(i, :, :, 1)) <= 0), &
             'other lanes: same bits')
       end do
    end subroutine check_other_lanes
@@ -267,12 +274,13 @@ contains
       call compute_spectrum(case, 2, together, error)
       call checks%no_error(error, 'wide motion')
       associate (length => 2*hypot(case%wall%h, 0.5_wp))
-         call checks%that(maxval(together%u_s_max(:, :, 1)) > narrow*length, 'wide motion: is wide')
+         call checks%that(maxval(together%values(:, :, 1, 1)) > narrow*length, &
+            'wide motion: is wide')
       end associate
       do i = 1, size(periods)
          case%spectrum%T_s = [periods(i)]
          call compute_spectrum(case, 1, alone, error)
-         call checks%that(all(abs(alone%u_s_max(1, :, :) - together%u_s_max(i, :, :)) <= 0), &
+         call checks%that(all(abs(alone%values(1, :, :, 1) - together%values(i, :, :, 1)) <= 0), &
             'wide motion: same bits')
       end do
       case%spectrum%T_s = periods
@@ -322,13 +330,12 @@ contains
 
       case = shaken_scene('exact')
       shared%kernels = kernels_of(best_level())
-      shared%xi_s = case%frame%xi_s
       shared%rtol = case%solver%rtol
       allocate (shared%grid(1), shared%equation(1))
       motion = motion_from_case(case)
       call build_grids(case, motion, 1, [0.005_wp], shared%ground, shared%grid)
       call build_reduced_equation(case, motion, 0.2_wp, 0.0_wp, shared%equation(1))
-      task = [(task_t(periods(i), 1, 1, stages), i=1, size(periods))]
+      task = [(task_t(periods(i), 1, 1, stages, case%frame%xi_s), i=1, size(periods))]
    end subroutine prepare
 
 end program test_fast

@@ -5,9 +5,9 @@ module rwmf_input_groups_excitation
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_key, integer_of, real_of, &
       text_of
-   use rwmf_problem_key, only: any_real, belongs_to, key_t, of_kind, positive, required
+   use rwmf_problem_key, only: any_real, key_t, of_kind, positive, required
    use rwmf_problem_record, only: fill_source
-   use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
+   use rwmf_problem_rules, only: check_one_of, fail_group
    implicit none
    private
 
@@ -60,23 +60,13 @@ contains
          of_kind('record', 'scale', 'real', '-', '1.0', any_real, 'factor on the accelerations')]
    end function motion_keys
 
-   !> Keys of the kind of motion, and no others.
+   !> What the kind of motion requires.
    subroutine check_motion(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      type(key_t), allocatable :: keys(:)
       character(:), allocatable :: kind
-      integer :: i
 
       kind = text_of(values, 'motion', 'kind')
-      keys = motion_keys()
-      do i = 1, size(keys)
-         if (belongs_to(keys(i), kind)) cycle
-         if (.not. has_key(values, 'motion', trim(keys(i)%key))) cycle
-         call fail_key(values, 'motion', trim(keys(i)%key), "must not be given with kind = '" &
-            //kind//"'", error)
-         return
-      end do
       if (index(' '//pulse_kinds//' ', ' '//kind//' ') > 0) then
          call check_pulse(values, kind, error)
       else if (kind == 'record' .and. .not. has_key(values, 'motion', 'file')) then

@@ -21,11 +21,9 @@ contains
    type(case_group_t) function spectrum_group() result(group)
       group%name = 'spectrum'
       group%is_of_scene = .false.
-      group%needs(1) = 'frame'
-      group%reasons(1) = 'its periods are those of the frame'
       group%keys = [ &
          optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
-            'periods one by one; otherwise T_s_min, T_s_max and n are required'), &
+            'periods one by one (block: 2 pi/p); otherwise T_s_min, T_s_max and n are required'), &
          optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &
          optional_key('spectrum', 'T_s_max', 'real', 's', '', positive, 'longest period'), &
          optional_key('spectrum', 'n', 'integer', '', '', '[1, 1000000]', &
@@ -33,35 +31,54 @@ contains
          optional_key('spectrum', 'spacing', 'choice', '', 'linear', 'linear log', &
             'spacing of the periods'), &
          optional_key('spectrum', 'gamma', 'real list', '-', '', not_negative, &
-            'mass ratios; absent: that of &frame'), &
+            'mass ratios; absent: that of &frame or of &storeys'), &
          optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
             'half widths; absent: that of &wall'), &
-         optional_key('spectrum', 'quantities', 'text list', '', 'u_s_max_m', 'see outputs.md', &
-            'keys of what is reported of each ordinate')]
+         optional_key('spectrum', 'quantities', 'text list', '', '', 'see outputs.md', &
+            'keys of what each ordinate reports; absent: u_s_max_m, of a block ' &
+            //'theta_max_over_alpha')]
       group%check => check_spectrum
       group%fill => fill_spectrum
    end function spectrum_group
 
-   !> Periods as a list or a grid; lists of gamma and b only with a wall.
+   !> Periods as a list or a grid; a mass ratio only of wall and frame, a width only of a wall.
    subroutine check_spectrum(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. has_group(values, 'spectrum')) return
+      call check_scene(values, error)
+      if (.not. allocated(error)) call check_quantities(values, error)
+      if (.not. allocated(error)) call check_grid_keys(values, error)
+      if (.not. (allocated(error) .or. has_key(values, 'spectrum', 'T_s'))) then
+         call check_grid(values, error)
+      end if
+   end subroutine check_spectrum
+
+   !> What the periods are of, and the lists that it has.
+   subroutine check_scene(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(5), parameter :: lists(2) = ['gamma', 'b    ']
       integer :: i
 
-      if (.not. has_group(values, 'spectrum')) return
-      call check_quantities(values, error)
-      if (.not. allocated(error)) call check_grid_keys(values, error)
-      if (.not. (allocated(error) .or. has_key(values, 'spectrum', 'T_s'))) then
-         call check_grid(values, error)
+      if (has_group(values, 'frame')) then
+         if (has_group(values, 'wall')) return
+         do i = 1, size(lists)
+            if (.not. has_key(values, 'spectrum', trim(lists(i)))) cycle
+            call fail_key(values, 'spectrum', trim(lists(i)), 'must not be given without &wall ' &
+               //'(the bare frame does not depend on it)', error)
+            return
+         end do
+      else if (text_of(values, 'wall', 'base') == 'pinned') then
+         call fail_group(values, 'spectrum', "must not be given without &frame when &wall base = " &
+            //"'pinned' (its periods are those of the frame, or 2 pi/p of a wall that rocks)", &
+            error)
+      else if (has_key(values, 'spectrum', 'gamma')) then
+         call fail_key(values, 'spectrum', 'gamma', 'must not be given without &frame (a block ' &
+            //'that stands freely has no mass ratio)', error)
       end if
-      do i = 1, size(lists)
-         if (allocated(error) .or. has_group(values, 'wall')) return
-         if (.not. has_key(values, 'spectrum', trim(lists(i)))) cycle
-         call fail_key(values, 'spectrum', trim(lists(i)), 'must not be given without &wall (the ' &
-            //'bare frame does not depend on it)', error)
-      end do
-   end subroutine check_spectrum
+   end subroutine check_scene
 
    !> Quantities that the table has, each once.
    subroutine check_quantities(values, error)

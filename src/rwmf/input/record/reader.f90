@@ -7,13 +7,14 @@ module rwmf_input_record_reader
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_record_at2, only: has_at2_header, read_at2
    use rwmf_input_record_columns, only: read_columns
-   use rwmf_problem_record, only: record_t
+   use rwmf_input_record_samples, only: samples_t
+   use rwmf_problem_record, only: record_t, set_factor
    use rwmf_text_crc32, only: crc32
    use rwmf_text_file, only: read_file
    implicit none
    private
 
-   public :: read_record, parse_record
+   public :: read_record, parse_record, make_record
 
 contains
 
@@ -58,56 +59,75 @@ contains
       !! [m/s2]
       type(record_t), intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
-      real(dp), allocatable :: t(:)
-      real(dp), allocatable :: a(:)
-      real(dp) :: dt_at2
-      real(wp) :: factor
-      !! m/s2 per unit of the file
+      type(samples_t) :: samples
 
       if (has_at2_header(bytes)) then
-         record%format = 'AT2'
-         call read_at2(bytes, dt_at2, a, error)
-         if (.not. allocated(error)) record%dt = real(dt_at2, wp)
+         samples%format = 'AT2'
+         allocate (samples%dt)
+         call read_at2(bytes, samples%dt, samples%a, error)
       else
-         call read_columns(bytes, t, a, error)
-         record%format = 'one column'
-         if (allocated(t)) record%format = 'two columns'
+         call read_columns(bytes, samples%t, samples%a, error)
+         samples%format = 'one column'
+         if (allocated(samples%t)) samples%format = 'two columns'
       end if
-      if (.not. allocated(error)) call check_keys(record%format, size(a), dt, unit, error)
       if (allocated(error)) return
-      if (record%format == 'one column') record%dt = dt
-      call set_times(record, size(a), t)
-      factor = scale*g
-      if (present(unit)) then
-         if (unit == 'm/s2') factor = scale
-         if (unit == 'cm/s2') factor = scale/100
-      end if
-      call set_accelerations(record, a, factor, error)
-      record%crc32 = crc32(bytes)
+      samples%crc32 = crc32(bytes)
+      call make_record(samples, dt, unit, scale, g, record, error)
    end subroutine parse_record
 
-   !> Are exactly the keys given that the format needs?
-   subroutine check_keys(format, n, dt, unit, error)
-      character(*), intent(in) :: format
-      integer, intent(in) :: n
-      !! number of samples
+   !> A record of its samples.
+   !>
+   !> Errors: fewer than two samples, `dt` or `unit` missing or given without need, overflow.
+   subroutine make_record(samples, dt, unit, scale, g, record, error)
+      type(samples_t), intent(in) :: samples
+      real(wp), intent(in), optional :: dt
+      !! interval of samples that come without times and interval [s]
+      character(*), intent(in), optional :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; must be absent for AT2, which is in g
+      real(wp), intent(in) :: scale
+      !! [-]
+      real(wp), intent(in) :: g
+      !! what unit 'g' means [m/s2]
+      type(record_t), intent(out) :: record
+      type(error_t), allocatable, intent(out) :: error
+
+      call check_keys(samples, dt, unit, error)
+      if (allocated(error)) return
+      record%format = samples%format
+      record%crc32 = samples%crc32
+      if (allocated(samples%dt)) then
+         record%dt = real(samples%dt, wp)
+      else if (present(dt)) then
+         record%dt = dt
+      end if
+      call set_times(record, size(samples%a), samples%t)
+      call set_accelerations(record, samples%a)
+      call set_factor(record, scale, g, error, unit)
+   end subroutine make_record
+
+   !> Are exactly the keys given that the samples need?
+   subroutine check_keys(samples, dt, unit, error)
+      type(samples_t), intent(in) :: samples
       real(wp), intent(in), optional :: dt
       !! [s]
       character(*), intent(in), optional :: unit
       type(error_t), allocatable, intent(out) :: error
 
-      if (n < 2) then
+      logical :: has_times
+
+      has_times = allocated(samples%t) .or. allocated(samples%dt)
+      if (size(samples%a) < 2) then
          call fail(error, err_input, 'a record needs at least 2 samples')
-      else if (format == 'one column' .and. .not. present(dt)) then
+      else if (.not. (has_times .or. present(dt))) then
          call fail(error, err_input, 'the record has one column: it needs the key dt [s]')
-      else if (format /= 'one column' .and. present(dt)) then
-         call fail(error, err_input, 'the record ('//format//') has its own times: dt must not ' &
-            //'be given')
-      else if (format == 'AT2' .and. present(unit)) then
+      else if (has_times .and. present(dt)) then
+         call fail(error, err_input, 'the record ('//samples%format//') has its own times: dt ' &
+            //'must not be given')
+      else if (samples%format == 'AT2' .and. present(unit)) then
          call fail(error, err_input, 'the record (AT2) is in g: unit must not be given')
-      else if (format /= 'AT2' .and. .not. present(unit)) then
-         call fail(error, err_input, 'the record ('//format//") needs the key unit: 'g', 'm/s2' " &
-            //"or 'cm/s2'")
+      else if (samples%format /= 'AT2' .and. .not. present(unit)) then
+         call fail(error, err_input, 'the record ('//samples%format//") needs the key unit: 'g', " &
+            //"'m/s2' or 'cm/s2'")
       end if
    end subroutine check_keys
 
@@ -127,9 +147,11 @@ contains
       allocate (record%t(n))
       if (.not. allocated(t)) then
          record%t(:) = [(real(i - 1, wp)*record%dt, i=1, n)]
+         record%t_last = record%t(n)
          return
       end if
       record%t(:) = real(t, wp)
+      record%t_last = record%t(n)
       dt = (record%t(n) - record%t(1))/real(n - 1, wp)
       do i = 1, n
          if (abs(record%t(i) - record%t(1) - real(i - 1, wp)*dt) > printed_digits*dt) return
@@ -137,24 +159,17 @@ contains
       record%dt = dt
    end subroutine set_times
 
-   !> Accelerations in m/s2 and their peak.
-   subroutine set_accelerations(record, a, factor, error)
+   !> Accelerations and the largest of them.
+   subroutine set_accelerations(record, a)
       type(record_t), intent(inout) :: record
+      !! with its times
       real(dp), intent(in) :: a(:)
       !! (n) as they stand in the file
-      real(wp), intent(in) :: factor
-      !! m/s2 per unit of the file
-      type(error_t), allocatable, intent(out) :: error
       integer :: at
 
-      if (maxval(abs(a)) > huge(1.0_dp)/max(1.0_wp, abs(factor))) then
-         call fail(error, err_input, 'the accelerations overflow: check unit and scale')
-         return
-      end if
-      allocate (record%a(size(a)))
-      record%a(:) = factor*real(a, wp)
+      record%a = real(a, wp)
       at = maxloc(abs(record%a), dim=1)
-      record%peak = abs(record%a(at))
+      record%largest = abs(record%a(at))
       record%t_peak = record%t(at)
    end subroutine set_accelerations
 

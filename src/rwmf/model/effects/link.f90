@@ -5,12 +5,12 @@ module rwmf_model_effects_link
    use rwmf_model_equation, only: contribution_t, discrete_state_t, model_t
    use rwmf_model_kinematics, only: link_row
    use rwmf_model_lanes, only: link_coefficients
-   use rwmf_model_parameters, only: half_diagonal
    use rwmf_problem_case, only: case_t, link_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, real_of, text_of
    use rwmf_problem_key, only: positive, required
    use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_problem_wall_size, only: half_diagonal
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

@@ -24,20 +24,24 @@ module rwmf_spectrum_fast_bare_frame
 
 contains
 
-   !> Largest |u| of frames that start at rest; `is_done` becomes true for those computed.
-   subroutine run_frames(case, motion, threads, control, T_s, u_max, is_done)
+   !> Largest |u| of frames that start at rest, over the unit of the motion; `is_done` becomes true
+   !> for those computed.
+   subroutine run_frames(case, motion, threads, control, T_s, xi_s, u_max, is_done)
       type(case_t), intent(in) :: case
-      !! with frame, supported by `rwmf_spectrum_fast_eligibility`
+      !! how to integrate
       type(motion_t), intent(in) :: motion
+      !! in any unit
       integer, intent(in) :: threads
       !! number of threads to use
       type(control_t), intent(in) :: control
       real(wp), intent(in) :: T_s(:)
-      !! (n_T) [s]
+      !! (frames) [s]
+      real(wp), intent(in) :: xi_s(:)
+      !! (frames) damping ratios [-]
       real(wp), intent(inout) :: u_max(:)
-      !! (n_T) [m]
+      !! (frames) [m per unit of m/s2]
       logical, intent(inout) :: is_done(:)
-      !! (n_T)
+      !! (frames)
       type(ground_step_t), allocatable, target :: ground(:)
       type(time_grid_t) :: grid(0:halvings)
       real(wp) :: h_max(0:halvings)
@@ -53,7 +57,7 @@ contains
          if (is_cancelled(control)) cycle
          if (level(i) > halvings) cycle
          if (.not. associated(grid(level(i))%step)) cycle
-         call run_frame(grid(level(i)), 4*pi*case%frame%xi_s/T_s(i), (2*pi/T_s(i))**2, u_max(i))
+         call run_frame(grid(level(i)), 4*pi*xi_s(i)/T_s(i), (2*pi/T_s(i))**2, u_max(i))
          is_done(i) = .true.
          call count_done(control)
       end do

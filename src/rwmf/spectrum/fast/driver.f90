@@ -1,23 +1,30 @@
 !> Method 'fast': the ordinates of a spectrum in lanes.
 !>
-!> The step of an ordinate depends on its own period and mass ratio only, so that the bits of its
-!> result do not depend on the other ordinates. Ordinates outside the validated range of the method
-!> are left to the general lanes.
+!> The step of an ordinate depends on its own case only, so that the bits of its result do not
+!> depend on the other ordinates. Ordinates outside the validated range of the method are left to
+!> the general lanes. All rows share one motion, in its own unit: what they multiply it with is a
+!> factor in their equations.
 module rwmf_spectrum_fast_driver
    use rwmf_core_control, only: control_t, is_cancelled
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_motion_ground_motion, only: motion_t
+   use rwmf_motion_ground_motion, only: motion_t, motion_unit, unit_motion
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_scene_axes, only: set_axes
+   use rwmf_spectrum_fast_bare_frame, only: run_frames
+   use rwmf_spectrum_fast_eligibility, only: is_supported
    use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
    use rwmf_spectrum_fast_schedule, only: order_by_cost
    use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
    use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
    use rwmf_spectrum_fast_team, only: ordinate_result_t, run_team
-   use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step
+   use rwmf_spectrum_fast_time_grid, only: build_grids, longest_interval, pulse_step, shared_step
+   use rwmf_spectrum_fast_types, only: reduced_equation_t
+   use rwmf_spectrum_rows, only: rows_t, scene_of, take_row
    implicit none
    private
 
-   public :: run_fast
+   public :: exponential_t, begin_fast, run_fast
 
    real(wp), parameter :: min_gamma = 0.5_wp
    !! mass ratio below which N is not small against the linear part [-]
@@ -36,102 +43,182 @@ module rwmf_spectrum_fast_driver
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
    !! (g/R)/(omega_s**2 v), about 10 for flexible frames
 
+   !> What is kept from one block of rows to the next.
+   type :: exponential_t
+      logical :: is_used = .false.
+      !! the method covers the scene
+      type(rows_t), pointer :: rows => null()
+      integer :: threads
+      !! number of threads to use
+      type(motion_t) :: motion
+      !! of all rows, in its own unit
+      real(wp) :: interval
+      !! the longest between its knots [s]
+      real(wp), allocatable :: h(:)
+      !! (grids) their longest steps [s]
+      type(shared_data_t) :: shared
+      logical :: keeps_rows = .false.
+      !! the following is wanted
+      type(case_t), allocatable :: row(:)
+      !! (rows of the block) their structures and solvers, where they are not refused
+   end type exponential_t
+
    !> An ordinate to be computed, and the step for it.
    type :: attempt_t
       integer :: i
-      !! index of the period
-      integer :: pair
-      !! of mass ratio and width, the mass ratio running fastest
+      !! number of the row in its block
+      real(wp) :: T_s
+      !! [s]
+      real(wp) :: xi_s
+      !! damping ratio of the frame [-]
+      real(wp) :: unit
+      !! of the motion [m/s2]
+      real(wp) :: h
+      !! longest step that the scene allows [s]
+      integer :: scene
+      !! number of its scene in the block
       integer :: range = 1
       !! of v
       integer :: level
       !! halvings of the step
       integer :: stages
-      !! evaluations of N in a step
+      !! evaluations of N in a step; 0: nothing is to be computed
+      integer :: grid = 0
+      !! number of its time grid
       logical :: is_finer = .false.
       !! the step is halved once more because the estimated error was too large
    end type attempt_t
 
 contains
 
-   !> Compute the ordinates that the method covers; the others keep `is_done` false.
-   subroutine run_fast(case, motion, threads, control, T_s, gamma, b, u_s_max, is_done)
-      type(case_t), intent(in) :: case
-      !! with wall and frame, supported by `rwmf_spectrum_fast_eligibility`
-      type(motion_t), intent(in) :: motion
+   !> Does the method cover the rows, and what do they share?
+   subroutine begin_fast(rows, threads, control, fast)
+      type(rows_t), intent(in), target :: rows
       integer, intent(in) :: threads
       !! number of threads to use
       type(control_t), intent(in) :: control
-      real(wp), intent(in) :: T_s(:)
-      !! (n_T) [s]
-      real(wp), intent(in) :: gamma(:)
-      !! (n_gamma) [-]
-      real(wp), intent(in) :: b(:)
-      !! (n_b) [m]
-      real(wp), intent(inout) :: u_s_max(size(T_s), size(gamma)*size(b))
-      !! (n_T, n_gamma n_b) [m]
-      logical, intent(out) :: is_done(size(T_s), size(gamma)*size(b))
-      !! (n_T, n_gamma n_b) the ordinate has its u_s_max
-      type(shared_data_t), target :: shared
-      type(case_t), allocatable :: pair_case(:)
+      type(exponential_t), intent(out) :: fast
+
+      if (rows%n == 0 .or. rows%has_own_shape .or. rows%has_own_method) return
+      fast%motion = unit_motion(rows%case)
+      fast%is_used = is_supported(rows%case, fast%motion)
+      if (.not. fast%is_used) return
+      fast%rows => rows
+      fast%threads = threads
+      fast%interval = longest_interval(fast%motion)
+      allocate (fast%h(0), fast%shared%grid(0))
+      fast%shared%control = control
+      fast%shared%kernels = kernels_of(best_level())
+      fast%shared%rtol = rows%case%solver%rtol
+   end subroutine begin_fast
+
+   !> Compute the ordinates of a block of rows that the method covers; the others keep `is_done`
+   !> false.
+   subroutine run_fast(fast, first, u_s_max, is_done)
+      type(exponential_t), intent(inout), target :: fast
+      integer, intent(in) :: first
+      !! number of the first row of the block
+      real(wp), intent(inout) :: u_s_max(:)
+      !! (rows) [m]
+      logical, intent(out) :: is_done(:)
+      !! (rows) the ordinate has its u_s_max
       logical, allocatable :: is_fitted(:, :)
       type(attempt_t), allocatable :: attempt(:)
-      integer :: pair
+      integer :: scenes
 
       is_done = .false.
-      allocate (pair_case(size(gamma)*size(b)))
-      do pair = 1, size(pair_case)
-         pair_case(pair)%structure_t = case%structure_t
-         ! any: the equations do not depend on it
-         pair_case(pair)%frame%T_s = 1
-         pair_case(pair)%wall%b = b((pair - 1)/size(gamma) + 1)
-         pair_case(pair)%frame%gamma = gamma(mod(pair - 1, size(gamma)) + 1)
-      end do
-      shared%control = control
-      shared%kernels = kernels_of(best_level())
-      shared%xi_s = case%frame%xi_s
-      shared%rtol = case%solver%rtol
-      allocate (is_fitted(size(pair_case), size(fit_range)))
-      allocate (shared%equation(size(is_fitted)), shared%grid(halvings + 2))
-      is_fitted = .false.
-      attempt = first_attempts(case, motion, T_s, gamma, size(b))
-      do while (size(attempt) > 0)
-         call fit_equations(pair_case, motion, threads, attempt, is_fitted, shared)
-         call cut_motion(case, motion, threads, attempt, shared)
-         call run_attempts(threads, T_s, shared, attempt, u_s_max, is_done)
-         if (is_cancelled(control)) exit
-      end do
+      associate (rows => fast%rows, shared => fast%shared)
+         scenes = scene_of(rows, first + size(is_done) - 1) - scene_of(rows, first) + 1
+         allocate (is_fitted(scenes, size(fit_range)), source=.false.)
+         if (allocated(shared%equation)) deallocate (shared%equation)
+         allocate (shared%equation(size(is_fitted)), attempt(size(is_done)))
+         if (allocated(fast%row)) deallocate (fast%row)
+         if (fast%keeps_rows) allocate (fast%row(size(is_done)))
+         call first_attempts(fast, first, is_fitted(:, 1), attempt)
+         if (.not. allocated(rows%case%wall)) then
+            call run_frames(rows%case, fast%motion, fast%threads, shared%control, attempt%T_s, &
+               attempt%xi_s, u_s_max, is_done)
+            where (is_done) u_s_max = abs(attempt%unit)*u_s_max
+            return
+         end if
+         attempt = pack(attempt, attempt%stages > 0)
+         attempt = attempt(order_by_cost(attempt%T_s, attempt%level, halvings))
+         do while (size(attempt) > 0)
+            call fit_equations(fast, first, scenes, is_fitted, attempt)
+            call cut_motion(fast, attempt)
+            call run_attempts(fast, scenes, attempt, u_s_max, is_done)
+            if (is_cancelled(shared%control)) exit
+         end do
+      end associate
    end subroutine run_fast
 
-   !> First attempts: all periods of all pairs.
-   pure function first_attempts(case, motion, T_s, gamma, n_b) result(attempt)
-      type(case_t), intent(in) :: case
-      type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: T_s(:)
-      real(wp), intent(in) :: gamma(:)
-      integer, intent(in) :: n_b
-      !! number of widths
-      type(attempt_t), allocatable :: attempt(:)
-      integer :: level(size(T_s))
-      integer, allocatable :: order(:)
-      integer :: i, n, pair
+   !> First attempts: all rows. The equation of a scene is fitted by the way where its first row is.
+   subroutine first_attempts(fast, first, is_fitted, attempt)
+      type(exponential_t), intent(inout) :: fast
+      integer, intent(in) :: first
+      logical, intent(inout) :: is_fitted(:)
+      !! (scenes)
+      type(attempt_t), intent(out) :: attempt(:)
+      !! (rows)
+      type(case_t) :: row
+      type(error_t), allocatable :: error
+      integer :: i
 
-      level = levels(case, motion, T_s)
-      order = order_by_cost(T_s, level, halvings)
-      allocate (attempt(size(order)*size(gamma)*n_b))
-      n = 0
-      do pair = 1, size(gamma)*n_b
-         associate (gamma_of_pair => gamma(mod(pair - 1, size(gamma)) + 1))
-            if (gamma_of_pair < min_gamma) cycle
-            do i = 1, size(order)
-               n = n + 1
-               attempt(n) = attempt_t(i=order(i), pair=pair, level=level(order(i)), &
-                  stages=stages_for(case, gamma_of_pair))
-            end do
-         end associate
+      !$omp parallel do num_threads(fast%threads) schedule(dynamic, 16) default(shared) &
+      !$omp private(row, error)
+      do i = 1, size(attempt)
+         attempt(i)%i = i
+         attempt(i)%stages = 0
+         attempt(i)%level = halvings + 1
+         attempt(i)%T_s = 1
+         call take_row(fast%rows, first + i - 1, row, error)
+         if (allocated(error)) cycle
+         if (fast%keeps_rows) then
+            fast%row(i)%structure_t = row%structure_t
+            fast%row(i)%solver = row%solver
+         end if
+         attempt(i)%T_s = row%frame%T_s
+         attempt(i)%xi_s = row%frame%xi_s
+         attempt(i)%unit = unit_of(fast%rows, row)
+         if (.not. allocated(row%wall)) cycle
+         if (row%frame%gamma < min_gamma .or. .not. abs(attempt(i)%unit) > 0) cycle
+         attempt(i)%scene = scene_of(fast%rows, first + i - 1) - scene_of(fast%rows, first) + 1
+         attempt(i)%stages = stages_for(row, row%frame%gamma)
+         attempt(i)%h = longest_step(row, fast%motion)
+         attempt(i)%level = level_for(row, attempt(i)%h)
+         if (i > 1) then
+            if (scene_of(fast%rows, first + i - 2) == scene_of(fast%rows, first + i - 1)) cycle
+         end if
+         call fit(row, fast%motion, 1, fast%shared, fast%shared%equation(attempt(i)%scene))
+         is_fitted(attempt(i)%scene) = .true.
       end do
-      attempt = attempt(:n)
-   end function first_attempts
+      !$omp end parallel do
+   end subroutine first_attempts
+
+   !> Unit of the motion of a row [m/s2].
+   pure real(wp) function unit_of(rows, row) result(unit)
+      type(rows_t), intent(in) :: rows
+      type(case_t), intent(in) :: row
+
+      if (rows%has_own_motion) then
+         unit = motion_unit(row)
+      else
+         unit = motion_unit(rows%case)
+      end if
+   end function unit_of
+
+   !> Fit the equation of a row on a range of v, whatever its period.
+   subroutine fit(row, motion, range, shared, equation)
+      type(case_t), intent(inout) :: row
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: range
+      type(shared_data_t), intent(in) :: shared
+      type(reduced_equation_t), intent(out) :: equation
+
+      ! the equations of rows with other periods have the same bits
+      call set_axes(row, T_s=1.0_wp)
+      call build_reduced_equation(row, motion, fit_range(range), fit_share*shared%rtol, equation)
+   end subroutine fit
 
    !> Evaluations of N in a step for a mass ratio. The largest motion from a given state may be over
    !> within two steps, too soon for the estimate of its error: nothing is saved there.
@@ -164,110 +251,122 @@ contains
          (case%solver%rtol/1.0e-8_wp)**(1.0_wp/3))
    end function fineness
 
-   !> Halvings of the step for each period; `halvings` + 1 where no step is short enough.
-   pure function levels(case, motion, T_s)
+   !> Halvings of the step; `halvings` + 1 where no step is short enough.
+   pure integer function level_for(case, longest) result(level)
       type(case_t), intent(in) :: case
-      type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: T_s(:)
-      !! (n_T) [s]
-      integer :: levels(size(T_s))
+      !! with the period
+      real(wp), intent(in) :: longest
+      !! step without any [s]
       real(wp) :: angle
       !! omega_s h allowed [rad]
 
       angle = 0.69_wp*fineness(case)
-      levels = max(0, ceiling(log(2*pi*longest_step(case, motion)/(T_s*angle))/log(2.0_wp)))
-      levels = min(levels, halvings + 1)
-   end function levels
+      level = max(0, ceiling(log(2*pi*longest/(case%frame%T_s*angle))/log(2.0_wp)))
+      level = min(level, halvings + 1)
+   end function level_for
 
    !> Fit the equations of the attempts that are not yet known; attempts that have none which is
    !> accurate enough are dropped.
-   subroutine fit_equations(pair_case, motion, threads, attempt, is_fitted, shared)
-      type(case_t), intent(in) :: pair_case(:)
-      !! (pairs)
-      type(motion_t), intent(in) :: motion
-      integer, intent(in) :: threads
-      type(attempt_t), allocatable, intent(inout) :: attempt(:)
+   subroutine fit_equations(fast, first, scenes, is_fitted, attempt)
+      type(exponential_t), intent(inout) :: fast
+      integer, intent(in) :: first
+      integer, intent(in) :: scenes
+      !! number of them in the block
       logical, intent(inout) :: is_fitted(:, :)
-      !! (pairs, ranges)
-      type(shared_data_t), intent(inout) :: shared
-      logical, allocatable :: is_wanted(:)
-      integer, allocatable :: number(:)
-      integer :: i
+      !! (scenes, ranges)
+      type(attempt_t), allocatable, intent(inout) :: attempt(:)
+      type(case_t) :: row
+      type(error_t), allocatable :: error
+      integer, allocatable :: wanted(:)
+      integer :: i, k
 
-      number = equation_of(attempt, size(pair_case))
-      allocate (is_wanted(size(is_fitted)), source=.false.)
-      is_wanted(number) = .true.
-      is_wanted = is_wanted .and. .not. reshape(is_fitted, [size(is_fitted)])
-      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
-      !$omp if (count(is_wanted) > 2)
-      do i = 1, size(is_wanted)
-         if (is_wanted(i)) call build_reduced_equation(pair_case(mod(i - 1, size(pair_case)) + 1), &
-            motion, fit_range((i - 1)/size(pair_case) + 1), fit_share*shared%rtol, &
-            shared%equation(i))
+      allocate (wanted(size(is_fitted)), source=0)
+      do i = 1, size(attempt)
+         if (.not. is_fitted(attempt(i)%scene, attempt(i)%range)) wanted(equation_of(attempt(i), &
+            scenes)) = i
+      end do
+      wanted = pack(wanted, wanted > 0)
+      !$omp parallel do num_threads(fast%threads) schedule(dynamic) default(shared) &
+      !$omp private(i, row, error) if (size(wanted) > 2)
+      do k = 1, size(wanted)
+         i = wanted(k)
+         call take_row(fast%rows, first + attempt(i)%i - 1, row, error)
+         call fit(row, fast%motion, attempt(i)%range, fast%shared, &
+            fast%shared%equation(equation_of(attempt(i), scenes)))
+         is_fitted(attempt(i)%scene, attempt(i)%range) = .true.
       end do
       !$omp end parallel do
-      is_fitted = is_fitted .or. reshape(is_wanted, shape(is_fitted))
-      attempt = pack(attempt, shared%equation(number)%fit_error < fit_share*shared%rtol)
+      attempt = pack(attempt, fast%shared%equation(equation_of(attempt, scenes))%fit_error &
+         < fit_share*fast%shared%rtol)
    end subroutine fit_equations
 
    !> Number of the equation of an attempt.
-   pure elemental integer function equation_of(attempt, pairs)
+   pure elemental integer function equation_of(attempt, scenes)
       type(attempt_t), intent(in) :: attempt
-      integer, intent(in) :: pairs
+      integer, intent(in) :: scenes
 
-      equation_of = attempt%pair + (attempt%range - 1)*pairs
+      equation_of = attempt%scene + (attempt%range - 1)*scenes
    end function equation_of
 
-   !> Cut the motion into the steps that the attempts ask for; attempts that would need too many are
-   !> dropped.
-   subroutine cut_motion(case, motion, threads, attempt, shared)
-      type(case_t), intent(in) :: case
-      type(motion_t), intent(in) :: motion
-      integer, intent(in) :: threads
+   !> Cut the motion into the steps that the attempts ask for, beside those that are there; attempts
+   !> that would need too many are dropped.
+   subroutine cut_motion(fast, attempt)
+      type(exponential_t), intent(inout), target :: fast
       type(attempt_t), allocatable, intent(inout) :: attempt(:)
-      type(shared_data_t), target, intent(inout) :: shared
-      real(wp) :: h_max(size(shared%grid))
+      real(wp), allocatable :: h(:)
+      real(wp) :: own
       integer :: i
 
-      h_max = [(merge(longest_step(case, motion)/2.0_wp**(i - 1), 0.0_wp, &
-         any(attempt%level + 1 == i)), i=1, size(h_max))]
-      call build_grids(case, motion, threads, h_max, shared%ground, shared%grid)
-      attempt = pack(attempt, [(associated(shared%grid(attempt(i)%level + 1)%step), &
+      h = fast%h
+      do i = 1, size(attempt)
+         own = shared_step(attempt(i)%h/2.0_wp**attempt(i)%level, fast%interval)
+         attempt(i)%grid = findloc(abs(h - own) <= 0, .true., dim=1)
+         if (attempt(i)%grid > 0) cycle
+         h = [h, own]
+         attempt(i)%grid = size(h)
+      end do
+      if (size(h) > size(fast%h)) then
+         deallocate (fast%shared%grid)
+         allocate (fast%shared%grid(size(h)))
+         call build_grids(fast%rows%case, fast%motion, fast%threads, h, fast%shared%ground, &
+            fast%shared%grid)
+         fast%h = h
+      end if
+      attempt = pack(attempt, [(associated(fast%shared%grid(attempt(i)%grid)%step), &
          i=1, size(attempt))])
    end subroutine cut_motion
 
    !> Compute the ordinates; those that are to be computed again remain: on a wider range once v has
    !> left that of the equation, with all evaluations of N, then on the halved step where the
    !> estimated error is too large.
-   subroutine run_attempts(threads, T_s, shared, attempt, u_s_max, is_done)
-      integer, intent(in) :: threads
-      real(wp), intent(in) :: T_s(:)
-      type(shared_data_t), intent(in) :: shared
+   subroutine run_attempts(fast, scenes, attempt, u_s_max, is_done)
+      type(exponential_t), intent(in) :: fast
+      integer, intent(in) :: scenes
       type(attempt_t), allocatable, intent(inout) :: attempt(:)
-      real(wp), intent(inout) :: u_s_max(:, :)
-      logical, intent(inout) :: is_done(:, :)
+      real(wp), intent(inout) :: u_s_max(:)
+      logical, intent(inout) :: is_done(:)
       type(task_t), allocatable :: task(:)
       type(ordinate_result_t), allocatable :: found(:)
       logical, allocatable :: is_repeated(:)
       integer, allocatable :: kind(:), order(:)
-      integer :: thread, next, i, k, pairs
+      integer :: thread, next, i, k
 
-      pairs = size(is_done, 2)
       ! With one evaluation the slope of N would oscillate after a jump of the acceleration.
-      where (shared%grid(attempt%level + 1)%has_jumps) attempt%stages = max(2, attempt%stages)
-      kind = 2*attempt%stages + merge(0, 1, shared%equation(equation_of(attempt, pairs))%is_short)
+      where (fast%shared%grid(attempt%grid)%has_jumps) attempt%stages = max(2, attempt%stages)
+      kind = 2*attempt%stages + merge(0, 1, &
+         fast%shared%equation(equation_of(attempt, scenes))%is_short)
       allocate (order(0))
       do i = 2*max_stages + 1, 2, -1
          order = [order, pack([(k, k=1, size(attempt))], kind == i)]
       end do
       attempt = attempt(order)
-      task = [(task_t(T_s(attempt(i)%i), equation_of(attempt(i), pairs), attempt(i)%level + 1, &
-         attempt(i)%stages), i=1, size(attempt))]
+      task = [(task_t(attempt(i)%T_s, equation_of(attempt(i), scenes), attempt(i)%grid, &
+         attempt(i)%stages, attempt(i)%xi_s, attempt(i)%unit), i=1, size(attempt))]
       allocate (found(size(task)))
       next = 0
-      !$omp parallel do num_threads(threads) schedule(static, 1) default(shared)
-      do thread = 1, threads
-         call run_team(shared, task, next, found)
+      !$omp parallel do num_threads(fast%threads) schedule(static, 1) default(shared)
+      do thread = 1, fast%threads
+         call run_team(fast%shared, task, next, found)
       end do
       !$omp end parallel do
       allocate (is_repeated(size(attempt)), source=.false.)
@@ -275,19 +374,18 @@ contains
          associate (current => attempt(i))
             if (found(i)%failed) then
                is_repeated(i) = current%range < size(fit_range) &
-                  .and. shared%equation(task(i)%equation)%v_high >= fit_range(current%range)
+                  .and. fast%shared%equation(task(i)%equation)%v_high >= fit_range(current%range)
                current%range = current%range + 1
-            else if (found(i)%error > shared%rtol .and. current%stages < max_stages) then
+            else if (found(i)%error > fast%shared%rtol .and. current%stages < max_stages) then
                current%stages = max_stages
                is_repeated(i) = .true.
-            else if (found(i)%error > shared%rtol) then
+            else if (found(i)%error > fast%shared%rtol) then
                is_repeated(i) = .not. current%is_finer
                current%is_finer = .true.
                current%level = current%level + 1
             else
-               u_s_max(current%i, current%pair) = &
-                  shared%equation(task(i)%equation)%length*found(i)%v_max
-               is_done(current%i, current%pair) = .true.
+               u_s_max(current%i) = fast%shared%equation(task(i)%equation)%length*found(i)%v_max
+               is_done(current%i) = .true.
             end if
          end associate
       end do

@@ -29,7 +29,7 @@ module rwmf_spectrum_fast_reduced_equation
    implicit none
    private
 
-   public :: build_reduced_equation
+   public :: build_reduced_equation, under_motion
 
    integer, parameter :: short_degree = 4
    !! of polynomials that are accurate enough with it
@@ -118,6 +118,26 @@ contains
       end if
    end subroutine build_reduced_equation
 
+   !> The same equation with the ground motion in another unit: it enters nowhere else. A negative
+   !> one exchanges the sides.
+   pure type(reduced_equation_t) function under_motion(equation, factor) result(scaled)
+      type(reduced_equation_t), intent(in) :: equation
+      real(wp), intent(in) :: factor
+      !! the new unit of the motion [m/s2 or -]
+
+      scaled = equation
+      if (factor < 0) then
+         scaled%m2 = equation%m2([2, 1])
+         scaled%coef = equation%coef(:, :, [2, 1])
+         scaled%threshold = equation%threshold([2, 1])
+         scaled%start_side = -equation%start_side
+      end if
+      scaled%m2 = abs(factor)*scaled%m2
+      scaled%coef(:, 3, :) = abs(factor)*scaled%coef(:, 3, :)
+      scaled%bound(3) = abs(factor)*scaled%bound(3)
+      scaled%threshold = scaled%threshold/abs(factor)
+   end function under_motion
+
    !> v at which a drift reaches its limit [-]; they are in proportion.
    real(wp) function collapsed_at(equation) result(v)
       type(equation_t), intent(in) :: equation
@@ -182,12 +202,13 @@ contains
       real(wp), intent(in) :: ground
       !! towards the side [m/s2]
       type(lane_motion_t), intent(out) :: motion
-      real(wp) :: y_dot(1, 2)
+      real(wp) :: y(1, 2), y_dot(1, 2)
 
+      y(1, 1) = probe%side*phi
+      y(1, 2) = probe%side*rate
       motion%ground = probe%side*ground
       motion%vertical = probe%ratio*motion%ground
-      call lane_rates(probe%scene, probe%coef, probe%side*reshape([phi, rate], [1, 2]), motion, &
-         y_dot)
+      call lane_rates(probe%scene, probe%coef, y, motion, y_dot)
    end subroutine ask
 
    !> Q [-], M1 [-], M2 [1/m], M3 [1/s2] and M4 [1/s] at v.

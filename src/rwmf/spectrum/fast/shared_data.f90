@@ -23,14 +23,18 @@ module rwmf_spectrum_fast_shared_data
       !! number of its time grid
       integer :: stages
       !! evaluations of N in a step
+      real(wp) :: xi_s
+      !! damping ratio of the frame [-]
+      real(wp) :: factor = 1
+      !! of its motion over that of the grids [-]
    end type task_t
 
    !> The ordinate in a lane: what only its events need.
    type :: ordinate_t
       integer :: task = 0
       !! number of the task; 0: the lane is idle
-      integer :: equation
-      !! number of the reduced equation
+      type(reduced_equation_t) :: equation
+      !! under the motion of the grids
       integer :: grid
       !! number of the time grid
       integer :: offset
@@ -57,8 +61,6 @@ module rwmf_spectrum_fast_shared_data
       type(control_t) :: control
       type(kernels_t) :: kernels
       !! for the instruction set of the processor
-      real(wp) :: xi_s
-      !! damping ratio of the frame [-]
       real(wp) :: rtol
       !! requested relative tolerance [-]
       type(reduced_equation_t), allocatable :: equation(:)

@@ -8,6 +8,7 @@ module rwmf_spectrum_fast_team
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_intptr_t, c_loc
    use rwmf_core_control, only: count_done, is_cancelled
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_spectrum_fast_reduced_equation, only: under_motion
    use rwmf_spectrum_fast_rest_rule, only: find_next_uplift, find_rest, velocity_share
    use rwmf_spectrum_fast_shared_data, only: max_stages, ordinate_t, scheme_of, shared_data_t, &
       task_t
@@ -193,7 +194,7 @@ contains
          result%error = large_angle_factor*result%error
       end if
       result%failed = ordinate%failed .or. .not. abs(team%now%v(i)) < huge(1.0_wp) &
-         .or. result%v_max > shared%equation(ordinate%equation)%v_high
+         .or. result%v_max > ordinate%equation%v_high
    end function result_of
 
    !> Start a task in a lane.
@@ -208,11 +209,12 @@ contains
       real(wp) :: omega_s
 
       omega_s = 2*pi/task%T_s
-      associate (team => work%team, equation => shared%equation(task%equation), &
+      associate (team => work%team, equation => work%ordinate(i)%equation, &
          grid => shared%grid(task%grid))
-         work%ordinate(i) = ordinate_t(task=number, equation=task%equation, grid=task%grid, &
-            offset=grid%first - 1, damping=2*shared%xi_s*omega_s, stiffness=omega_s**2)
-         team%damping(i) = 2*shared%xi_s*omega_s
+         work%ordinate(i) = ordinate_t(task=number, grid=task%grid, offset=grid%first - 1, &
+            equation=under_motion(shared%equation(task%equation), task%factor), &
+            damping=2*task%xi_s*omega_s, stiffness=omega_s**2)
+         team%damping(i) = 2*task%xi_s*omega_s
          team%stiffness(i) = omega_s**2
          team%m1(i) = equation%m1
          team%m3(i) = equation%m3
@@ -230,7 +232,7 @@ contains
          ! no step has this length
          team%length_change(i) = 0
          team%side(i) = 1
-         call enter_side(shared, i, work)
+         call enter_side(i, work)
          if (equation%start_v > equation%v_high) then
             work%ordinate(i)%failed = .true.
             call finish(i, work)
@@ -358,15 +360,14 @@ contains
    end subroutine finish
 
    !> The constants of the side come into force.
-   pure subroutine enter_side(shared, i, work)
-      type(shared_data_t), intent(in) :: shared
+   pure subroutine enter_side(i, work)
       integer, intent(in) :: i
       type(work_t), intent(inout) :: work
       integer :: side, n
 
       side = merge(1, 2, work%team%side(i) > 0)
       n = merge(curves, curves - 1, work%scheme%is_damped)
-      associate (equation => shared%equation(work%ordinate(i)%equation))
+      associate (equation => work%ordinate(i)%equation)
          work%team%m2(i) = equation%m2(side)
          work%team%coef(i, :, :n) = equation%coef(:, :n, side)
       end associate
@@ -385,8 +386,7 @@ contains
       real(wp) :: uplift_x
 
       associate (team => work%team, ordinate => work%ordinate(i))
-         associate (equation => shared%equation(ordinate%equation), &
-            grid => shared%grid(ordinate%grid))
+         associate (equation => ordinate%equation, grid => shared%grid(ordinate%grid))
             uplift = number
             uplift_x = x
             call find_next_uplift(equation, grid, uplift, uplift_x, side)
@@ -422,7 +422,7 @@ contains
          team%now%v(i) = v
          team%now%w(i) = w
          team%side(i) = side
-         if (.not. shared%equation(ordinate%equation)%is_even) call enter_side(shared, i, work)
+         if (.not. ordinate%equation%is_even) call enter_side(i, work)
          team%x(i) = min(x, last_x)
          team%span(i) = 1 - team%x(i)
          team%w_begin(i) = w
@@ -494,13 +494,13 @@ contains
       associate (team => work%team, ordinate => work%ordinate(i))
          ordinate%impacts = ordinate%impacts + 1
          ordinate%failed = .not. team%impact_speed(i) > 0 .or. ordinate%impacts > max_impacts &
-            .or. team%v_max(i) > shared%equation(ordinate%equation)%v_high
+            .or. team%v_max(i) > ordinate%equation%v_high
          ordinate%w_max = max(ordinate%w_max, team%impact_speed(i))
          ordinate%v_max = team%v_max(i)
          ordinate%negligible_velocity = velocity_share*shared%rtol*ordinate%w_max
          team%negligible_velocity(i) = ordinate%negligible_velocity
-         associate (equation => shared%equation(ordinate%equation), &
-            grid => shared%grid(ordinate%grid), number => team%step(i) - ordinate%offset)
+         associate (equation => ordinate%equation, grid => shared%grid(ordinate%grid), &
+            number => team%step(i) - ordinate%offset)
             ! without a velocity it rests, even if only until the motion lifts it at once
             is_at_rest = equation%e <= 0
             if (is_at_rest) return
@@ -508,7 +508,7 @@ contains
                call find_rest(equation, grid, number, team%x(i), team%f_impact(i), &
                   team%now%w(i), ordinate, is_at_rest)
             end if
-            if (.not. (is_at_rest .or. equation%is_even)) call enter_side(shared, i, work)
+            if (.not. (is_at_rest .or. equation%is_even)) call enter_side(i, work)
          end associate
       end associate
    end subroutine apply_impact

@@ -6,13 +6,14 @@
 module rwmf_spectrum_fast_time_grid
    use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_ground_motion, only: acceleration, fastest_rate, interval_at, interval_end, &
-      line_of, line_t, motion_t, peak_acceleration, turning_point
+      interval_last, is_piecewise_linear, line_of, line_t, motion_t, peak_acceleration, &
+      turning_point
    use rwmf_problem_case, only: case_t
    use rwmf_spectrum_fast_types, only: c_2, c_3, ground_step_t
    implicit none
    private
 
-   public :: time_grid_t, build_grids, ground_at, pulse_step
+   public :: time_grid_t, build_grids, ground_at, pulse_step, longest_interval, shared_step
 
    integer, parameter :: max_grid_steps = 1000000
    !! steps of a grid: 64 MB
@@ -83,6 +84,38 @@ contains
       end do
       !$omp end parallel do
    end subroutine build_grids
+
+   !> Longest interval between knots of a motion of straight lines; 0 of pulses, whose intervals are
+   !> cut anyway [s].
+   pure real(wp) function longest_interval(motion) result(longest)
+      type(motion_t), intent(in) :: motion
+      integer :: i
+
+      longest = 0
+      if (.not. is_piecewise_linear(motion)) return
+      do i = 1, interval_last(motion) - 1
+         longest = max(longest, interval_end(motion, i) - interval_end(motion, i - 1))
+      end do
+   end function longest_interval
+
+   !> The longest step of a grid that rows with different longest steps share: a part of the longest
+   !> interval of the motion, or one of four in each octave [s].
+   pure real(wp) function shared_step(longest, interval) result(h)
+      real(wp), intent(in) :: longest
+      !! that a row allows [s]
+      real(wp), intent(in) :: interval
+      !! from `longest_interval` [s]
+      real(wp), parameter :: quarters(4) = [0.5_wp, 0.594603557501360533359_wp, &
+         0.707106781186547524401_wp, 0.840896415253714543031_wp]
+      !! powers of the fourth root of 2
+
+      if (longest < interval) then
+         h = interval/ceiling(interval/longest*(1 - 1.0e-9_wp))
+      else
+         h = quarters(count(quarters <= fraction(longest)))
+         h = max(interval, set_exponent(h, exponent(longest)))
+      end if
+   end function shared_step
 
    !> Longest step in which a cubic represents the pulse of a case within its tolerance [s].
    pure real(wp) function pulse_step(case, motion) result(h)

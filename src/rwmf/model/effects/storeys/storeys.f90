@@ -58,8 +58,8 @@ contains
    subroutine check_excluded(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      character(8), parameter :: groups(3) = [character(8) :: 'frame', 'frame', 'spectrum']
-      character(5), parameter :: keys(3) = [character(5) :: 'T_s', 'gamma', 'gamma']
+      character(5), parameter :: keys(2) = [character(5) :: 'T_s', 'gamma']
+      real(wp), allocatable :: gamma(:)
       integer :: i
 
       if (text_of(values, 'storeys', 'coupling') == 'every_floor' &
@@ -69,11 +69,15 @@ contains
          return
       end if
       do i = 1, size(keys)
-         if (.not. has_key(values, trim(groups(i)), trim(keys(i)))) cycle
-         call fail_key(values, trim(groups(i)), trim(keys(i)), 'must not be given with ' &
-            //'&storeys, which set it', error)
+         if (.not. has_key(values, 'frame', trim(keys(i)))) cycle
+         call fail_key(values, 'frame', trim(keys(i)), 'must not be given with &storeys, which ' &
+            //'set it; T_s and gamma of &spectrum scale them', error)
          return
       end do
+      call get_list(values, 'spectrum', 'gamma', gamma)
+      if (.not. allocated(gamma)) return
+      if (any(gamma <= 0)) call fail_key(values, 'spectrum', 'gamma', 'must be > 0 with ' &
+         //'&storeys, whose masses it scales', error)
    end subroutine check_excluded
 
    !> One mass, stiffness and height a storey, none too stiff, as high as the wall.

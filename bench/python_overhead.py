@@ -1,0 +1,108 @@
+"""What a call from Python costs beside the kernel's own time, side by side in one run.
+
+Run it as ``.venv/bin/python bench/python_overhead.py [ROUNDS]``, for a pulse and a record. It
+prints calls, the same work by the bare kernel, what lies between them, and what ``xarray.Dataset``
+alone would take to label the same arrays. All alternate, and the least time of each counts: on a
+machine that others use too, ask for more rounds.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import rwmf
+import xarray as xr
+from rwmf._kernel import rwmf_bindings_python_kernel as kernel
+from rwmf.case.grid import with_grid
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def main(rounds: int = 200) -> None:
+    """Measure and print."""
+    for name in ("fig12_one_cosine.nml", "fig13_elcentro_slender_wall.nml"):
+        _measure(name, rounds)
+
+
+def _measure(name: str, rounds: int) -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / name)
+    case = case.replace(spectrum=None, output=None)
+    print(f"{name}: the least of {rounds} rounds")
+    print("| call | rwmf [ms] | kernel [ms] | ratio | between [ms] | xarray.Dataset [ms] |")
+    print("|---|---|---|---|---|---|")
+    for what, call, bare in [
+        ("simulate", lambda: rwmf.simulate(case), _bare(case)),
+        (
+            "simulate with history",
+            lambda: rwmf.simulate(case, 0.01),
+            _bare(case.replace(output={"dt": 0.01})),
+        ),
+        *(
+            (
+                f"spectrum of {n}",
+                lambda T_s=T_s: rwmf.spectrum(case, T_s=T_s, threads=1),
+                _bare_spectrum(with_grid(case, T_s)),
+            )
+            for n in (1, 200, 2000)
+            for T_s in [np.linspace(0.1, 3.0, n)]
+        ),
+    ]:
+        made = call()
+        turns = max(rounds // 10, rounds // made.sizes.get("T_s", 1))
+        mine, own, labels = _least((call, bare, _labelling(made)), turns)
+        ratios = f"{mine / own:.2f} | {mine - own:.3f} | {labels:.3f}"
+        print(f"| {what} | {mine:.3f} | {own:.3f} | {ratios} |")
+    change = _least((lambda: case.replace(frame={"T_s": 0.7}),), rounds)[0]
+    text = _least((lambda: case.replace(model={"formulation": "exact"}),), rounds)[0]
+    print(f"a change of a number {change:.3f} ms, an edit of the text {text:.3f} ms")
+
+
+def _bare(case: rwmf.Case) -> Callable[[], None]:
+    """Return a run of the kernel whose result nobody looks at."""
+    message, control = np.zeros(8192, dtype=np.int8), np.zeros(2, dtype=np.int64)
+
+    def call() -> None:
+        kernel.release(kernel.simulate(case.kernel.handle, control, message)[0])
+
+    return call
+
+
+def _bare_spectrum(case: rwmf.Case) -> Callable[[], None]:
+    message, control = np.zeros(8192, dtype=np.int8), np.zeros(2, dtype=np.int64)
+
+    def call() -> None:
+        kernel.release(kernel.spectrum(case.kernel.handle, 1, control, message)[0])
+
+    return call
+
+
+def _labelling(made: xr.Dataset) -> Callable[[], None]:
+    """Return what `xarray.Dataset` does with the arrays of a dataset."""
+    variables = {
+        name: (data.dims, data.values, data.attrs) for name, data in made.data_vars.items()
+    }
+    coordinates = {name: (data.dims, data.values, data.attrs) for name, data in made.coords.items()}
+
+    def call() -> None:
+        xr.Dataset(variables, coordinates, made.attrs)
+
+    return call
+
+
+def _least(calls: tuple[Callable[[], object], ...], rounds: int) -> list[float]:
+    """Least time of each call [ms]."""
+    least = [np.inf] * len(calls)
+    for _ in range(rounds):
+        for i, call in enumerate(calls):
+            begin = time.perf_counter()
+            call()
+            least[i] = min(least[i], 1e3 * (time.perf_counter() - begin))
+    return least
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

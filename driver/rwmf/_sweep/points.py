@@ -1,0 +1,321 @@
+"""Tables whose rows are runs with their own numbers, texts and ground motion."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf._files.names import shorten
+from rwmf._sweep.axes import (
+    NUMBERS,
+    PAIRS,
+    Axis,
+    Coordinate,
+    Scene,
+    column_coordinate,
+    key_of_column,
+    keys_of_axis,
+    kind_of,
+    name_axes,
+    record_coordinates,
+    take_numbers,
+)
+from rwmf._sweep.point_files import is_netcdf, read_csv, read_netcdf
+from rwmf._sweep.record_sets import RecordFile, find_records
+from rwmf._sweep.table import POINT, Table
+from rwmf.case import Motion
+from rwmf.errors import InputError
+
+__all__ = ["Points", "point_axis"]
+
+# a pandas.DataFrame, or what has its columns, cannot be named without the package
+Points = Any
+_RECORD = "record"
+_FORMS = (
+    "a mapping of names to arrays, a pandas.DataFrame, an xarray.Dataset, a structured array, or "
+    "the path of a CSV or NetCDF file"
+)
+Column = npt.NDArray[Any]
+Places = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """A table as it was given.
+
+    Attributes
+    ----------
+    values : dict of str to numpy.ndarray, each shape (rows,)
+        Columns by the names that they have there.
+    source : str
+        What messages begin with.
+    folder : path
+        What the paths of its records start from.
+    lines : numpy.ndarray, shape (rows,), optional
+        Line of each row in a file of text.
+    """
+
+    values: dict[str, Column]
+    source: str = "points"
+    folder: Path = Path()
+    lines: Places | None = None
+
+    def where(self, position: int) -> str:
+        """Name the place of a row."""
+        place = f"row {position}" if self.lines is None else f"line {self.lines[position]}"
+        return f"{self.source}, {place}"
+
+
+def point_axis(
+    points: Points,
+    pool: Sequence[RecordFile] = (),
+    unit: str | None = None,
+    dt: float | None = None,
+) -> Axis:
+    """Make the axis of a table's rows.
+
+    Parameters
+    ----------
+    points : mapping, pandas.DataFrame, xarray.Dataset, structured array, str or path
+        The table, or the CSV or NetCDF file that holds it.
+    pool : sequence of RecordFile
+        Records that the column ``record`` may name.
+    unit : str, optional
+        Unit of other records that are not AT2.
+    dt : float, optional
+        Sampling interval of other records of one column [s].
+
+    Returns
+    -------
+    Axis
+        Numbers as columns; each combination of record and texts is a scene.
+
+    Raises
+    ------
+    InputError
+        When the table cannot be read, or when a name or a value in it is not acceptable.
+    """
+    table = _read(points)
+    words = [word for word in table.values if str(word).lower() == _RECORD]
+    named: dict[str, Column] = name_axes(
+        {word: values for word, values in table.values.items() if word not in words}, table.source
+    )
+    numbers = {name: values for name, values in named.items() if _is_number(name, table.source)}
+    columns = {name: take_numbers(name, values, table.where) for name, values in numbers.items()}
+    texts: dict[str, tuple[Places, Sequence[Any]]] = {}
+    if words:
+        codes, values = _codes(table.values[words[0]])
+        records, which = _find_records(codes, values, table, pool, unit, dt)
+        texts[_RECORD] = (which[codes], records)
+    for name in [name for name in named if name not in numbers]:
+        texts[name] = _texts(name, table, named[name])
+    scenes, scene_of = _make_scenes(texts, len(next(iter(table.values.values()))))
+    labels = _labels([*named])
+    coordinates = tuple(_coordinate(name, labels[name], scenes) for name in named)
+    if words:
+        found = [scene.record for scene in scenes if scene.record is not None]
+        coordinates = (*record_coordinates(POINT, found), *coordinates)
+    return Axis(
+        POINT,
+        len(scene_of),
+        coordinates,
+        columns,
+        scenes,
+        table.where,
+        Table({labels[name]: values for name, values in columns.items()}, scene_of),
+    )
+
+
+def _read(points: Points) -> _Columns:
+    if isinstance(points, str | os.PathLike):
+        path = Path(points)
+        if is_netcdf(path):
+            return _Columns(_one_dimension(read_netcdf(path), str(path)), str(path), path.parent)
+        values, lines = read_csv(path, lambda word: _is_column_of_numbers(word, str(path)))
+        return _Columns(values, str(path), path.parent, lines)
+    if isinstance(points, xr.Dataset):
+        return _Columns(_one_dimension(points, "points"))
+    if isinstance(points, np.ndarray) and points.dtype.names:
+        points = {name: points[name] for name in points.dtype.names}
+    elif hasattr(points, "columns") and hasattr(points, "to_numpy"):
+        # a frame of pandas, polars, ...; of two columns of one name the frame gives both
+        points = {name: points[name].to_numpy() for name in points.columns}
+    if not isinstance(points, Mapping):
+        raise InputError(f"points: {shorten(type(points).__name__)}: must be {_FORMS}")
+    return _Columns(_same_length({name: _column(item) for name, item in points.items()}))
+
+
+def _column(values: Any) -> Column:  # noqa: ANN401 (a list, an array or what makes one)
+    array = np.asarray(values)
+    if isinstance(values, list | tuple) and array.dtype.kind not in "biuf":
+        # one text would make texts of all numbers
+        return np.fromiter(values, dtype=object, count=len(values))
+    return array
+
+
+def _one_dimension(found: xr.Dataset, source: str) -> dict[str, Column]:
+    dims = list(found.sizes)
+    if len(dims) != 1:
+        raise InputError(
+            f"{source}: has the dimensions {', '.join(map(str, dims)) or 'none'}: points have one; "
+            f"dataset.stack({POINT}=[...]).reset_index('{POINT}') makes one of several"
+        )
+    # the labels of the rows themselves, when they are no key
+    names = [str(name) for name in found.variables if name != dims[0] or _is_known(str(name))]
+    return _same_length({name: found[name].values for name in names}, source)
+
+
+def _is_known(word: str) -> bool:
+    try:
+        return word.lower() == _RECORD or bool(name_axes({word: None}))
+    except InputError:
+        return False
+
+
+def _same_length(columns: dict[str, Column], source: str = "points") -> dict[str, Column]:
+    wrong = [name for name, values in columns.items() if values.ndim > 1]
+    if wrong:
+        shape = columns[wrong[0]].shape
+        raise InputError(f"{source}: {wrong[0]}: has the shape {shape}: must be one value a row")
+    lengths = {name: len(values) for name, values in columns.items() if values.ndim == 1}
+    n = max(lengths.values(), default=min(1, len(columns)))
+    if n == 0:
+        raise InputError(f"{source}: has no row")
+    for name, length in lengths.items():
+        if length != n:
+            raise InputError(f"{source}: {name}: {length} values where other columns have {n}")
+    return {name: np.broadcast_to(values, n) for name, values in columns.items()}
+
+
+def _is_column_of_numbers(word: str, source: str) -> bool:
+    """Tell of a column of a file of text whether it holds numbers; words may be logicals."""
+    if word.lower() == _RECORD:
+        return False
+    (name,) = name_axes({word: None}, source)
+    return kind_of(name) in ("real", "integer") and _is_number(name, source)
+
+
+def _is_number(name: str, source: str) -> bool:
+    kind = kind_of(name)
+    if name in PAIRS or kind.endswith("list"):
+        parts = " and ".join(".".join(key) for key in keys_of_axis(name))
+        raise InputError(
+            f"{source}: {name}: is a list, a column has one value a row"
+            + (f"; give the columns {parts}" if name in PAIRS else "")
+        )
+    return kind in NUMBERS
+
+
+def _codes(column: Column) -> tuple[Places, list[Any]]:
+    """Find the different values, and which of them each row has."""
+    if column.dtype.kind == "U":
+        different, which = np.unique(column, return_inverse=True)
+        return which, different.tolist()
+    found: dict[Hashable, int] = {}
+    values: dict[int, Any] = {}
+    codes = []
+    for value in column.tolist():
+        # records and motions of many samples would be compared row by row
+        key = value if isinstance(value, str | int | float | os.PathLike) else id(value)
+        code = found.setdefault((type(value), key), len(found))
+        values.setdefault(code, value)
+        codes.append(code)
+    return np.array(codes), list(values.values())
+
+
+def _texts(name: str, table: _Columns, column: Column) -> tuple[Places, list[Any]]:
+    codes, values = _codes(column)
+    for i, value in enumerate(values):
+        if not isinstance(value, str):
+            place = table.where(int(np.argmax(codes == i)))
+            raise InputError(f"{place}: {name} = {shorten(repr(value))}: must be a text")
+    return codes, values
+
+
+def _make_scenes(
+    texts: Mapping[str, tuple[Places, Sequence[Any]]], n: int
+) -> tuple[tuple[Scene, ...], npt.NDArray[np.uint32]]:
+    """Combine records and texts as they occur, in the order of their first rows."""
+    combined = np.zeros(n, dtype=np.int64)
+    for codes, values in texts.values():
+        combined = combined * len(values) + codes
+    _, first, which = np.unique(combined, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    scenes = []
+    for row in first[order].tolist():
+        found = {name: values[codes[row]] for name, (codes, values) in texts.items()}
+        record = found.pop(_RECORD, None)
+        settings = tuple((key_of_column(name), str(value)) for name, value in found.items())
+        scenes.append(Scene(record, settings))
+    return tuple(scenes), rank[which].astype(np.uint32)
+
+
+def _labels(names: Sequence[str]) -> dict[str, str]:
+    """Name the coordinates as the axes of a grid; what two groups have, with its group."""
+    short = [name.split(".")[-1] for name in names]
+    return {
+        name: name.replace(".", "_") if short.count(label) > 1 else label
+        for name, label in zip(names, short, strict=True)
+    }
+
+
+def _coordinate(name: str, label: str, scenes: Sequence[Scene]) -> Coordinate:
+    key = key_of_column(name)
+    values = tuple(value for scene in scenes for known, value in scene.settings if known == key)
+    return column_coordinate(name, POINT, label, values)
+
+
+def _find_records(
+    codes: Places,
+    words: list[Any],
+    table: _Columns,
+    pool: Sequence[RecordFile],
+    unit: str | None,
+    dt: float | None,
+) -> tuple[tuple[RecordFile, ...], Places]:
+    """Find the records that a column names; and which of them each of its words means."""
+    found: dict[RecordFile, int] = {record: i for i, record in enumerate(pool)}
+    names = {record.name: record for record in pool}
+    which = []
+    for i, word in enumerate(words):
+        record = names.get(word) if isinstance(word, str) else None
+        try:
+            record = record or _find_record(word, table.folder, pool, unit, dt)
+        except InputError as error:
+            place = table.where(int(np.argmax(codes == i)))
+            close = difflib.get_close_matches(str(word), names, 1)
+            hint = f"; did you mean {close[0]}?" if close else ""
+            raise InputError(f"{place}: {error}{hint}") from error
+        which.append(found.setdefault(record, len(found)))
+    # two files of one name get their folders' names as well
+    return find_records(found), np.array(which)
+
+
+def _find_record(
+    word: object, folder: Path, pool: Sequence[RecordFile], unit: str | None, dt: float | None
+) -> RecordFile:
+    if isinstance(word, RecordFile | Motion):
+        return find_records([word])[0]
+    if not isinstance(word, str | os.PathLike) or not os.fspath(word):
+        raise InputError(f"record = {shorten(repr(word))}: must be a record, its name or path")
+    path = (folder / word).absolute()
+    same = [record for record in pool if record.path == str(path)]
+    if same:
+        return same[0]
+    if not path.is_file():
+        known = ", ".join(record.name for record in pool) or "none"
+        raise InputError(
+            f"record = {shorten(word)}: is neither a file nor the name of one of the records "
+            f"({shorten(known)})"
+        )
+    return find_records([path], unit=unit, dt=dt)[0]

@@ -1,0 +1,86 @@
+"""Which edits of a case are other numbers, so that the kernel needs no text for them."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import _library
+
+__all__ = ["numbers_of"]
+
+
+def numbers_of(
+    groups: Mapping[str, object],
+) -> tuple[_library.Changes, npt.NDArray[np.float64]] | None:
+    """Take an edit apart into keys and numbers.
+
+    Parameters
+    ----------
+    groups : mapping
+        What `Case.replace` is given.
+
+    Returns
+    -------
+    Changes
+        The keys.
+    numpy.ndarray, shape (n,)
+        The numbers, those of a list one after the other.
+
+    None when something else than numbers changes, or a key has a value that is not of its type.
+    """
+    kinds = _kinds()
+    names: list[str] = []
+    values: list[npt.NDArray[np.float64]] = []
+    for group, changes in groups.items():
+        if not isinstance(changes, Mapping) or not changes:
+            return None
+        for key, value in changes.items():
+            name = f"{group}.{key}".lower()
+            found = _numbers(kinds.get(name, ""), value)
+            if found is None or name in names:
+                return None
+            names.append(name)
+            values.append(found)
+    sizes = tuple(array.size for array in values)
+    numbers = np.concatenate(values) if values else np.zeros(0)
+    return _library.Changes(tuple(names), sizes), numbers
+
+
+def _numbers(kind: str, value: object) -> npt.NDArray[np.float64] | None:
+    """Return the value of a key as numbers; none for None, which takes the key out."""
+    if value is None and kind:
+        return np.zeros(0)
+    if kind == "real list" and not isinstance(value, str | bytes):
+        return _array(value)
+    types: dict[str, Any] = {
+        "real": int | float | np.integer | np.floating,
+        "integer": int | np.integer,
+        "logical": bool | np.bool_,
+    }
+    if not isinstance(value, types.get(kind, ())) or (
+        kind != "logical" and isinstance(value, bool | np.bool_)
+    ):
+        return None
+    return np.array([value], dtype=np.float64)
+
+
+def _array(value: object) -> npt.NDArray[np.float64] | None:
+    """Return numbers that are no texts and no truths as an array; None for anything else."""
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        return None
+    if array.dtype.kind not in "iuf" or array.ndim > 1 or array.size == 0:
+        return None
+    return array.astype(np.float64).ravel()
+
+
+@functools.cache
+def _kinds() -> dict[str, str]:
+    """Type of each key by ``group.key`` in small letters."""
+    return {f"{row[0]}.{row[1]}".lower(): row[2] for row in _library.schema()}

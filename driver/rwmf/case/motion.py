@@ -1,0 +1,218 @@
+"""A ground motion from arrays: what stands in a case where a record's file would be named."""
+
+from __future__ import annotations
+
+import os
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import _library
+from rwmf._files import files
+from rwmf.errors import InputError
+
+__all__ = ["Motion"]
+
+_UNITS = ("g", "m/s2", "cm/s2")
+
+
+class Motion:
+    """Samples of a ground acceleration in memory: a record without a file.
+
+    A motion never changes: it keeps copies of the arrays. Its samples are under the rules for those
+    of a file: at least two, finite, at times that increase strictly, with straight lines between
+    them. It takes the place of a file wherever a case or a sweep names one::
+
+        quake = rwmf.Motion(a, dt=0.01, unit="m/s2", name="synthetic 7")
+        case = case.replace(motion=quake)
+        case = case.replace(motion={"file": quake, "scale": 1.5}, vertical=rwmf.Motion(...))
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        Accelerations of the ground.
+    dt : float, optional
+        Interval of the samples, the first at t = 0 [s]; exactly one of `dt` and `times`.
+    times : array, shape (n,), optional
+        Times of the samples [s].
+    unit : {'g', 'm/s2', 'cm/s2'}
+        Of the values; 'g' is `&model g` of the case.
+    name : str
+        By which outputs and messages call it.
+
+    Raises
+    ------
+    InputError
+        When the samples are not acceptable.
+    """
+
+    __slots__ = ("_dt", "_name", "_samples", "_times", "_unit", "_values")
+
+    _dt: float | None
+    _name: str
+    _samples: _library.Samples
+    _times: npt.NDArray[np.float64] | None
+    _unit: str
+    _values: npt.NDArray[np.float64]
+
+    def __init__(
+        self,
+        values: npt.ArrayLike,
+        *,
+        dt: float | None = None,
+        times: npt.ArrayLike | None = None,
+        unit: str,
+        name: str = "array",
+    ) -> None:
+        put = super().__setattr__
+        put("_name", name)
+        if not name.strip() or not name.isprintable():
+            raise InputError(f"name = {name!r} of a motion: must be printable text on one line")
+        if unit not in _UNITS:
+            raise self._problem(f"unit = {unit!r}: must be 'g', 'm/s2' or 'cm/s2'")
+        if (dt is None) == (times is None):
+            raise self._problem("exactly one of dt and times must be given")
+        if dt is not None and not (np.isfinite(dt) and dt > 0):
+            raise self._problem(f"dt = {dt!r}: must be a number > 0 [s]")
+        put("_unit", unit)
+        put("_dt", None if dt is None else float(dt))
+        put("_values", self._kept("values", values))
+        put("_times", None if times is None else self._kept("times", times))
+        if self._values.size < 2:
+            raise self._problem(f"{self._values.size} samples: must be at least 2")
+        try:
+            put("_samples", _library.keep_samples(self._values, self._times))
+        except InputError as error:
+            raise self._problem(str(error)) from None
+
+    def _kept(self, what: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Copy an array into one that nobody can change."""
+        try:
+            array = np.array(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self._problem(f"{what}: must be an array of numbers") from None
+        if array.ndim != 1:
+            raise self._problem(f"{what} of shape {array.shape}: must have one dimension")
+        array.flags.writeable = False
+        return array
+
+    def _problem(self, problem: str) -> InputError:
+        return InputError(f"motion {self._name!r}: {problem}")
+
+    @property
+    def values(self) -> npt.NDArray[np.float64]:
+        """The accelerations, read-only."""
+        return self._values
+
+    @property
+    def times(self) -> npt.NDArray[np.float64]:
+        """Times of the samples [s], read-only."""
+        times: npt.NDArray[np.float64]
+        if self._times is not None:
+            return self._times
+        times = np.arange(self._values.size) * np.float64(self._dt or 0.0)
+        times.flags.writeable = False
+        return times
+
+    @property
+    def dt(self) -> float | None:
+        """Interval of the samples [s]; None for a motion that came with times."""
+        return self._dt
+
+    @property
+    def unit(self) -> str:
+        """Unit of the accelerations."""
+        return self._unit
+
+    @property
+    def name(self) -> str:
+        """What outputs and messages call it."""
+        return self._name
+
+    @property
+    def checksum(self) -> str:
+        """CRC-32 of the numbers (times, if it came with them, then values), as outputs give it."""
+        times = b"" if self._times is None else self._times.tobytes()
+        return f"{zlib.crc32(self._values.tobytes(), zlib.crc32(times)):08x}"
+
+    @property
+    def samples(self) -> _library.Samples:
+        """The samples as the kernel keeps them."""
+        return self._samples
+
+    def keys(self) -> dict[str, Any]:
+        """Return the keys by which a case describes the motion.
+
+        Returns
+        -------
+        dict
+            ``file`` (the name), ``unit`` and, for a motion with an interval, ``dt``.
+        """
+        found: dict[str, Any] = {"file": self._name, "unit": self._unit}
+        return found if self._dt is None else found | {"dt": self._dt}
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the samples as a record that a case can name: one column, or times and values.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; the numbers round-trip to the same bits.
+
+        Raises
+        ------
+        OutputError
+            When the file cannot be written.
+        """
+        columns = [self._values] if self._times is None else [self._times, self._values]
+        lines = [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
+        files.write_bytes(Path(path), ("\n".join(lines) + "\n").encode())
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        """Refuse: a motion never changes."""
+        raise AttributeError("a motion cannot be changed; make another one")
+
+    def __eq__(self, other: object) -> bool:
+        """Compare name, unit and samples."""
+        if not isinstance(other, Motion):
+            return NotImplemented
+        return (
+            self.keys() == other.keys()
+            and np.array_equal(self._values, other._values)
+            and np.array_equal(self.times, other.times)
+        )
+
+    def __hash__(self) -> int:
+        """Hash name, unit and samples."""
+        return hash((*self.keys().values(), self.checksum))
+
+    def __reduce__(self) -> tuple[Callable[..., Motion], tuple[object, ...]]:
+        """Pickle the samples."""
+        return (_restore, (self._values, self._dt, self._times, self._unit, self._name))
+
+    def __copy__(self) -> Motion:
+        """Return the motion itself: it never changes."""
+        return self
+
+    def __deepcopy__(self, _: object) -> Motion:
+        """Return the motion itself: it never changes."""
+        return self
+
+    def __repr__(self) -> str:
+        """Show name, size, interval and unit."""
+        pace = "with times" if self._dt is None else f"dt = {self._dt!r} s"
+        return f"Motion({self._name!r}: {self._values.size} samples, {pace}, unit {self._unit!r})"
+
+
+def _restore(
+    values: npt.NDArray[np.float64],
+    dt: float | None,
+    times: npt.NDArray[np.float64] | None,
+    unit: str,
+    name: str,
+) -> Motion:
+    return Motion(values, dt=dt, times=times, unit=unit, name=name)

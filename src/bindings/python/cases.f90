@@ -1,0 +1,153 @@
+!> Making cases: of text, with samples of arrays, and of a case that is kept. Flat procedures for
+!> f2py in the extension `rwmf._kernel` beside `rwmf_bindings_python_kernel`, whose
+!> conventions they follow.
+module rwmf_bindings_python_cases
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
+   use rwmf_bindings_python_handles, only: add_source, find, keep, keep_motion, kept_t, &
+      put_error, sampled_case, samples_of
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: dp
+   use rwmf_input_change, only: change_case, find_changes, is_motion_changed
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_input_record_samples, only: samples_from_array, samples_t
+   use rwmf_problem_case, only: case_t
+   implicit none
+   public
+
+contains
+
+   !> Read and validate a case. `others` are handles, 0 for none: of a case whose records are not
+   !> read again where both name the same, and of samples that stand for the records of `&motion`
+   !> and `&vertical`.
+   subroutine case_read(text, source, others, handle, status, message, message_length)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: source
+      integer(c_int64_t), intent(in) :: others(3)
+      integer(c_int64_t), intent(out) :: handle
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      ! f2py declares the C type of int8 only when it is written this way at least once
+      !f2py integer*1 :: message
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(case_t), pointer :: case
+      type(samples_t), pointer :: a
+      type(samples_t), pointer :: v
+      type(error_t), allocatable :: error
+      !f2py threadsafe
+
+      allocate (kept)
+      allocate (kept%case)
+      ! what is not there is a null pointer and arrives as an absent argument
+      case => sampled_case(others(1))
+      a => samples_of(others(2))
+      v => samples_of(others(3))
+      call read_case_text(text, source(:index(source, '/', back=.true.)), kept%case, error, case, &
+         a, v)
+      call add_source(source, error)
+      if (.not. allocated(error)) call keep_motion(kept)
+      call keep(kept, error, handle)
+      call put_error(error, status, message, message_length)
+   end subroutine case_read
+
+   !> Keep samples of an array; without times (none at all) they follow an interval of the case.
+   subroutine samples_keep(a, t, handle, status, message, message_length)
+      real(c_double), intent(in) :: a(:)
+      real(c_double), intent(in) :: t(:)
+      integer(c_int64_t), intent(out) :: handle
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+      !f2py threadsafe
+
+      allocate (kept)
+      allocate (kept%samples)
+      if (size(t) > 0) then
+         call samples_from_array(real(a, dp), kept%samples, error, real(t, dp))
+      else
+         call samples_from_array(real(a, dp), kept%samples, error)
+      end if
+      call keep(kept, error, handle)
+      call put_error(error, status, message, message_length)
+   end subroutine samples_keep
+
+   !> Look up keys that change: their names, separated by blanks, and how many numbers each gets.
+   subroutine changes_find(handle, names, n_values, changes, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      character(*), intent(in) :: names
+      integer(c_int), intent(in) :: n_values(:)
+      integer(c_int64_t), intent(out) :: changes
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: from
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+      character(40) :: list(size(n_values))
+
+      from => find(handle)
+      allocate (kept)
+      allocate (kept%changes)
+      read (names, *, iostat=status) list
+      call find_changes(from%case, list, kept%changes, error, int(n_values))
+      call keep(kept, error, changes)
+      call put_error(error, status, message, message_length)
+   end subroutine changes_find
+
+   !> The case with other numbers. The samples of its records, and their motion, stay with the case
+   !> that was read.
+   subroutine case_change(handle, changes, numbers, source, changed, status, message, &
+      message_length)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int64_t), intent(in) :: changes
+      real(c_double), intent(in) :: numbers(:)
+      character(*), intent(in) :: source
+      integer(c_int64_t), intent(out) :: changed
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: from
+      type(kept_t), pointer :: keys
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+
+      from => find(handle)
+      keys => find(changes)
+      allocate (kept)
+      allocate (kept%case)
+      kept%origin => from
+      if (associated(from%origin)) kept%origin => from%origin
+      kept%is_motion_of_origin = .not. is_motion_changed(keys%changes)
+      if (associated(from%origin)) then
+         kept%is_motion_of_origin = kept%is_motion_of_origin .and. from%is_motion_of_origin
+      end if
+      call change_case(from%case, keys%changes, real(numbers, dp), kept%case, error)
+      call add_source(source, error)
+      if (.not. allocated(error)) call keep_motion(kept)
+      call keep(kept, error, changed)
+      call put_error(error, status, message, message_length)
+   end subroutine case_change
+
+   !> How many ordinates the spectrum of a case has; 0 without `&spectrum`.
+   subroutine ordinates(handle, n)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int64_t), intent(out) :: n
+      type(kept_t), pointer :: kept
+
+      kept => find(handle)
+      n = 0_c_int64_t
+      if (.not. allocated(kept%case%spectrum)) return
+      associate (grid => kept%case%spectrum)
+         if (allocated(grid%T_s)) then
+            n = size(grid%T_s, kind=c_int64_t)
+         else
+            n = int(grid%n, c_int64_t)
+         end if
+         if (allocated(grid%gamma)) n = n*size(grid%gamma, kind=c_int64_t)
+         if (allocated(grid%b)) n = n*size(grid%b, kind=c_int64_t)
+      end associate
+   end subroutine ordinates
+
+end module rwmf_bindings_python_cases

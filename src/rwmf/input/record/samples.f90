@@ -1,0 +1,90 @@
+!> Samples of a ground acceleration, of a file or of an array: what a record is made of once a case
+!> says unit, scale and interval.
+module rwmf_input_record_samples
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_text_crc32, only: crc32
+   use rwmf_text_strings, only: integer_to_text, real_to_text
+   implicit none
+   private
+
+   public :: samples_t, samples_from_array
+
+   !> Samples, checked one by one.
+   type :: samples_t
+      real(dp), allocatable :: a(:)
+      !! (n) accelerations [unit of the record]
+      real(dp), allocatable :: t(:)
+      !! (n) strictly increasing times [s]; absent when they follow an interval
+      real(dp), allocatable :: dt
+      !! interval that the samples come with [s]
+      character(:), allocatable :: format
+      !! 'one column', 'two columns', 'AT2' or 'array'
+      character(8) :: crc32
+      !! of the bytes of the file, or of the numbers, hexadecimal
+   end type samples_t
+
+contains
+
+   !> Samples of an array, under the rules for those of a file.
+   !>
+   !> Errors: a number that is not finite, times that do not increase, arrays of different lengths.
+   subroutine samples_from_array(a, samples, error, t)
+      real(dp), intent(in) :: a(:)
+      !! (n) accelerations [unit of the record]
+      type(samples_t), intent(out) :: samples
+      type(error_t), allocatable, intent(out) :: error
+      real(dp), intent(in), optional :: t(:)
+      !! (n) strictly increasing times [s]; absent when the case gives the interval
+      integer :: i
+
+      samples%format = 'array'
+      samples%a = a
+      call check_finite('acceleration', a, error)
+      if (present(t) .and. .not. allocated(error)) then
+         samples%t = t
+         if (size(t) /= size(a)) then
+            call fail(error, err_input, trim(integer_to_text(size(a)))//' accelerations at ' &
+               //trim(integer_to_text(size(t)))//' times: must be as many')
+            return
+         end if
+         call check_finite('time', t, error)
+         do i = 2, size(t)
+            if (allocated(error)) exit
+            if (t(i) > t(i - 1)) cycle
+            call fail(error, err_input, 'sample '//trim(integer_to_text(i))//': time '//trim( &
+               real_to_text(real(t(i), wp)))//' s after '//trim(real_to_text(real(t(i - 1), wp))) &
+               //' s: times must increase strictly')
+         end do
+      end if
+      if (allocated(error)) return
+      samples%crc32 = crc32_of(a)
+      if (present(t)) samples%crc32 = crc32_of([t, a])
+   end subroutine samples_from_array
+
+   !> Every number is finite.
+   subroutine check_finite(what, numbers, error)
+      character(*), intent(in) :: what
+      real(dp), intent(in) :: numbers(:)
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      if (all(ieee_is_finite(numbers))) return
+      do i = 1, size(numbers)
+         if (.not. ieee_is_finite(numbers(i))) exit
+      end do
+      call fail(error, err_input, 'sample '//trim(integer_to_text(i))//': '//what//' ' &
+         //trim(real_to_text(real(numbers(i), wp)))//' is not a finite number')
+   end subroutine check_finite
+
+   !> CRC-32 of the bytes of numbers.
+   pure character(8) function crc32_of(numbers)
+      real(dp), intent(in) :: numbers(:)
+      character(8*size(numbers)) :: bytes
+
+      bytes = transfer(numbers, bytes)
+      crc32_of = crc32(bytes)
+   end function crc32_of
+
+end module rwmf_input_record_samples

@@ -1,0 +1,323 @@
+!> Runs of one scene whose numbers differ: those of a grid of axes, or those of a table. Each is a
+!> *row* with a number, from which its case follows: no row is kept, so that there may be millions.
+module rwmf_spectrum_rows
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: dp, wp
+   use rwmf_input_change, only: change_case, changes_t, find_changes
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t, spectrum_spec_t
+   use rwmf_problem_record, only: set_factor
+   use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
+   use rwmf_text_strings, only: real_to_text, to_lower
+   implicit none
+   private
+
+   public :: rows_t, rows_of_grid, rows_of_table, take_row, scene_of, period_of, spectrum_periods
+   public :: row_motion
+
+   character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
+   !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
+   !! factor on the motion
+   integer, parameter :: axis_period = 3
+   integer, parameter :: axis_scale = 4
+   !! places among them
+
+   !> Where the numbers of the runs come from.
+   type :: rows_t
+      type(case_t), pointer :: case => null()
+      !! what they have in common, samples of records included
+      integer :: n = 0
+      !! number of rows
+      real(wp), allocatable :: T_s(:), gamma(:), b(:)
+      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame beside
+      !! a wall, b without a wall
+      real(wp), pointer :: table(:, :) => null()
+      !! (columns, rows) otherwise, each in the unit of its key
+      integer :: axis_column(4) = 0
+      !! column of each of `axes`, 0 for none
+      integer, allocatable :: key_columns(:)
+      !! columns of the keys of `changes`
+      type(changes_t) :: changes
+      logical :: has_own_motion = .false.
+      !! a number of the motion differs
+      logical :: has_own_shape = .false.
+      !! and not only its size
+      logical :: has_own_method = .false.
+      !! a number of the solver differs
+      logical :: is_one_scene = .false.
+      !! nothing differs but the period and the size of the motion
+   end type rows_t
+
+contains
+
+   !> The grid of a case's `&spectrum` group.
+   subroutine rows_of_grid(case, rows)
+      type(case_t), intent(in), target :: case
+      !! outlives the rows
+      type(rows_t), intent(out) :: rows
+
+      rows%case => case
+      rows%T_s = spectrum_periods(case%spectrum)
+      rows%n = size(rows%T_s)
+      if (.not. allocated(case%wall)) return
+      if (allocated(case%frame)) rows%gamma = [case%frame%gamma]
+      if (allocated(case%spectrum%gamma)) rows%gamma = case%spectrum%gamma
+      if (allocated(rows%gamma)) rows%n = rows%n*size(rows%gamma)
+      rows%b = [case%wall%b]
+      if (allocated(case%spectrum%b)) rows%b = case%spectrum%b
+      rows%n = rows%n*size(rows%b)
+   end subroutine rows_of_grid
+
+   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change.
+   subroutine rows_of_table(case, columns, values, rows, error)
+      type(case_t), intent(in), target :: case
+      !! outlives the rows
+      character(*), intent(in) :: columns(:)
+      !! (columns) 'T_s', 'gamma', 'b', 'scale' (a factor on the horizontal motion) or 'group.key'
+      real(wp), intent(in), target, contiguous :: values(:, :)
+      !! (columns, rows) each in the unit of its key; outlives the rows
+      type(rows_t), intent(out) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i, axis
+
+      rows%case => case
+      rows%table => values
+      rows%n = size(values, 2)
+      rows%is_one_scene = .true.
+      allocate (rows%key_columns(0))
+      do i = 1, size(columns)
+         axis = findloc(axes == columns(i), .true., dim=1)
+         if (axis > 0) then
+            call add_axis(case, axis, i, rows, error)
+         else
+            rows%key_columns = [rows%key_columns, i]
+            call note_key(case, to_lower(trim(columns(i))), rows)
+         end if
+         if (allocated(error)) return
+      end do
+      if (size(rows%key_columns) > 0) call find_changes(case, columns(rows%key_columns), &
+         rows%changes, error)
+   end subroutine rows_of_table
+
+   !> A column that is an axis.
+   subroutine add_axis(case, axis, column, rows, error)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: axis
+      !! its place in `axes`
+      integer, intent(in) :: column
+      type(rows_t), intent(inout) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      type(axis_t), allocatable :: own(:)
+      logical :: is_missing
+
+      call list_axes(case, own)
+      is_missing = .not. any(own%name == axes(axis))
+      if (axis == axis_scale) is_missing = .not. allocated(case%motion)
+      if (is_missing) then
+         call fail(error, err_input, trim(axes(axis))//': the case has no such effect to vary')
+      else if (rows%axis_column(axis) > 0) then
+         call fail(error, err_input, trim(axes(axis))//': the column is given twice')
+      end if
+      if (allocated(error)) return
+      rows%axis_column(axis) = column
+      rows%is_one_scene = rows%is_one_scene .and. (axis == axis_scale .or. (axis == axis_period &
+         .and. allocated(case%frame)))
+      rows%has_own_motion = rows%has_own_motion .or. axis == axis_scale
+   end subroutine add_axis
+
+   !> What a column that is a key makes different.
+   pure subroutine note_key(case, key, rows)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: key
+      !! 'group.key' in small letters
+      type(rows_t), intent(inout) :: rows
+
+      rows%is_one_scene = rows%is_one_scene .and. (key == 'frame.t_s' .or. key == 'motion.scale' &
+         .or. key == 'motion.a_max_g' .or. key == 'motion.v_p')
+      rows%has_own_method = rows%has_own_method .or. index(key, 'solver.') == 1 &
+         .or. index(key, 'output.') == 1
+      if (key == 'model.g') then
+         rows%has_own_motion = rows%has_own_motion .or. allocated(case%motion)
+      else if (index(key, 'motion.') == 1 .or. index(key, 'vertical.') == 1) then
+         rows%has_own_motion = .true.
+         rows%has_own_shape = rows%has_own_shape .or. .not. (key == 'motion.scale' &
+            .or. key == 'motion.a_max_g' .or. key == 'motion.v_p' .or. key == 'vertical.ratio')
+      end if
+   end subroutine note_key
+
+   !> Periods of a `&spectrum`: the list, or the grid with both ends included [s].
+   pure function spectrum_periods(spec) result(T_s)
+      type(spectrum_spec_t), intent(in) :: spec
+      real(wp), allocatable :: T_s(:)
+      !! (n_T)
+      real(wp) :: x
+      integer :: i
+
+      if (allocated(spec%T_s)) then
+         T_s = spec%T_s
+         return
+      end if
+      allocate (T_s(spec%n))
+      do i = 1, spec%n
+         x = real(i - 1, wp)/real(max(1, spec%n - 1), wp)
+         if (spec%spacing == 'log') then
+            T_s(i) = spec%T_s_min*(spec%T_s_max/spec%T_s_min)**x
+         else
+            T_s(i) = spec%T_s_min + x*(spec%T_s_max - spec%T_s_min)
+         end if
+      end do
+      if (spec%n > 1) T_s(spec%n) = spec%T_s_max
+   end function spectrum_periods
+
+   !> Period of a row, as far as its axes say [s].
+   pure real(wp) function period_of(rows, number) result(T_s)
+      type(rows_t), intent(in) :: rows
+      integer, intent(in) :: number
+      !! of the row
+
+      T_s = 1
+      if (.not. associated(rows%table)) then
+         T_s = rows%T_s(mod(number - 1, size(rows%T_s)) + 1)
+      else if (rows%axis_column(axis_period) > 0) then
+         T_s = rows%table(rows%axis_column(axis_period), number)
+      end if
+   end function period_of
+
+   !> Number of the scene of a row: rows of one scene differ only in the period and in the size of
+   !> the motion.
+   pure integer function scene_of(rows, number) result(scene)
+      type(rows_t), intent(in) :: rows
+      integer, intent(in) :: number
+      !! of the row
+
+      scene = number
+      if (.not. associated(rows%table)) scene = (number - 1)/size(rows%T_s) + 1
+      if (rows%is_one_scene) scene = 1
+   end function scene_of
+
+   !> The case of a row: its structure, its solver and, where it has its own, its motion.
+   !>
+   !> Errors: a number that is not allowed, in the words of reading.
+   subroutine take_row(rows, number, row, error)
+      type(rows_t), intent(in) :: rows
+      integer, intent(in) :: number
+      !! of the row
+      type(case_t), intent(inout) :: row
+      !! without text and samples
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i, n_gamma
+
+      if (associated(rows%table)) then
+         call take_line(rows, rows%table(:, number), row, error)
+         return
+      end if
+      row%structure_t = rows%case%structure_t
+      row%solver = rows%case%solver
+      i = (number - 1)/size(rows%T_s)
+      n_gamma = 1
+      if (allocated(rows%gamma)) then
+         n_gamma = size(rows%gamma)
+         call set_axes(row, gamma=rows%gamma(mod(i, n_gamma) + 1))
+      end if
+      if (allocated(rows%b)) call set_axes(row, b=rows%b(i/n_gamma + 1))
+      ! the size of a block follows its width
+      call set_axes(row, T_s=rows%T_s(mod(number - 1, size(rows%T_s)) + 1))
+   end subroutine take_row
+
+   !> The case of a line of a table.
+   subroutine take_line(rows, x, row, error)
+      type(rows_t), intent(in) :: rows
+      real(wp), intent(in) :: x(:)
+      !! (columns)
+      type(case_t), intent(inout) :: row
+      type(error_t), allocatable, intent(out) :: error
+      integer :: axis
+
+      if (size(rows%key_columns) > 0) then
+         call change_case(rows%case, rows%changes, real(x(rows%key_columns), dp), row, error)
+         if (allocated(error)) return
+      else
+         row%structure_t = rows%case%structure_t
+         row%solver = rows%case%solver
+         if (rows%has_own_motion) call take_motion(rows%case, row)
+      end if
+      do axis = 1, size(axes)
+         if (rows%axis_column(axis) == 0) cycle
+         associate (value => x(rows%axis_column(axis)))
+            if (.not. is_allowed(rows%case, axis, value)) then
+               call fail(error, err_input, trim(axes(axis))//' = '//trim(real_to_text(value)) &
+                  //': must be a finite number'//trim(merge('    ', ' > 0', axis == axis_scale)))
+               return
+            end if
+            select case (axes(axis))
+            case ('b')
+               call set_axes(row, b=value)
+            case ('gamma')
+               call set_axes(row, gamma=value)
+            case ('T_s')
+               call set_axes(row, T_s=value)
+            case default
+               call scale_motion(rows%case, value, row, error)
+               if (allocated(error)) return
+            end select
+         end associate
+      end do
+   end subroutine take_line
+
+   !> May an axis have a value? A frame may have no mass, storeys may not.
+   pure logical function is_allowed(case, axis, value)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: axis
+      real(wp), intent(in) :: value
+
+      is_allowed = ieee_is_finite(value)
+      if (.not. is_allowed .or. axis == axis_scale) return
+      is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
+         .and. .not. allocated(case%storeys))
+   end function is_allowed
+
+   !> What describes the motion besides the samples of its records, as they are with the case.
+   pure subroutine take_motion(case, row)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(inout) :: row
+
+      row%motion = case%motion
+      if (.not. allocated(case%vertical_record)) return
+      if (.not. allocated(row%vertical_record)) allocate (row%vertical_record)
+      row%vertical_record%factor = case%vertical_record%factor
+   end subroutine take_motion
+
+   !> A factor on the horizontal motion: on the scale of a record, on the size of a pulse.
+   subroutine scale_motion(case, factor, row, error)
+      type(case_t), intent(in) :: case
+      !! that the row comes from
+      real(wp), intent(in) :: factor
+      !! [-]
+      type(case_t), intent(inout) :: row
+      type(error_t), allocatable, intent(out) :: error
+
+      if (allocated(row%motion%a_max_g)) row%motion%a_max_g = factor*row%motion%a_max_g
+      if (allocated(row%motion%v_p)) row%motion%v_p = factor*row%motion%v_p
+      if (.not. allocated(case%record)) return
+      if (.not. allocated(row%record)) allocate (row%record)
+      if (allocated(case%record%format)) then
+         row%record%largest = case%record%largest
+         row%motion%scale = factor*row%motion%scale
+         call set_factor(row%record, row%motion%scale, row%model%g, error, row%motion%unit)
+      else
+         row%record%factor = factor*case%record%factor
+      end if
+   end subroutine scale_motion
+
+   !> The motion of a row that has its own.
+   function row_motion(rows, row) result(motion)
+      type(rows_t), intent(in) :: rows
+      type(case_t), intent(in) :: row
+      !! from `take_row`
+      type(motion_t) :: motion
+
+      motion = motion_from_case(row, rows%case)
+   end function row_motion
+
+end module rwmf_spectrum_rows
