@@ -31,7 +31,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
    use rwmf_simulation_recorder_reaction_extremes, only: observe_instant
-   use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_grazing, &
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, &
       observe_impact, observe_piece, observe_rest, observe_state, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
@@ -430,9 +430,7 @@ contains
 
       was_broken = tendon_is_broken(equation)
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call observe_branch(recorder, equation, hybrid%y, +1)
       call pass_window(equation%model_t, equation%state, is_rising=hybrid%is_rising)
-      call observe_branch(recorder, equation, hybrid%y, -1)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then
          call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
@@ -503,7 +501,7 @@ contains
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
-      call turn_back(equation%model_t, equation%state, 0.0_wp)
+      call turn_back(equation%model_t, equation%state, 0.0_wp, goes_on=abs(after) > 0)
       call enter_side(equation%model_t, equation%state, -equation%state%side)
       if (equation%has_bilinear_springs .or. equation%has_loading_direction &
           .or. equation%moves_at_rest) call find_uplift_acceleration(equation%model_t, &
@@ -521,6 +519,9 @@ contains
       end if
       if (rests) then
          if (allocated(recorder%forces)) call observe_end_of_chatter(hybrid, equation, recorder)
+         call turn_back(equation%model_t, equation%state, 0.0_wp)
+         if (equation%has_bilinear_springs) call find_uplift_acceleration(equation%model_t, &
+            equation%state, hybrid%y)
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
          call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
