@@ -15,7 +15,7 @@ module rwmf_model_effects_yielding
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
       real_of, text_of
-   use rwmf_problem_key, only: below_one, key_t, optional_key, positive
+   use rwmf_problem_key, only: below_one, optional_key, positive
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
@@ -30,20 +30,7 @@ contains
       group%name = 'yielding'
       group%needs(1) = 'frame'
       group%reasons(1) = 'the frame is what yields'
-      group%keys = [strength_keys(), law_keys(), degrading_keys()]
-      group%check => check_yielding
-      group%fill => fill_yielding
-      group%is_present => has_yielding
-      group%add_states => add_hysteretic_states
-      group%add_events => add_yielding_events
-      group%refuse_element => refuse_element
-   end function yielding_group
-
-   !> How strong the frame is.
-   function strength_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+      group%keys = [ &
          optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
             'displacement at which the frame yields first, the same for all periods of a ' &
             //'spectrum'), &
@@ -55,14 +42,7 @@ contains
          optional_key('yielding', 'hardening', 'real', '-', '0.0', '(-1, 1)', &
             'stiffness of the yielding frame over its elastic one; < 0: it softens'), &
          optional_key('yielding', 'ultimate', 'real', '-', '', '> 1', &
-            'ductility of frame or storey at which it has collapsed, which ends the run')]
-   end function strength_keys
-
-   !> How it yields.
-   function law_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+            'ductility of frame or storey at which it has collapsed, which ends the run'), &
          optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', &
             'elastic_plastic friction flag peak_oriented pinched bouc_wen', &
             'bilinear, slipping, self-centring, two that lose strength, or a smooth hysteresis'), &
@@ -73,14 +53,7 @@ contains
          optional_key('yielding', 'exponent', 'real', '-', '2.0', '[1, 1000]', &
             'sharpness n of the knee; bouc_wen only'), &
          optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
-            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only')]
-   end function law_keys
-
-   !> How it loses strength and stiffness, after Ibarra, Medina and Krawinkler.
-   function degrading_keys() result(keys)
-      type(key_t), allocatable :: keys(:)
-
-      keys = [ &
+            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only'), &
          optional_key('yielding', 'cap', 'real', '-', '', '> 1', &
             'ductility at the largest force; required by peak_oriented, pinched'), &
          optional_key('yielding', 'post_cap', 'real', '-', '', positive, &
@@ -95,7 +68,13 @@ contains
             'kappa_F: force at the pinching point over that on the straight way; pinched only'), &
          optional_key('yielding', 'pinch_displacement', 'real', '-', '1.0', '[0, 1]', &
             'kappa_D: part of the plastic displacement left before that point; pinched only')]
-   end function degrading_keys
+      group%check => check_yielding
+      group%fill => fill_yielding
+      group%is_present => has_yielding
+      group%add_states => add_hysteretic_states
+      group%add_events => add_yielding_events
+      group%refuse_element => refuse_element
+   end function yielding_group
 
    subroutine check_yielding(values, error)
       type(group_values_t), intent(in) :: values
