@@ -34,6 +34,7 @@ CABLE = {"eta_0": 1.0, "eta_alpha": 5.0}
 RECORD = {"file": "record.csv", "unit": "g"}
 SAMPLES = "0.0, 0.0\n0.2, 0.4\n0.5, -0.5\n0.8, 0.2\n1.0, 0.0\n"  # t (s), a (g)
 STOREYS = {"m_over_m_w": [2.5, 2.5], "k_over_m_w": [800.0, 800.0], "height": [2.0, 2.0]}
+LOSES = {"cap": 4.0, "post_cap": 10.0, "lambda": 100.0, "ultimate": 50.0}
 NO_PERIOD: Groups = {"frame": {"T_s": None, "gamma": None}}
 BALANCE = 1e-6  # of the energy ledger, relative
 
@@ -63,7 +64,20 @@ EFFECTS = [
     Effect("`&damper`", {"damper": {"c_over_m_w": 0.5}}, "damper"),
     Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
     Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),
+    *(
+        Effect(f"`&fuse`, {law}", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01, "law": law}}, "fuse")
+        for law in ("friction", "flag")
+    ),
     Effect("`&yielding`, Bouc-Wen", {"yielding": {"u_y": 0.01, "law": "bouc_wen"}}, "yielding"),
+    *(
+        Effect(f"`&yielding`, {law}", {"yielding": {"u_y": 0.01, "law": law} | keys}, "yielding")
+        for law, keys in (
+            ("friction", {"breakaway": 1.2}),
+            ("flag", {"flag_height": 0.9}),
+            ("peak_oriented", LOSES),
+            ("pinched", LOSES | {"pinch_force": 0.4, "pinch_displacement": 0.3}),
+        )
+    ),
     *(
         Effect(
             f"`&storeys`, {coupling}",

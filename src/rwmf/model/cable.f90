@@ -1,8 +1,8 @@
 !> Force of the unbonded cable, over the weight of the wall, and its arm.
 module rwmf_model_cable
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy, spring_force, spring_t, &
-      spring_tangent
+   use rwmf_model_hysteresis_bilinear, only: bilinear_energy, bilinear_force, bilinear_tangent
+   use rwmf_model_hysteresis_spring, only: branch_t, spring_t
    use rwmf_model_lanes, only: cable_coefficients
    implicit none
    private
@@ -213,10 +213,10 @@ contains
       real(wp) :: arm_1
 
       call cable_elongation(law, phi, elongation, arm, arm_1)
-      cable%force = spring_force(law%tendon, branch, elongation)
+      cable%force = bilinear_force(law%tendon, branch, elongation)
       cable%moment = cable%force*arm/law%R
-      cable%moment_1 = (spring_tangent(law%tendon, branch)*arm**2 + cable%force*arm_1)/law%R
-      cable%energy = spring_energy(law%tendon, branch, elongation)/law%R
+      cable%moment_1 = (bilinear_tangent(law%tendon, branch)*arm**2 + cable%force*arm_1)/law%R
+      cable%energy = bilinear_energy(law%tendon, branch, elongation)/law%R
    end subroutine spring_cable
 
 end module rwmf_model_cable

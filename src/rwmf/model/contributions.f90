@@ -4,7 +4,7 @@ module rwmf_model_contributions
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_list, only: effect_count, prepare_effect
    use rwmf_model_equation, only: contribution_t, equation_t
-   use rwmf_model_hysteresis_spring_set, only: choose_springs, is_elastic_plastic
+   use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
    use rwmf_model_scene, only: add_term, term_t
    use rwmf_problem_case, only: case_t
    implicit none
@@ -22,8 +22,8 @@ contains
       type(contribution_t) :: effect
       integer :: i
 
-      if (allocated(case%fuse) .or. equation%cable%is_tendon .or. is_bilinear(case)) then
-         call choose_springs(case, is_bilinear(case), equation)
+      if (allocated(case%fuse) .or. equation%cable%is_tendon .or. frame_yields(case)) then
+         call choose_springs(case, frame_yields(case), equation)
       end if
       do i = 1, effect_count
          call prepare_effect(i, case, equation, effect)
@@ -31,14 +31,14 @@ contains
       end do
    end subroutine choose_contributions
 
-   !> Is the frame, all of it together, elastic-plastic?
-   pure logical function is_bilinear(case)
+   !> Does the frame, all of it together, yield by branches?
+   pure logical function frame_yields(case)
       type(case_t), intent(in) :: case
 
-      is_bilinear = allocated(case%yielding)
-      if (is_bilinear .and. allocated(case%storeys)) is_bilinear = case%storeys%coupling /= 'full'
-      if (is_bilinear) is_bilinear = is_elastic_plastic(case%yielding)
-   end function is_bilinear
+      frame_yields = allocated(case%yielding)
+      if (frame_yields .and. allocated(case%storeys)) frame_yields = case%storeys%coupling /= 'full'
+      if (frame_yields) frame_yields = has_branches(case%yielding)
+   end function frame_yields
 
    !> Append an effect; its coefficients and states come after those that are there.
    subroutine append_contribution(equation, number, effect)

@@ -12,8 +12,8 @@ module rwmf_model_demands
    use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_motion, &
       ground, kinematics_at, place_frame
    use rwmf_model_floor_motion, only: floor_motion
-   use rwmf_model_hysteresis_bilinear, only: spring_force
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
+   use rwmf_model_hysteresis_laws, only: spring_force
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_reactions, only: link_force, link_tilt, roof_acceleration
    use rwmf_model_wall_sections, only: find_section_extremes, link_places, links_t, &

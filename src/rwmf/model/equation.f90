@@ -3,7 +3,7 @@
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
-   use rwmf_model_hysteresis_bilinear, only: branch_t, spring_t
+   use rwmf_model_hysteresis_spring, only: branch_t, spring_t
    use rwmf_model_kinematics, only: displacement_of, geometry_t, kinematics_of, kinematics_t, &
       put_wall_side, wall_row
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients

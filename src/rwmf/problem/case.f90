@@ -11,6 +11,7 @@ module rwmf_problem_case
    private
 
    public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: spring_law_t
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t, structure_t
    public :: keep_numbers, has_numbers, numbers_of
@@ -60,6 +61,32 @@ module rwmf_problem_case
       !! damper constant over the mass of the wall [1/s]
    end type damper_t
 
+   !> Law of a spring with memory: what its strength and its hardening leave open.
+   type :: spring_law_t
+      character(15) :: name = 'elastic_plastic'
+      !! or 'friction', 'flag', 'peak_oriented', 'pinched'
+      real(wp) :: breakaway = 1
+      !! of 'friction': force at which it begins to slip over that at which it slips on [-]
+      real(wp) :: flag_height = 1
+      !! of 'flag': force by which it unloads lower over its yield force [-]
+      real(wp) :: cap = huge(1.0_wp)
+      !! this and the following of 'peak_oriented' and 'pinched': displacement at the largest force
+      !! over that at first yield [-]
+      real(wp) :: post_cap = huge(1.0_wp)
+      !! displacement from there to where the force would be zero, over that at first yield [-]
+      real(wp) :: residual = 0
+      !! force that remains over that at first yield [-]
+      real(wp) :: lambda(4) = huge(1.0_wp)
+      !! energies over F_y u_y that take the strength, the strength beyond the cap, the stiffness of
+      !! reloading and that of unloading [-]
+      real(wp) :: lambda_exponent(4) = 1
+      !! how fast they do [-]
+      real(wp) :: pinch_force = 1
+      !! of 'pinched': force at the pinching point over that on the straight way [-]
+      real(wp) :: pinch_displacement = 1
+      !! of 'pinched': part of the plastic displacement that is still left before it [-]
+   end type spring_law_t
+
    !> Hysteretic fuses at the corners of the base, `&fuse`.
    type :: fuse_t
       real(wp) :: eta_y
@@ -68,6 +95,8 @@ module rwmf_problem_case
       !! stroke at first yield [m]
       real(wp) :: hardening
       !! stiffness after yielding over elastic stiffness [-]
+      type(spring_law_t) :: spring
+      !! its law
    end type fuse_t
 
    !> Inelastic frame, `&yielding`.
@@ -82,7 +111,11 @@ module rwmf_problem_case
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law
-      !! 'elastic_plastic' or 'bouc_wen'
+      !! 'bouc_wen' or the name of a law of a spring, see `spring_law_t`; 'elastic_plastic'
+      type(spring_law_t) :: spring
+      !! the numbers of that law
+      real(wp), allocatable :: ultimate
+      !! ductility at which frame or storey has collapsed [-]; absent: never
       real(wp) :: exponent = 2
       !! n of 'bouc_wen' [-]
       real(wp) :: beta = 0.5_wp

@@ -30,9 +30,8 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
-   use rwmf_simulation_recorder_recorder, only: observe_branch, observe_event, observe_grazing, &
-      observe_impact, observe_piece, observe_rest, observe_state, observe_still, recorder_t, &
-      sees_rest
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
+      observe_piece, observe_rest, observe_state, observe_still, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
    use rwmf_text_strings, only: real_to_text
@@ -429,9 +428,7 @@ contains
 
       was_broken = tendon_is_broken(equation)
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call observe_branch(recorder, equation, hybrid%y, +1)
       call pass_window(equation%model_t, equation%state, is_rising=hybrid%is_rising)
-      call observe_branch(recorder, equation, hybrid%y, -1)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then
          call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
@@ -502,7 +499,7 @@ contains
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
-      call turn_back(equation%model_t, equation%state, 0.0_wp)
+      call turn_back(equation%model_t, equation%state, 0.0_wp, goes_on=abs(after) > 0)
       call enter_side(equation%model_t, equation%state, -equation%state%side)
       if (equation%has_bilinear_springs .or. equation%has_loading_direction &
           .or. equation%moves_at_rest) call find_uplift_acceleration(equation%model_t, &
@@ -522,6 +519,9 @@ contains
          if (allocated(recorder%forces) .or. allocated(recorder%demands)) then
             call observe_end_of_chatter(hybrid, equation, recorder)
          end if
+         call turn_back(equation%model_t, equation%state, 0.0_wp)
+         if (equation%has_bilinear_springs) call find_uplift_acceleration(equation%model_t, &
+            equation%state, hybrid%y)
          hybrid%y(:2) = 0
          hybrid%mode = mode_rest
          call observe_event(recorder, event_rest, hybrid%t, hybrid%y)

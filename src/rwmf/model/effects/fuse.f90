@@ -6,7 +6,7 @@ module rwmf_model_effects_fuse
    use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
-   use rwmf_problem_group_values, only: group_values_t, real_of
+   use rwmf_problem_group_values, only: group_values_t, has_key, real_of, text_of
    use rwmf_problem_key, only: below_one, optional_key, positive, required
    use rwmf_problem_rules, only: check_period, fail_key
    implicit none
@@ -26,7 +26,13 @@ contains
             'yield force of the fuse under each corner of the base over m_w g'), &
          required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
          optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
-            'stiffness of the yielding fuse over its elastic one')]
+            'stiffness of the yielding fuse over its elastic one'), &
+         optional_key('fuse', 'law', 'choice', '', 'elastic_plastic', &
+            'elastic_plastic friction flag', 'bilinear, slipping, or self-centring'), &
+         optional_key('fuse', 'breakaway', 'real', '-', '1.0', '[1, 10]', &
+            'force at which friction lets go over that at which it slips; friction only'), &
+         optional_key('fuse', 'flag_height', 'real', '-', '1.0', '(0, 1]', &
+            'force by which a flag unloads lower, over its yield force; flag only')]
       group%check => check_fuse
       group%fill => fill_fuse
       group%is_present => has_fuse
@@ -34,12 +40,23 @@ contains
       group%refuse_element => refuse_element
    end function fuse_group
 
-   !> The stiffness of a fuse must leave the wall a period that can be followed.
+   !> Keys of a law only with it; the stiffness of a fuse must leave the wall a period that can be
+   !> followed.
    subroutine check_fuse(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
+      character(11), parameter :: keys(2) = [character(11) :: 'breakaway', 'flag_height']
+      character(8), parameter :: laws(2) = [character(8) :: 'friction', 'flag']
+      integer :: i
 
+      do i = 1, size(keys)
+         if (.not. has_key(values, 'fuse', trim(keys(i)))) cycle
+         if (text_of(values, 'fuse', 'law') == laws(i)) cycle
+         call fail_key(values, 'fuse', trim(keys(i)), "belongs to law = '" &
+            //trim(laws(i))//"'", error)
+         return
+      end do
       call check_period(sqrt(real_of(values, 'fuse', 'stroke_y')), &
          sqrt(real_of(values, 'fuse', 'eta_y'))*sqrt(real_of(values, 'model', 'g')), problem)
       if (allocated(problem)) call fail_key(values, 'fuse', 'stroke_y', &
@@ -52,6 +69,9 @@ contains
 
       case%fuse = fuse_t(real_of(case%values, 'fuse', 'eta_y'), &
          real_of(case%values, 'fuse', 'stroke_y'), real_of(case%values, 'fuse', 'hardening'))
+      case%fuse%spring%name = text_of(case%values, 'fuse', 'law')
+      case%fuse%spring%breakaway = real_of(case%values, 'fuse', 'breakaway')
+      case%fuse%spring%flag_height = real_of(case%values, 'fuse', 'flag_height')
    end subroutine fill_fuse
 
    pure logical function has_fuse(case)

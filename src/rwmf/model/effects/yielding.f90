@@ -1,13 +1,17 @@
-!> Inelastic frame, `&yielding`: its strength as one spring or storey by storey, and its law.
+!> Inelastic frame, `&yielding`: its strength as one spring or storey by storey, its law, and the
+!> ductility at which it has collapsed.
 module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, model_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
+      frame_motion, model_t
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
-   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, yielding_energy
-   use rwmf_problem_case, only: case_t
+   use rwmf_model_hysteresis_spring_set, only: has_branches, storey_strengths, &
+      yield_displacement, yielding_energy
+   use rwmf_problem_case, only: case_t, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
       real_of, text_of
@@ -35,20 +39,40 @@ contains
          optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
             'or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for ' &
             //'all or one each'), &
-         optional_key('yielding', 'hardening', 'real', '-', '0.0', below_one, &
-            'stiffness of the yielding frame over its elastic one'), &
+         optional_key('yielding', 'hardening', 'real', '-', '0.0', '(-1, 1)', &
+            'stiffness of the yielding frame over its elastic one; < 0: it softens'), &
+         optional_key('yielding', 'ultimate', 'real', '-', '', '> 1', &
+            'ductility of frame or storey at which it has collapsed, which ends the run'), &
          optional_key('yielding', 'law', 'choice', '', 'elastic_plastic', &
-            'elastic_plastic bouc_wen', &
-            'bilinear with kinematic hardening, or a smooth hysteresis'), &
+            'elastic_plastic friction flag peak_oriented pinched bouc_wen', &
+            'bilinear, slipping, self-centring, two that lose strength, or a smooth hysteresis'), &
+         optional_key('yielding', 'breakaway', 'real', '-', '1.0', '[1, 10]', &
+            'force at which friction lets go over that at which it slips; friction only'), &
+         optional_key('yielding', 'flag_height', 'real', '-', '1.0', '(0, 1]', &
+            'force by which a flag unloads lower, over its yield force; flag only'), &
          optional_key('yielding', 'exponent', 'real', '-', '2.0', '[1, 1000]', &
             'sharpness n of the knee; bouc_wen only'), &
          optional_key('yielding', 'beta', 'real', '-', '0.5', '[0.5, 1]', &
-            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only')]
+            'of Bouc and Wen, with gamma = 1 - beta; bouc_wen only'), &
+         optional_key('yielding', 'cap', 'real', '-', '', '> 1', &
+            'ductility at the largest force; required by peak_oriented, pinched'), &
+         optional_key('yielding', 'post_cap', 'real', '-', '', positive, &
+            'ductility from there to zero force; required by peak_oriented, pinched'), &
+         optional_key('yielding', 'residual', 'real', '-', '0.0', below_one, &
+            'strength that remains over that at first yield; peak_oriented, pinched'), &
+         optional_key('yielding', 'lambda', 'real list', '-', '', positive, &
+            'capacity E_t/(F_y u_y) of strength, cap, reloading, unloading: one, or four'), &
+         optional_key('yielding', 'lambda_exponent', 'real list', '-', '1.0', '[1, 10]', &
+            'exponents c of the wear (E_i/(E_t - sum E_j))**c, as lambda'), &
+         optional_key('yielding', 'pinch_force', 'real', '-', '1.0', '(0, 1]', &
+            'kappa_F: force at the pinching point over that on the straight way; pinched only'), &
+         optional_key('yielding', 'pinch_displacement', 'real', '-', '1.0', '[0, 1]', &
+            'kappa_D: part of the plastic displacement left before that point; pinched only')]
       group%check => check_yielding
       group%fill => fill_yielding
       group%is_present => has_yielding
       group%add_states => add_hysteretic_states
-      group%add_events => add_branch_event
+      group%add_events => add_yielding_events
       group%refuse_element => refuse_element
    end function yielding_group
 
@@ -57,6 +81,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call check_law(values, error)
+      if (.not. allocated(error)) call check_keys_of_law(values, error)
+      if (.not. allocated(error)) call check_softening(values, error)
       if (.not. allocated(error)) call check_mass(values, error)
       if (allocated(error)) return
       if (yields_by_storey(values)) then
@@ -67,27 +93,80 @@ contains
       if (.not. allocated(error)) call check_rotation(values, error)
    end subroutine check_yielding
 
-   !> Keys of the smooth law only with it. Smooth storeys one by one do not know which way they go
-   !> from a start away from zero.
+   !> Smooth storeys one by one do not know which way they go from a start away from zero.
    subroutine check_law(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      character(8), parameter :: keys(2) = ['exponent', 'beta    ']
+
+      if (text_of(values, 'yielding', 'law') /= 'bouc_wen' .or. coupling(values) /= 'full') return
+      if (abs(real_of(values, 'initial', 'theta_over_alpha')) <= 0) return
+      call fail_key(values, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
+         //"'bouc_wen' and &storeys coupling = 'full', whose hysteresis begins at zero", error)
+   end subroutine check_law
+
+   !> Keys of a law only with it, and those that it cannot do without.
+   subroutine check_keys_of_law(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(18), parameter :: keys(11) = [character(18) :: 'cap', 'post_cap', 'exponent', &
+         'beta', 'breakaway', 'flag_height', 'residual', 'lambda', 'lambda_exponent', &
+         'pinch_force', 'pinch_displacement']
+      character(28), parameter :: degrading = "'peak_oriented' or 'pinched'"
+      character(28), parameter :: laws(size(keys)) = [character(28) :: degrading, degrading, &
+         "'bouc_wen'", "'bouc_wen'", "'friction'", "'flag'", degrading, degrading, degrading, &
+         "'pinched'", "'pinched'"]
+      logical :: fits
       integer :: i
 
-      if (text_of(values, 'yielding', 'law') == 'bouc_wen') then
-         if (coupling(values) /= 'full') return
-         if (abs(real_of(values, 'initial', 'theta_over_alpha')) <= 0) return
-         call fail_key(values, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
-            //"'bouc_wen' and &storeys coupling = 'full', whose hysteresis begins at zero", error)
-         return
-      end if
       do i = 1, size(keys)
-         if (.not. has_key(values, 'yielding', trim(keys(i)))) cycle
-         call fail_key(values, 'yielding', trim(keys(i)), "belongs to law = 'bouc_wen'", error)
-         return
+         fits = index(laws(i), "'"//text_of(values, 'yielding', 'law')//"'") > 0
+         if (fits .and. i <= 2 .and. .not. has_key(values, 'yielding', trim(keys(i)))) then
+            call fail_group(values, 'yielding', 'the key '//trim(keys(i))//' is missing (a ' &
+               //"ductility): must be given with law = '"//text_of(values, 'yielding', 'law') &
+               //"', a number > 0", error)
+         else if (has_key(values, 'yielding', trim(keys(i))) .and. .not. fits) then
+            call fail_key(values, 'yielding', trim(keys(i)), 'belongs to law = '//trim(laws(i)), &
+               error)
+         end if
+         if (allocated(error)) return
       end do
-   end subroutine check_law
+      call check_four(values, 'lambda', error)
+      if (.not. allocated(error)) call check_four(values, 'lambda_exponent', error)
+   end subroutine check_keys_of_law
+
+   !> One number for all modes of wear, or four.
+   subroutine check_four(values, key, error)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: key
+      !! its name
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: list(:)
+
+      call get_list(values, 'yielding', key, list)
+      if (.not. allocated(list)) return
+      if (size(list) == 1 .or. size(list) == 4) return
+      call fail_key(values, 'yielding', key, 'has '//trim(integer_to_text(size(list))) &
+         //' values, must have one for all or four (strength, cap, reloading, unloading)', error)
+   end subroutine check_four
+
+   !> A frame that softens runs away in the end: something must end the run. The laws that lose
+   !> strength do so beyond their cap; others have no line for it.
+   subroutine check_softening(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (real_of(values, 'yielding', 'hardening') >= 0) return
+      if (all(text_of(values, 'yielding', 'law') /= [character(15) :: 'elastic_plastic', &
+                                                      'friction'])) then
+         call fail_key(values, 'yielding', 'hardening', "must be >= 0 with law = '" &
+            //text_of(values, 'yielding', 'law')//"'; elastic_plastic and friction may soften, " &
+            //'peak_oriented and pinched do beyond their cap', error)
+      else if (.not. (has_key(values, 'yielding', 'ultimate') .or. has_group(values, &
+                      'p_delta'))) then
+         call fail_key(values, 'yielding', 'hardening', 'needs the key ultimate (or &p_delta), ' &
+            //'at which the run ends: a frame that softens runs away', error)
+      end if
+   end subroutine check_softening
 
    !> How the storeys are linked; '' without storeys.
    pure function coupling(values)
@@ -155,8 +234,8 @@ contains
             //'for each of the '//trim(integer_to_text(size(m)))//' of m_over_m_w', error)
       else if (text_of(values, 'yielding', 'law') == 'bouc_wen' &
                .and. coupling(values) /= 'full') then
-         call fail_key(values, 'yielding', 'law', "must be 'elastic_plastic' with storey_u_y and " &
-            //"&storeys coupling = 'every_floor'; coupling = 'full' allows both", error)
+         call fail_key(values, 'yielding', 'law', "must not be 'bouc_wen' with storey_u_y and " &
+            //"&storeys coupling = 'every_floor'; coupling = 'full' allows all laws", error)
       end if
    end subroutine check_storey_strengths
 
@@ -213,7 +292,39 @@ contains
       case%yielding%law = text_of(case%values, 'yielding', 'law')
       case%yielding%exponent = real_of(case%values, 'yielding', 'exponent')
       case%yielding%beta = real_of(case%values, 'yielding', 'beta')
+      call get_real(case%values, 'yielding', 'ultimate', case%yielding%ultimate)
+      call fill_law(case%values, case%yielding%spring)
    end subroutine fill_yielding
+
+   !> The numbers of a law of straight lines.
+   subroutine fill_law(values, law)
+      type(group_values_t), intent(in) :: values
+      type(spring_law_t), intent(inout) :: law
+      real(wp), allocatable :: list(:)
+
+      law%breakaway = real_of(values, 'yielding', 'breakaway')
+      law%flag_height = real_of(values, 'yielding', 'flag_height')
+      if (has_key(values, 'yielding', 'cap')) law%cap = real_of(values, 'yielding', 'cap')
+      if (has_key(values, 'yielding', 'post_cap')) law%post_cap = real_of(values, 'yielding', &
+         'post_cap')
+      law%residual = real_of(values, 'yielding', 'residual')
+      call get_list(values, 'yielding', 'lambda', list)
+      if (allocated(list)) law%lambda = spread_out(list)
+      call get_list(values, 'yielding', 'lambda_exponent', list)
+      if (allocated(list)) law%lambda_exponent = spread_out(list)
+      law%pinch_force = real_of(values, 'yielding', 'pinch_force')
+      law%pinch_displacement = real_of(values, 'yielding', 'pinch_displacement')
+   end subroutine fill_law
+
+   !> Four numbers of one or four.
+   pure function spread_out(list) result(four)
+      real(wp), intent(in) :: list(:)
+      !! (1 or 4)
+      real(wp) :: four(4)
+
+      four = list(1)
+      if (size(list) == size(four)) four = list
+   end function spread_out
 
    pure logical function has_yielding(case)
       type(case_t), intent(in) :: case
@@ -231,8 +342,9 @@ contains
 
       yielding%is_present = has_yielding(case)
       if (.not. yielding%is_present) return
+      if (allocated(case%yielding%ultimate)) call prepare_collapse(case, equation, yielding)
       if (equation%floors%n > 0) return
-      if (is_elastic_plastic(case%yielding)) then
+      if (has_branches(case%yielding)) then
          yielding%frame_energy => yielding_energy
       else
          call prepare_bouc_wen(case, equation)
@@ -244,6 +356,46 @@ contains
          yielding%sizes => bouc_wen_sizes
       end if
    end subroutine prepare_yielding
+
+   !> Displacements at which frame or storeys have collapsed. Where a straight line links the
+   !> storeys the weakest one says it for the roof.
+   subroutine prepare_collapse(case, equation, yielding)
+      type(case_t), intent(in) :: case
+      !! with `&yielding ultimate`
+      type(equation_t), intent(in) :: equation
+      type(contribution_t), intent(inout) :: yielding
+      real(wp), allocatable :: u_y(:)
+      !! displacement at first yield of what collapses [m]
+
+      if (.not. allocated(case%yielding%storey_u_y)) then
+         u_y = [yield_displacement(case)]
+      else
+         u_y = storey_strengths(case)
+         associate (height => case%storeys%frame%height)
+            if (equation%floors%n == 0) u_y = [sum(height)*minval(u_y/height)]
+         end associate
+      end if
+      yielding%drifts = size(u_y)
+      yielding%constants = 1/(case%yielding%ultimate*u_y)
+      yielding%put_drifts => ductilities
+   end subroutine prepare_collapse
+
+   !> Ductilities over the ultimate one.
+   subroutine ductilities(effect, equation, y, ratio, rate)
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: ratio(:)
+      real(wp), intent(out) :: rate(:)
+
+      if (equation%floors%n > 0) then
+         call storey_motion(equation, equation%state%side, y, ratio, rate)
+      else
+         call frame_motion(equation, equation%state%side, y, ratio(1), rate(1))
+      end if
+      ratio = ratio*effect%constants
+      rate = rate*effect%constants
+   end subroutine ductilities
 
    pure subroutine bouc_wen_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
@@ -279,12 +431,13 @@ contains
       names = [character(name_length) :: names, states]
    end subroutine add_hysteretic_states
 
-   pure subroutine add_branch_event(case, names)
+   pure subroutine add_yielding_events(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
 
       names = [character(name_length) :: names, 'branch']
-   end subroutine add_branch_event
+      if (allocated(case%yielding%ultimate)) names = [character(name_length) :: names, 'collapsed']
+   end subroutine add_yielding_events
 
    subroutine refuse_element(case, error)
       type(case_t), intent(in) :: case

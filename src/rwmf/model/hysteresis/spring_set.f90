@@ -11,14 +11,16 @@ module rwmf_model_hysteresis_spring_set
       frame_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
       renew_coefficients, sprung_t, window_t
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: branch_t, forget_loss, is_broken, is_yielding, &
-      new_branch, new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
-      spring_plastic, spring_residual, spring_t, turn_spring
-   use rwmf_problem_case, only: case_t, yielding_t
+   use rwmf_model_hysteresis_bilinear, only: is_broken
+   use rwmf_model_hysteresis_laws, only: forget_loss, has_wear, loading_direction, new_branch, &
+      new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
+      spring_plastic, spring_residual, turn_spring
+   use rwmf_model_hysteresis_spring, only: branch_t, spring_t
+   use rwmf_problem_case, only: case_t, spring_law_t, yielding_t
    implicit none
    private
 
-   public :: is_elastic_plastic, choose_springs
+   public :: has_branches, law_of, choose_springs
    public :: fuses_energy, fuses_force, yielding_energy, springs_loss
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, moves
@@ -52,7 +54,7 @@ contains
    subroutine choose_springs(case, frame_yields, equation)
       type(case_t), intent(in) :: case
       logical, intent(in) :: frame_yields
-      !! as a bilinear spring
+      !! as a spring with branches
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
       real(wp), allocatable :: shares(:)
@@ -75,7 +77,7 @@ contains
          stroke_y = case%fuse%stroke_y
          if (.not. equation%has_impacts) stroke_y = 2*stroke_y
          fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
-            case%fuse%hardening)
+            case%fuse%hardening, law=case%fuse%spring)
          equation%springs = [equation%springs, sprung_t(fuse, place_left), &
             sprung_t(fuse, place_right)]
          equation%has_fuses = equation%has_impacts
@@ -108,7 +110,7 @@ contains
       end if
       do i = 1, size(shares)
          springs(i) = sprung_t(new_spring(stiffness*shares(i), stiffness*shares(i)*u_y(i), &
-            case%yielding%hardening), place_frame, shares(i))
+            case%yielding%hardening, law=law_of(case%yielding)), place_frame, shares(i))
       end do
    end function frame_springs
 
@@ -137,13 +139,21 @@ contains
       end if
    end function yield_displacement
 
-   !> Is the frame's hysteresis bilinear? A host may leave the law open.
-   pure logical function is_elastic_plastic(yielding)
+   !> Does the frame's hysteresis consist of branches? A host may leave the law open.
+   pure logical function has_branches(yielding)
       type(yielding_t), intent(in) :: yielding
 
-      is_elastic_plastic = .true.
-      if (allocated(yielding%law)) is_elastic_plastic = yielding%law == 'elastic_plastic'
-   end function is_elastic_plastic
+      has_branches = .true.
+      if (allocated(yielding%law)) has_branches = yielding%law /= 'bouc_wen'
+   end function has_branches
+
+   !> The law of the frame's springs.
+   pure type(spring_law_t) function law_of(yielding) result(law)
+      type(yielding_t), intent(in) :: yielding
+
+      law = yielding%spring
+      if (allocated(yielding%law)) law%name = yielding%law
+   end function law_of
 
    !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
    !> hinged wall always, and stands for both.
@@ -361,7 +371,7 @@ contains
       !! limits of the elongation [m]
       real(wp) :: theta(2)
 
-      if (is_yielding(branch)) window%ends_at_peak = .true.
+      if (loading_direction(spring, branch) /= 0) window%ends_at_peak = .true.
       call spring_limits(spring, branch, x(1), x(2))
       theta = [rotation_at(model, side, number, x(1)), rotation_at(model, side, number, x(2))]
       window%low = max(window%low, minval(theta))
@@ -509,24 +519,32 @@ contains
       end if
    end subroutine pass_one
 
-   !> The motion turns back, or hits the base, at a rotation: what yielded unloads.
-   subroutine turn_back(model, state, theta)
+   !> The motion turns back, or hits the base, at a rotation: what yielded unloads. A frame that the
+   !> wall takes through its position at rest does not turn; where its law could tell, it goes on.
+   subroutine turn_back(model, state, theta, goes_on)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      logical :: unloads
+      logical, intent(in), optional :: goes_on
+      !! the wall hits the base, and theta' keeps its sign; no
+      logical :: unloads, passes
       integer :: i
 
       if (.not. (model%has_bilinear_springs .and. state%ends_at_peak)) return
-      unloads = is_yielding(state%tendon)
+      passes = .false.
+      if (present(goes_on)) passes = goes_on
+      unloads = loading_direction(model%cable%tendon, state%tendon) /= 0
       if (unloads) call turn_spring(model%cable%tendon, state%tendon, &
          elongation_of(model, state%side, 0, state%side*theta))
       do i = 1, size(model%springs)
-         if (.not. is_yielding(state%springs(i))) cycle
-         if (.not. moves(model%springs(i)%place, state%side)) cycle
-         call turn_spring(model%springs(i)%spring, state%springs(i), &
-            elongation_of(model, state%side, i, state%side*theta))
+         associate (spring => model%springs(i)%spring, place => model%springs(i)%place)
+            if (loading_direction(spring, state%springs(i)) == 0) cycle
+            if (.not. moves(place, state%side)) cycle
+            if (passes .and. place == place_frame .and. has_wear(spring)) cycle
+            call turn_spring(spring, state%springs(i), elongation_of(model, state%side, i, &
+               state%side*theta))
+         end associate
          unloads = .true.
       end do
       if (unloads) call follow_branches(model, state)
@@ -663,8 +681,10 @@ contains
       real(wp) :: residuals(count(equation%springs%place == place_frame))
       !! (springs of the frame, which come first)
 
-      residuals = spring_residual(equation%springs(:size(residuals))%spring, &
-         plastic_parts(equation, theta))
+      associate (n => size(residuals), state => equation%state)
+         residuals = spring_residual(equation%springs(:n)%spring, state%springs(:n), &
+            frame_displacement(equation, state%side, theta))
+      end associate
    end function frame_residuals
 
    !> Plastic part of the displacement in each spring of the frame [m].

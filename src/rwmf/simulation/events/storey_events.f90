@@ -113,12 +113,14 @@ contains
             else if (loading_direction /= 0) then
                is_quiet = is_steady(rate(i, 1), rate(i, 2)) .and. loading_direction*rate(i, 1) > 0 &
                   .and. side_beyond_zero(equation%state, i)*z(i) <= 0
-            else
-               call branch_limits(equation, i, low, high)
-               associate (reach => (step%t_b - step%t_a)*maxval(abs(rate(i, :))))
-                  is_quiet = maxval(d(i, :)) + reach < high .and. minval(d(i, :)) - reach > low
-               end associate
             end if
+            if (.not. is_quiet) return
+            call branch_limits(equation, i, low, high)
+            if (loading_direction > 0) low = -huge(low)
+            if (loading_direction < 0) high = huge(high)
+            associate (reach => (step%t_b - step%t_a)*maxval(abs(rate(i, :))))
+               is_quiet = maxval(d(i, :)) + reach < high .and. minval(d(i, :)) - reach > low
+            end associate
             if (.not. is_quiet) return
          end do
       end associate
@@ -167,7 +169,7 @@ contains
       span%motion(:, 2) = b%motion(storey, :)
    end function span_of
 
-   !> Does a storey that yields turn back?
+   !> Does a storey that yields turn back, or come to the end of its branch before?
    subroutine search_turn(span, ending, error)
       type(storey_span_t), intent(in) :: span
       type(storey_end_t), intent(out) :: ending
@@ -181,12 +183,36 @@ contains
       if (loading_direction*span%motion(of_rate, 2) >= 0) then
          call end_at_slowest(part, error)
          if (allocated(error)) return
-         if (loading_direction*part%motion(of_rate, 2) >= 0) return
+         if (loading_direction*part%motion(of_rate, 2) >= 0) then
+            call search_ahead(span, loading_direction, ending, error)
+            return
+         end if
       end if
       ending = storey_end_t(span%storey, span%t(1), turns=.true., is_rising=loading_direction < 0)
       if (loading_direction*span%motion(of_rate, 1) <= 0) return
       call find_root(part, of_rate, 0.0_wp, ending%t, error)
+      if (allocated(error)) return
+      call move_end(part, 2, ending%t, error)
+      if (.not. allocated(error)) call search_ahead(part, loading_direction, ending, error)
    end subroutine search_turn
+
+   !> Does a storey that yields on come to the end of its branch?
+   subroutine search_ahead(span, loading_direction, ending, error)
+      type(storey_span_t), intent(in) :: span
+      !! in which it does not turn
+      integer, intent(in) :: loading_direction
+      !! +1 or -1
+      type(storey_end_t), intent(inout) :: ending
+      type(error_t), allocatable, intent(inout) :: error
+      real(wp) :: limit(2), end_of_branch
+
+      call branch_limits(span%step%equation, span%storey, limit(1), limit(2))
+      end_of_branch = merge(limit(2), limit(1), loading_direction > 0)
+      if (loading_direction*(span%motion(of_drift, 2) - end_of_branch) <= 0) return
+      ending = storey_end_t(span%storey, span%t(1), is_rising=loading_direction > 0)
+      if (loading_direction*(span%motion(of_drift, 1) - end_of_branch) >= 0) return
+      call find_root(span, of_drift, end_of_branch, ending%t, error)
+   end subroutine search_ahead
 
    !> Does the hysteretic force of a smooth storey pass zero?
    subroutine search_zero(span, ending, error)

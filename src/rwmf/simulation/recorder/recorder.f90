@@ -34,7 +34,7 @@ module rwmf_simulation_recorder_recorder
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
    public :: needs_all_steps, sees_rest
    public :: observe_rest, observe_still
-   public :: observe_impact, observe_branch, observe_event, observe_grazing, finish_recorder
+   public :: observe_impact, observe_event, observe_grazing, finish_recorder
 
    !> What has been counted, and the largest values so far.
    type :: peaks_t
@@ -488,19 +488,6 @@ contains
       end associate
       recorder%t_grazing = t
    end subroutine observe_grazing
-
-   !> A spring changes its branch: what it stores before and not after is dissipated (rupture).
-   subroutine observe_branch(recorder, equation, y, part)
-      type(recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      integer, intent(in) :: part
-      !! +1 before the change, -1 after it
-
-      if (.not. recorder%keeps_energy) return
-      recorder%energy%flow = recorder%energy%flow + part*mechanical_energy(equation, y)
-   end subroutine observe_branch
 
    !> Keep an event for the list when there is one.
    subroutine observe_event(recorder, kind, t, y)

@@ -14,7 +14,8 @@ module rwmf_model_effects_storeys_shear_building
       frame_displacement, frame_mass, frame_motion, frame_travel, ground, model_t
    use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: branch_t, spring_energy
+   use rwmf_model_hysteresis_laws, only: spring_energy
+   use rwmf_model_hysteresis_spring, only: branch_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none

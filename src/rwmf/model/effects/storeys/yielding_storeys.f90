@@ -10,12 +10,11 @@ module rwmf_model_effects_storeys_yielding_storeys
       renew_coefficients
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: forget_loss, new_branch, new_spring, pass_limit, &
-      spring_force, spring_limits, spring_loss, spring_plastic, spring_residual, turn_spring, &
-      yield_direction
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
-   use rwmf_model_hysteresis_spring_set, only: is_elastic_plastic, storey_strengths
+   use rwmf_model_hysteresis_laws, only: load_spring, loading_direction, new_branch, new_spring, &
+      pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
+   use rwmf_model_hysteresis_spring_set, only: has_branches, law_of, storey_strengths
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -35,10 +34,10 @@ contains
       !! with its floors
 
       equation%floors%yields = .true.
-      if (is_elastic_plastic(case%yielding)) then
+      if (has_branches(case%yielding)) then
          associate (floors => equation%floors)
             floors%springs = new_spring(floors%k, floors%k*storey_strengths(case), &
-               case%yielding%hardening)
+               case%yielding%hardening, law=law_of(case%yielding))
             equation%state%storeys = new_branch(floors%springs)
          end associate
       else
@@ -71,8 +70,6 @@ contains
       !! (states)
       real(wp) :: d(model%floors%n)
       real(wp) :: d_dot(model%floors%n)
-      real(wp) :: low
-      real(wp) :: high
       integer :: i
 
       if (allocated(state%storey_signs)) then
@@ -83,10 +80,7 @@ contains
       do i = 1, model%floors%n
          associate (spring => model%floors%springs(i), branch => state%storeys(i))
             branch = new_branch(spring)
-            call spring_limits(spring, branch, low, high)
-            if (d(i) < low .or. d(i) > high) call pass_limit(spring, branch, d(i) > high)
-            call turn_spring(spring, branch, d(i))
-            call forget_loss(branch)
+            call load_spring(spring, branch, d(i))
          end associate
       end do
       call renew_coefficients(model, state)
@@ -117,7 +111,7 @@ contains
       call renew_coefficients(model, state)
    end subroutine settle_storeys
 
-   !> Displacements between which the branch of a storey holds.
+   !> Displacements between which the branch of a storey holds; a smooth one has no limits.
    pure subroutine branch_limits(equation, storey, low, high)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: storey
@@ -127,21 +121,24 @@ contains
       real(wp), intent(out) :: high
       !! [m]
 
-      call spring_limits(equation%floors%springs(storey), equation%state%storeys(storey), low, high)
+      low = -huge(low)
+      high = huge(high)
+      if (allocated(equation%floors%springs)) call spring_limits(equation%floors%springs(storey), &
+         equation%state%storeys(storey), low, high)
    end subroutine branch_limits
 
    !> Sign that d_i' must keep on the branch in force, or in the piece of a smooth law; 0 on an
    !> elastic branch.
-   pure integer function loading_direction_of(model, state, storey) result(loading_direction)
+   pure integer function loading_direction_of(model, state, storey) result(direction)
       class(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
       !! its number, from the ground up
 
       if (allocated(state%storey_signs)) then
-         loading_direction = state%storey_signs(storey)%loading_direction
+         direction = state%storey_signs(storey)%loading_direction
       else
-         loading_direction = yield_direction(state%storeys(storey))
+         direction = loading_direction(model%floors%springs(storey), state%storeys(storey))
       end if
    end function loading_direction_of
 
@@ -282,8 +279,7 @@ contains
                laws%hardening, laws%beta, laws%exponent)
          end associate
       else
-         residuals = spring_residual(equation%floors%springs, spring_plastic( &
-            equation%floors%springs, equation%state%storeys, d))
+         residuals = spring_residual(equation%floors%springs, equation%state%storeys, d)
       end if
    end function storey_residuals
 

@@ -1,0 +1,385 @@
+!> Laws of springs beyond the bilinear one: along random ways against return mappings of their own,
+!> and against closed forms, point by point.
+program test_laws
+   use check, only: checks_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_hysteresis_laws, only: loading_direction, new_branch, new_spring, pass_limit, &
+      spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, spring_residual, &
+      turn_spring
+   use rwmf_model_hysteresis_spring, only: branch_t, spring_t
+   use rwmf_problem_case, only: spring_law_t
+   implicit none
+
+   real(wp), parameter :: k = 3
+   real(wp), parameter :: u_y = 0.2_wp
+   real(wp), parameter :: f_y = k*u_y
+   type(checks_t) :: checks
+
+   if (checks%wants('friction')) call check_friction(0.0_wp)
+   if (checks%wants('friction')) call check_friction(0.1_wp)
+   if (checks%wants('friction')) call check_friction(-0.05_wp)
+   if (checks%wants('flag')) call check_flag(0.0_wp, 1.0_wp)
+   if (checks%wants('flag')) call check_flag(0.1_wp, 0.6_wp)
+   if (checks%wants('flag_cycle')) call check_flag_cycle()
+   if (checks%wants('envelope')) call check_envelope()
+   if (checks%wants('peak_oriented')) call check_peak_oriented()
+   if (checks%wants('wear')) call check_wear()
+   if (checks%wants('pinched')) call check_pinched()
+   if (checks%wants('exhausted')) call check_exhausted()
+   if (checks%wants('mirror')) call check_mirror()
+   call checks%finish()
+
+contains
+
+   !> Bring a spring from the elongation a to b.
+   subroutine move(spring, branch, a, b)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(inout) :: branch
+      real(wp), intent(in) :: a
+      real(wp), intent(in) :: b
+      real(wp) :: low, high
+
+      if (loading_direction(spring, branch)*(b - a) < 0) call turn_spring(spring, branch, a)
+      do
+         call spring_limits(spring, branch, low, high)
+         if (b > a .and. b > high) then
+            call pass_limit(spring, branch, is_rising=.true.)
+         else if (b < a .and. b < low) then
+            call pass_limit(spring, branch, is_rising=.false.)
+         else
+            exit
+         end if
+      end do
+   end subroutine move
+
+   !> Random turning points.
+   subroutine make_way(way)
+      real(wp), intent(out) :: way(:)
+      integer :: n
+
+      call random_init(repeatable=.true., image_distinct=.true.)
+      call random_number(way)
+      way = 2*way - 1
+      ! ways grow, so that small loops and large ones occur
+      way = [(way(n)*(0.2_wp + 0.8_wp*n/size(way)), n=1, size(way))]
+   end subroutine make_way
+
+   !> Friction that holds 1.3 of what it slips at: return mapping, in steps so short that it lets go
+   !> at most once in each; stored and lost energy make up the work.
+   subroutine check_friction(hardening)
+      real(wp), intent(in) :: hardening
+      real(wp), parameter :: breakaway = 1.3_wp
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: way(100), x, to, p, modulus, excess, work, force, worst, worst_balance
+      integer, parameter :: steps = 1000
+      integer :: n, sliding, i
+
+      call make_way(way)
+      spring = new_spring(k, f_y, hardening, law=spring_law_t('friction', breakaway=breakaway))
+      branch = new_branch(spring)
+      modulus = hardening*k/(1 - hardening)
+      x = 0
+      p = 0
+      sliding = 0
+      work = 0
+      worst = 0
+      worst_balance = 0
+      do n = 1, size(way)
+         ! it sticks where it turns
+         if (sliding*(way(n) - x) < 0) sliding = 0
+         do i = 1, steps
+            to = way(n)
+            if (i < steps) to = x + (way(n) - x)/(steps - i + 1)
+            force = k*(x - p)
+            call move(spring, branch, x, to)
+            if (sliding == 0) then
+               excess = k*(to - p) - modulus*p
+               if (abs(excess) > breakaway*f_y) sliding = int(sign(1.0_wp, excess))
+               if (sliding /= 0) then
+                  ! up to where it lets go, and from there on
+                  associate (x_go => p + (sliding*breakaway*f_y + modulus*p)/k)
+                     work = work + (force + k*(x_go - p))/2*(x_go - x)
+                     p = (k*x_go - sliding*f_y)/(k + modulus)
+                     force = k*(x_go - p)
+                     x = x_go
+                  end associate
+               end if
+            end if
+            if (sliding /= 0) p = (k*to - sliding*f_y)/(k + modulus)
+            work = work + (force + k*(to - p))/2*(to - x)
+            x = to
+            if (i < steps) cycle
+            worst = max(worst, abs(spring_force(spring, branch, x) - k*(x - p)), &
+               abs(spring_plastic(spring, branch, x) - p))
+            worst_balance = max(worst_balance, abs(work - spring_energy(spring, branch, x) &
+               - spring_loss(spring, branch, x)))
+         end do
+      end do
+      call checks%close_to(worst, 0.0_wp, 'friction, return mapping', atol=1.0e-12_wp)
+      call checks%close_to(worst_balance, 0.0_wp, 'friction, energy', atol=1.0e-10_wp)
+   end subroutine check_friction
+
+   !> A flag between its two lines: the elastic trial force, kept between them; work in short steps.
+   subroutine check_flag(hardening, height)
+      real(wp), intent(in) :: hardening
+      real(wp), intent(in) :: height
+      integer, parameter :: steps = 2000
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: way(100), x, to, force, trial, work, worst, worst_balance
+      integer :: n, i
+
+      call make_way(way)
+      spring = new_spring(k, f_y, hardening, law=spring_law_t('flag', flag_height=height))
+      branch = new_branch(spring)
+      x = 0
+      force = 0
+      work = 0
+      worst = 0
+      worst_balance = 0
+      do n = 1, size(way)
+         call move(spring, branch, x, way(n))
+         do i = 1, steps
+            to = way(n)
+            if (i < steps) to = x + (way(n) - x)/(steps - i + 1)
+            trial = force + k*(to - x)
+            trial = max(line(min(to, 0.0_wp), hardening, 1.0_wp) &
+               + line(max(to, 0.0_wp), hardening, 1 - height), &
+               min(trial, line(max(to, 0.0_wp), hardening, 1.0_wp) &
+               + line(min(to, 0.0_wp), hardening, 1 - height)))
+            work = work + (force + trial)/2*(to - x)
+            force = trial
+            x = to
+         end do
+         worst = max(worst, abs(spring_force(spring, branch, x) - force))
+         worst_balance = max(worst_balance, abs(work - spring_energy(spring, branch, x) &
+            - spring_loss(spring, branch, x)))
+      end do
+      call checks%close_to(worst, 0.0_wp, 'flag, return mapping', atol=1.0e-12_wp)
+      ! corners lie inside the short steps
+      call checks%close_to(worst_balance, 0.0_wp, 'flag, energy', atol=1.0e-5_wp)
+      call checks%close_to(spring_residual(spring, branch, x), 0.0_wp, 'a flag comes back')
+   end subroutine check_flag
+
+   !> Line of a flag that begins at a share of the yield force.
+   pure real(wp) function line(x, hardening, share)
+      real(wp), intent(in) :: x
+      real(wp), intent(in) :: hardening
+      real(wp), intent(in) :: share
+
+      line = k*x
+      if (abs(line) > share*f_y) line = sign(share*f_y + hardening*(abs(line) - share*f_y), x)
+   end function line
+
+   !> What a cycle from zero and back takes, and what is stored at its peak.
+   subroutine check_flag_cycle()
+      real(wp), parameter :: a = 0.1_wp, h = 0.7_wp, x_m = 0.9_wp
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: work
+
+      spring = new_spring(k, f_y, a, law=spring_law_t('flag', flag_height=h))
+      branch = new_branch(spring)
+      call move(spring, branch, 0.0_wp, x_m)
+      work = f_y*u_y/2 + (f_y + a*k*(x_m - u_y)/2)*(x_m - u_y)
+      call checks%close_to(spring_energy(spring, branch, x_m), work - h*f_y*(1 - a)*(x_m - u_y), &
+         'flag, stored at the peak', rtol=1.0e-13_wp)
+      call move(spring, branch, x_m, 0.0_wp)
+      call checks%close_to(spring_loss(spring, branch, 0.0_wp), h*f_y*(1 - a)*(x_m - u_y), &
+         'flag, a cycle', rtol=1.0e-13_wp)
+      call checks%close_to(spring_energy(spring, branch, 0.0_wp), 0.0_wp, 'flag, back at zero', &
+         atol=1.0e-15_wp)
+   end subroutine check_flag_cycle
+
+   !> Spring of Ibarra, Medina and Krawinkler: cap at 4 u_y, zero force 10 u_y beyond, a fifth of
+   !> the strength remains.
+   function worn_spring(name, lambda, pinch) result(spring)
+      character(*), intent(in) :: name
+      real(wp), intent(in), optional :: lambda
+      real(wp), intent(in), optional :: pinch(2)
+      type(spring_t) :: spring
+      type(spring_law_t) :: law
+
+      law = spring_law_t(name, cap=4.0_wp, post_cap=10.0_wp, residual=0.2_wp)
+      if (present(lambda)) law%lambda = lambda
+      if (present(pinch)) law%pinch_force = pinch(1)
+      if (present(pinch)) law%pinch_displacement = pinch(2)
+      spring = new_spring(k, f_y, 0.1_wp, law=law)
+   end function worn_spring
+
+   !> Pushed once: slope k, a tenth of it, down from 1.3 F_y, and what remains.
+   subroutine check_envelope()
+      real(wp), parameter :: x(0:6) = [0.0_wp, 0.5_wp, 1.0_wp, 4.0_wp, 9.0_wp, 4 + 11/1.3_wp, &
+         30.0_wp]
+      real(wp), parameter :: f(6) = [0.5_wp, 1.0_wp, 1.3_wp, 0.65_wp, 0.2_wp, 0.2_wp]
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      integer :: i
+
+      spring = worn_spring('peak_oriented')
+      branch = new_branch(spring)
+      do i = 1, size(f)
+         call move(spring, branch, x(i - 1)*u_y, x(i)*u_y)
+         call checks%close_to(spring_force(spring, branch, x(i)*u_y), f(i)*f_y, 'envelope', &
+            rtol=1.0e-14_wp)
+      end do
+      call checks%close_to(spring_energy(spring, branch, 30*u_y) + spring_loss(spring, branch, &
+         30*u_y), f_y*u_y*(0.5_wp + 1.15_wp*3 + 0.75_wp*11/1.3_wp &
+         + 0.2_wp*(26 - 11/1.3_wp)), 'work of a push', rtol=1.0e-13_wp)
+      call checks%close_to(spring_residual(spring, branch, 30*u_y), 29.8_wp*u_y, &
+         'unloaded from there', rtol=1.0e-13_wp)
+   end subroutine check_envelope
+
+   !> Without wear: unloading with k, reloading to the peak of the other side, which is the point of
+   !> first yield before it has yielded; by way of the last turn where this is stiffer.
+   subroutine check_peak_oriented()
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+
+      spring = worn_spring('peak_oriented')
+      branch = new_branch(spring)
+      ! to 3 u_y, force 1.2 F_y, unloaded at 1.8 u_y, from there to (-1, -1)
+      call move(spring, branch, 0.0_wp, 3*u_y)
+      call move(spring, branch, 3*u_y, 1.8_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 1.8_wp*u_y), 0.0_wp, 'unloaded', &
+         atol=1.0e-14_wp)
+      call move(spring, branch, 1.8_wp*u_y, 0.4_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 0.4_wp*u_y), -f_y/2, 'half way to yield', &
+         rtol=1.0e-13_wp)
+      call move(spring, branch, 0.4_wp*u_y, -2*u_y)
+      call checks%close_to(spring_force(spring, branch, -2*u_y), -1.1_wp*f_y, 'yields there', &
+         rtol=1.0e-13_wp)
+      ! unloaded at -0.9 u_y, half way to (3, 1.2) at 1.05 u_y
+      call move(spring, branch, -2*u_y, 1.05_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 1.05_wp*u_y), 0.6_wp*f_y, &
+         'half way to the peak', rtol=1.0e-13_wp)
+      ! unloaded at 0.45, half way to (-2, -1.1) at -0.775; unloaded from there at -0.225
+      call move(spring, branch, 1.05_wp*u_y, -0.775_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, -0.775_wp*u_y), -0.55_wp*f_y, &
+         'half way back', rtol=1.0e-13_wp)
+      ! the last turn (1.05, 0.6) is stiffer to come by than the peak: 0.6/1.275 > 1.2/3.225
+      call move(spring, branch, -0.775_wp*u_y, 0.4125_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 0.4125_wp*u_y), 0.3_wp*f_y, &
+         'half way to the last turn', rtol=1.0e-13_wp)
+      call move(spring, branch, 0.4125_wp*u_y, 2.025_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 2.025_wp*u_y), 0.9_wp*f_y, &
+         'from there to the peak', rtol=1.0e-13_wp)
+      ! unloaded in part and loaded again
+      call move(spring, branch, 2.025_wp*u_y, 1.5_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 1.5_wp*u_y), 0.375_wp*f_y, &
+         'in part', rtol=1.0e-13_wp)
+      call move(spring, branch, 1.5_wp*u_y, 3.5_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 3.5_wp*u_y), 1.25_wp*f_y, &
+         'back on the envelope', rtol=1.0e-13_wp)
+   end subroutine check_peak_oriented
+
+   !> Wear by the formula, once by hand: E_1 is the area to 3 u_y and back to zero.
+   subroutine check_wear()
+      real(wp), parameter :: lambda = 40
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: e, beta, beta_k, stiffness, x_0, fy, slope, falling, cap, peak(2), goal(2)
+
+      spring = worn_spring('peak_oriented', lambda)
+      branch = new_branch(spring)
+      ! all over u_y and F_y; the turn at (3, 1.2) counts what is lost by then
+      e = 0.5_wp + 1.1_wp*2 - 1.2_wp**2/2
+      beta_k = e/(lambda - e)
+      stiffness = 1 - beta_k
+      x_0 = 3 - 1.2_wp/stiffness
+      call move(spring, branch, 0.0_wp, 3*u_y)
+      call move(spring, branch, 3*u_y, 2.5_wp*u_y)
+      call checks%close_to(spring_force(spring, branch, 2.5_wp*u_y), (1.2_wp - stiffness/2)*f_y, &
+         'stiffness of unloading', rtol=1.0e-13_wp)
+      e = 0.5_wp + 1.1_wp*2 - 1.2_wp*(3 - x_0)/2
+      beta = e/(lambda - e)
+      fy = 1 - beta
+      slope = 0.1_wp*(1 - beta)
+      falling = (1.3_wp + 0.13_wp*4)*(1 - beta)
+      cap = (falling - fy*(1 - slope))/(slope + 0.13_wp)
+      peak(1) = 1 + beta
+      peak(2) = fy + slope*(peak(1) - fy)
+      call move(spring, branch, 2.5_wp*u_y, (x_0 - peak(1))/2*u_y)
+      call checks%close_to(spring_force(spring, branch, (x_0 - peak(1))/2*u_y), -peak(2)/2*f_y, &
+         'reloading to the worn peak', rtol=1.0e-13_wp)
+      call move(spring, branch, (x_0 - peak(1))/2*u_y, -cap*u_y)
+      call checks%close_to(spring_force(spring, branch, -cap*u_y), -(fy + slope*(cap - fy))*f_y, &
+         'the worn cap', rtol=1.0e-13_wp)
+      goal = [cap + 1, fy + slope*(cap - fy) - 0.13_wp]
+      call move(spring, branch, -cap*u_y, -goal(1)*u_y)
+      call checks%close_to(spring_force(spring, branch, -goal(1)*u_y), -goal(2)*f_y, &
+         'beyond the worn cap', rtol=1.0e-13_wp)
+   end subroutine check_wear
+
+   !> The pinching point by its definition.
+   subroutine check_pinched()
+      real(wp), parameter :: pinch(2) = [0.4_wp, 0.25_wp]
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: x_p, f_p
+
+      spring = worn_spring('pinched', pinch=pinch)
+      branch = new_branch(spring)
+      call move(spring, branch, 0.0_wp, 3*u_y)
+      call move(spring, branch, 3*u_y, -3*u_y)
+      ! unloaded at -1.8; 0.75 of the plastic 1.8 and 0.4 of the line to (3, 1.2) there
+      x_p = 0.75_wp*1.8_wp
+      f_p = 0.4_wp*1.2_wp*(x_p + 1.8_wp)/4.8_wp
+      call move(spring, branch, -3*u_y, (x_p - 1.8_wp)/2*u_y)
+      call checks%close_to(spring_force(spring, branch, (x_p - 1.8_wp)/2*u_y), f_p/2*f_y, &
+         'half way to the pinching point', rtol=1.0e-12_wp)
+      call move(spring, branch, (x_p - 1.8_wp)/2*u_y, (x_p + 3)/2*u_y)
+      call checks%close_to(spring_force(spring, branch, (x_p + 3)/2*u_y), (f_p + 1.2_wp)/2*f_y, &
+         'from there to the peak', rtol=1.0e-12_wp)
+   end subroutine check_pinched
+
+   !> An excursion that takes more than is left breaks the spring, and all work is lost.
+   subroutine check_exhausted()
+      type(spring_t) :: spring
+      type(branch_t) :: branch
+      real(wp) :: lost
+
+      spring = worn_spring('peak_oriented', 5.0_wp)
+      branch = new_branch(spring)
+      call move(spring, branch, 0.0_wp, 4*u_y)
+      call move(spring, branch, 4*u_y, -u_y)
+      lost = (0.5_wp + 1.15_wp*3)*f_y*u_y
+      call checks%close_to(spring_force(spring, branch, -u_y), 0.0_wp, 'exhausted')
+      call checks%close_to(spring_loss(spring, branch, -u_y), lost, 'and all of it lost', &
+         rtol=1.0e-13_wp)
+      call move(spring, branch, -u_y, 9*u_y)
+      call checks%close_to(spring_force(spring, branch, 9*u_y), 0.0_wp, 'for good')
+   end subroutine check_exhausted
+
+   !> A way and its mirror: the same numbers to the last bit; work is what is stored and lost, where
+   !> forces are on lines between the points.
+   subroutine check_mirror()
+      character(13), parameter :: names(3) = [character(13) :: 'flag', 'peak_oriented', 'pinched']
+      real(wp) :: way(200)
+      type(spring_t) :: spring
+      type(branch_t) :: branch, mirrored
+      real(wp) :: x, worst
+      integer :: i, n
+
+      call make_way(way)
+      do i = 1, size(names)
+         spring = worn_spring(trim(names(i)), 150.0_wp, [0.5_wp, 0.3_wp])
+         branch = new_branch(spring)
+         mirrored = branch
+         x = 0
+         worst = 0
+         do n = 1, size(way)
+            call move(spring, branch, x, way(n))
+            call move(spring, mirrored, -x, -way(n))
+            x = way(n)
+            worst = max(worst, abs(spring_force(spring, branch, x) &
+               + spring_force(spring, mirrored, -x)), abs(spring_loss(spring, branch, x) &
+               - spring_loss(spring, mirrored, -x)))
+         end do
+         call checks%close_to(worst, 0.0_wp, trim(names(i))//', mirrored')
+         call checks%that(spring_loss(spring, branch, x) > 0, trim(names(i))//' takes energy')
+      end do
+   end subroutine check_mirror
+
+end program test_laws
