@@ -114,19 +114,27 @@ contains
       !! the lines, each with its line feed
       character(*), parameter :: tab = achar(9)
       type(key_t), allocatable :: keys(:)
-      character(16) :: default
+      character(:), allocatable :: line
       integer :: i
+      integer :: n
 
       keys = all_keys()
-      text = ''
+      where (keys%default == '')
+         keys%default = merge('required        ', 'none            ', keys%is_required)
+      end where
+      ! of its whole length at once: a text that grows by lines is copied with each of them
+      allocate (character(sum(len_trim(keys%group) + len_trim(keys%key) + len_trim(keys%type) &
+         + len_trim(keys%unit) + len_trim(keys%default) + len_trim(keys%allowed) &
+         + len_trim(keys%help) + 7)) :: text)
+      n = 0
       do i = 1, size(keys)
          associate (key => keys(i))
-            default = key%default
-            if (default == '') default = merge('required', 'none    ', key%is_required)
-            text = text//trim(key%group)//tab//trim(key%key)//tab//trim(key%type)//tab &
-               //trim(key%unit)//tab//trim(default)//tab//trim(key%allowed)//tab &
+            line = trim(key%group)//tab//trim(key%key)//tab//trim(key%type)//tab &
+               //trim(key%unit)//tab//trim(key%default)//tab//trim(key%allowed)//tab &
                //trim(key%help)//new_line('a')
          end associate
+         text(n + 1:n + len(line)) = line
+         n = n + len(line)
       end do
    end subroutine write_schema
 
