@@ -80,8 +80,7 @@ def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
     print(
         f"{status.size} simulations by {dataset.attrs['method']} "
         f"in {dataset.attrs['seconds']:.2f} s with {dataset.attrs['threads']} threads, "
-        f"{failed.sum()} failed, "
-        + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
+        f"{failed.sum()} failed, " + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
     )
     for path in (options.csv, options.plot):
         if path:

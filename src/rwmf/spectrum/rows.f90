@@ -30,8 +30,8 @@ module rwmf_spectrum_rows
       integer :: n = 0
       !! number of rows
       real(wp), allocatable :: T_s(:), gamma(:), b(:)
-      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame beside
-      !! a wall, b without a wall
+      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame
+      !! beside a wall, b without a wall
       real(wp), pointer :: table(:, :) => null()
       !! (columns, rows) otherwise, each in the unit of its key
       integer :: axis_column(4) = 0

@@ -96,7 +96,8 @@ contains
          spectrum%b = rows%b
          sizes(3) = size(rows%b)
       end if
-      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, known_motion)
+      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, &
+         known_motion)
    end subroutine compute_spectrum
 
    !> Compute the rows of a table: runs of one case whose numbers differ, each as if it were alone.
