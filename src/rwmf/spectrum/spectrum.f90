@@ -318,7 +318,9 @@ contains
       integer :: i
 
       associate (method => queue%rows%case%solver%method)
-         if (spectrum_method(method) == 'fast' .or. method == 'dop853') then
+         ! lanes share what is asked of their errors
+         if ((spectrum_method(method) == 'fast' .or. method == 'dop853') &
+            .and. .not. queue%rows%has_own_estimate) then
             call run_general_lanes(queue, first, threads, control, values, status, evaluations)
             return
          end if
@@ -404,6 +406,9 @@ contains
       end if
       call take_values(queue%asked, row, result, values)
       status = ending_name(result)
+      if (allocated(row%solver%accuracy)) then
+         if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'
+      end if
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
 
