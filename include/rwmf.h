@@ -19,6 +19,16 @@ extern "C" {
 
 enum { RWMF_NUMERICAL = 1, RWMF_INPUT = 2, RWMF_INTERRUPTED = 130 };
 
+/* What became of a row. */
+enum {
+   RWMF_ROW_OK = 0,
+   RWMF_ROW_OVERTURNED = 1,
+   RWMF_ROW_COLLAPSED = 2,  /* a drift passed the limit of an effect */
+   RWMF_ROW_INACCURATE = 3, /* errs by more than `accuracy`; the results are the best that there are */
+   RWMF_ROW_REFUSED = 4,    /* the rules of the case do not allow its numbers; the results are NaN */
+   RWMF_ROW_FAILED = 5      /* the integration did; the results are NaN */
+};
+
 enum {
    RWMF_EVENT_IMPACT = 1,
    RWMF_EVENT_PEAK = 2,
@@ -135,6 +145,27 @@ int rwmf_create_from_case(const rwmf_case *scene, double t_begin, double peak, r
                           char *message, size_t size);
 int rwmf_create_element_from_case(const rwmf_case *scene, rwmf_element **element, char *message,
                                   size_t size);
+
+/* Rows of a table: runs of one case, each with its own numbers. */
+typedef struct {
+   size_t n_columns;           /* at least 1 */
+   const char *const *columns; /* n_columns names: "T_s" (s), "gamma", "b" (m), "scale" (factor on the
+                                  horizontal motion), or "group.key" of any key that holds a number */
+   size_t n;                   /* rows, at least 1 */
+   const double *values;       /* n*n_columns, row after row: that of row i and column j is
+                                  values[i*n_columns + j], in the unit of its key */
+   size_t n_quantities;        /* at least 1 */
+   const char *const *quantities; /* n_quantities keys of numbers that `rwmf run` reports, "u_s_max_m" */
+} rwmf_rows;
+
+/* Run all rows in `threads` threads (0: all that OpenMP offers). `results` has room for
+ * rows->n*n_quantities numbers, row after row: quantity k of row i is results[i*n_quantities + k], NaN
+ * where it does not apply; counts, yes (1) and no (0) are numbers, too. `status` has room for rows->n
+ * of RWMF_ROW_. A row that cannot be run is no failure of the call: the others go on. No bit of a row
+ * depends on the other rows or on `threads`; it has those of `rwmf_run_case` by every method but 'fast',
+ * which 'auto' means here. */
+int rwmf_run_rows(const rwmf_case *scene, const rwmf_rows *rows, int threads, double *results,
+                  int32_t *status, char *message, size_t size);
 
 /* --- a wall that steps --- */
 

@@ -8,15 +8,15 @@ the others' work.
 from __future__ import annotations
 
 import math
-import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import rwmf
+from rwmf._library import worker
 
 from peers.problem import Array, Peer, Record, Solver, bands, case
 
@@ -63,22 +63,27 @@ class Clock:
 
 @contextmanager
 def _worker_cpu() -> Iterator[list[float]]:
-    """Collect the CPU times of the threads that begin and end inside [s].
+    """Collect the CPU times of the kernel's calls inside [s].
 
-    `rwmf` runs the kernel in a thread of its own: what Python does around it is left out.
+    `rwmf` calls the kernel in a thread of its own: what Python does around it is left out.
     """
-    run, spent = threading.Thread.run, []
+    beside, spent = worker._call_beside, []
 
-    def timed(thread: threading.Thread) -> None:
-        begin = time.thread_time()
-        run(thread)
-        spent.append(time.thread_time() - begin)
+    def timed(call: Callable[..., object], *arguments: object) -> object:
+        def measured(control: object) -> object:
+            begin = time.thread_time()
+            try:
+                return call(control)
+            finally:
+                spent.append(time.thread_time() - begin)
 
-    threading.Thread.run = timed  # type: ignore[method-assign]
+        return beside(measured, *arguments)  # type: ignore[arg-type]
+
+    worker._call_beside = timed  # type: ignore[assignment]
     try:
         yield spent
     finally:
-        threading.Thread.run = run  # type: ignore[method-assign]
+        worker._call_beside = beside
 
 
 def kernel(

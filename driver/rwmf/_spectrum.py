@@ -141,6 +141,7 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
         coordinates,
         {
             "version": _library.version(),
+            "method": sweep.method(),
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),
             "rhs_evaluations": int(facts["rhs_evaluations"]),

@@ -224,6 +224,16 @@ class KernelCase:
         """
         return fetch_text(_kernel.axes_of_case, self.handle).splitlines()[-1]
 
+    def spectrum_method(self) -> str:
+        """Name the method by which a spectrum or a sweep of the case is computed.
+
+        Returns
+        -------
+        str
+            What `&solver method` says, of ``auto`` what that means there.
+        """
+        return fetch_text(_kernel.spectrum_method, self.handle)
+
     def broken_laws(self) -> int:
         """Laws of conservation that the case asks to break.
 

@@ -165,6 +165,16 @@ class Spectrum(Result):
         """
         return law_warning(self._case.broken_laws()).splitlines()
 
+    def method(self) -> str:
+        """Name the method.
+
+        Returns
+        -------
+        str
+            As `KernelCase.spectrum_method`.
+        """
+        return self._case.spectrum_method()
+
     def axes(self) -> dict[str, SceneAxis]:
         """Say what the axes are in the scene.
 

@@ -85,6 +85,8 @@ class Layout:
         What is kept of each run.
     motion_crc32 : str
         Checksum of the case's own record, '' without one.
+    method : str
+        How all runs are computed, '' when they differ in it.
     warnings : str
         What is not conserved in some of its runs, in one line; '' for nothing.
     table : Table, optional
@@ -98,6 +100,7 @@ class Layout:
     block: int
     quantities: tuple[str, ...]
     motion_crc32: str = ""
+    method: str = ""
     warnings: str = ""
     table: Table | None = None
 

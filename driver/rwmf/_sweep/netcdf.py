@@ -84,6 +84,7 @@ def attributes(layout: Layout) -> dict[str, object]:
         "version": layout.version,
         "case": readable(layout.case),
         "motion_crc32": layout.motion_crc32,
+        "method": layout.method,
         "warnings": layout.warnings,
         "sweep": layout.to_text(),
     }

@@ -259,8 +259,14 @@ def _make_layout(
         block=block,
         quantities=quantities,
         motion_crc32="" if _has_records(axes) else _own_record(case),
+        method=_method(case, axes),
         table=next((axis.table for axis in axes if axis.table is not None), None),
     )
+
+
+def _method(case: Case, axes: Sequence[Axis]) -> str:
+    varies = any(("solver", "method") in axis.keys for axis in axes)
+    return "" if varies else case.kernel.spectrum_method()
 
 
 def _check_names(grid: Mapping[str, object], axes: Sequence[Axis], points: Axis | None) -> None:

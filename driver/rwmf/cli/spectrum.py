@@ -67,7 +67,7 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
             found[key] = dataset[name].values
     for key, name in names_by_key(dataset.data_vars).items():
         found[key] = dataset[name].values
-    for key in ("seconds", "threads", "rhs_evaluations", "warnings"):
+    for key in ("method", "seconds", "threads", "rhs_evaluations", "warnings"):
         found[key] = dataset.attrs[key]
     return found
 
@@ -78,9 +78,9 @@ def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
     # a frame collapses only where an effect limits its drift
     ended = [name for name in ENDINGS if name == "overturned" or (status == name).any()]
     print(
-        f"{status.size} simulations in {dataset.attrs['seconds']:.2f} s "
-        f"with {dataset.attrs['threads']} threads, {failed.sum()} failed, "
-        + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
+        f"{status.size} simulations by {dataset.attrs['method']} "
+        f"in {dataset.attrs['seconds']:.2f} s with {dataset.attrs['threads']} threads, "
+        f"{failed.sum()} failed, " + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
     )
     for path in (options.csv, options.plot):
         if path:

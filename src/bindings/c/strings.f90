@@ -6,7 +6,7 @@ module rwmf_bindings_c_strings
    implicit none
    private
 
-   public :: put_text, put_message, get_text
+   public :: put_text, put_message, get_text, get_names
 
    interface
       !> Length of a text of C without its null.
@@ -81,5 +81,36 @@ contains
          text(i:i) = bytes(i)
       end do
    end subroutine get_text
+
+   !> Several texts of C, unless something was refused before.
+   subroutine get_names(address, n, what, names, error)
+      type(c_ptr), intent(in) :: address
+      !! of their addresses
+      integer(c_size_t), intent(in) :: n
+      !! at least 1
+      character(*), intent(in) :: what
+      !! each is, for the message
+      character(:), allocatable, intent(out) :: names(:)
+      !! (n) without the terminating nulls, with blanks behind; not allocated after an error
+      type(error_t), allocatable, intent(inout) :: error
+      !! one of the addresses is NULL
+      type(c_ptr), pointer :: places(:)
+      character(:), allocatable :: text
+      integer(c_size_t) :: i, longest
+
+      if (allocated(error)) return
+      call c_f_pointer(address, places, [n])
+      longest = 0
+      do i = 1, n
+         call get_text(places(i), what, text, error)
+         if (allocated(error)) return
+         longest = max(longest, len(text, c_size_t))
+      end do
+      allocate (character(longest) :: names(n))
+      do i = 1, n
+         call get_text(places(i), what, text, error)
+         names(i) = text
+      end do
+   end subroutine get_names
 
 end module rwmf_bindings_c_strings

@@ -20,6 +20,7 @@ module rwmf_bindings_python_kernel
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
+   use rwmf_integrator_factory, only: method_of_spectrum => spectrum_method
    use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
@@ -194,6 +195,17 @@ contains
       if (.not. allocated(error)) call put_text(lines, buffer, length)
       call put_error(error, status, message, message_length)
    end subroutine inventory
+
+   !> The method by which a spectrum of a case, or rows of it, are computed.
+   subroutine spectrum_method(handle, buffer, length)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      type(kept_t), pointer :: kept
+
+      kept => find(handle)
+      call put_text(trim(method_of_spectrum(kept%case%solver%method)), buffer, length)
+   end subroutine spectrum_method
 
    !> Laws of conservation that a case asks to break, in its spectrum if it has one: the sum of 1
    !> for energy and 2 for angular momentum.

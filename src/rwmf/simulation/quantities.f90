@@ -193,7 +193,7 @@ module rwmf_simulation_quantities
       'evaluations of the right-hand side'), &
       quantity_t('seconds', '', 's', 'real', 'work', 'run spectrum cost', '', '', '', &
       'wall-clock time of the integration'), &
-      quantity_t('method', '', '', 'text', 'before', 'run cost', '', '', '', &
+      quantity_t('method', '', '', 'text', 'before', 'run spectrum cost', '', '', '', &
       'integrator, or procedure that is compared'), &
       quantity_t('rtol', '', '1', 'real', 'before', 'run cost', '', '', '', &
       'its relative tolerance'), &

@@ -9,6 +9,7 @@ module rwmf_spectrum_rows
    use rwmf_problem_case, only: case_t, spectrum_spec_t
    use rwmf_problem_record, only: set_factor
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_text_strings, only: real_to_text, to_lower
    implicit none
    private
@@ -30,8 +31,8 @@ module rwmf_spectrum_rows
       integer :: n = 0
       !! number of rows
       real(wp), allocatable :: T_s(:), gamma(:), b(:)
-      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame beside
-      !! a wall, b without a wall
+      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame
+      !! beside a wall, b without a wall
       real(wp), pointer :: table(:, :) => null()
       !! (columns, rows) otherwise, each in the unit of its key
       integer :: axis_column(4) = 0
@@ -45,6 +46,8 @@ module rwmf_spectrum_rows
       !! and not only its size
       logical :: has_own_method = .false.
       !! a number of the solver differs
+      logical :: has_own_estimate = .false.
+      !! the accuracy asked for, or whether the error is estimated, differs
       logical :: is_one_scene = .false.
       !! nothing differs but the period and the size of the motion
    end type rows_t
@@ -69,7 +72,8 @@ contains
       rows%n = rows%n*size(rows%b)
    end subroutine rows_of_grid
 
-   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change.
+   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, a
+   !> frame without a period that no column gives one.
    subroutine rows_of_table(case, columns, values, rows, error)
       type(case_t), intent(in), target :: case
       !! outlives the rows
@@ -98,6 +102,11 @@ contains
       end do
       if (size(rows%key_columns) > 0) call find_changes(case, columns(rows%key_columns), &
          rows%changes, error)
+      if (allocated(error) .or. rows%axis_column(axis_period) > 0) return
+      do i = 1, size(rows%key_columns)
+         if (to_lower(trim(columns(rows%key_columns(i)))) == 'frame.t_s') return
+      end do
+      call check_single_run(case, error)
    end subroutine rows_of_table
 
    !> A column that is an axis.
@@ -137,6 +146,8 @@ contains
          .or. key == 'motion.a_max_g' .or. key == 'motion.v_p')
       rows%has_own_method = rows%has_own_method .or. index(key, 'solver.') == 1 &
          .or. index(key, 'output.') == 1
+      rows%has_own_estimate = rows%has_own_estimate .or. key == 'solver.accuracy' &
+         .or. key == 'solver.verify'
       if (key == 'model.g') then
          rows%has_own_motion = rows%has_own_motion .or. allocated(case%motion)
       else if (index(key, 'motion.') == 1 .or. index(key, 'vertical.') == 1) then

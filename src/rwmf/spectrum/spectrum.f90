@@ -96,7 +96,8 @@ contains
          spectrum%b = rows%b
          sizes(3) = size(rows%b)
       end if
-      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, known_motion)
+      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, &
+         known_motion)
    end subroutine compute_spectrum
 
    !> Compute the rows of a table: runs of one case whose numbers differ, each as if it were alone.
@@ -317,7 +318,9 @@ contains
       integer :: i
 
       associate (method => queue%rows%case%solver%method)
-         if (spectrum_method(method) == 'fast' .or. method == 'dop853') then
+         ! lanes share what is asked of their errors
+         if ((spectrum_method(method) == 'fast' .or. method == 'dop853') &
+            .and. .not. queue%rows%has_own_estimate) then
             call run_general_lanes(queue, first, threads, control, values, status, evaluations)
             return
          end if
@@ -403,6 +406,9 @@ contains
       end if
       call take_values(queue%asked, row, result, values)
       status = ending_name(result)
+      if (allocated(row%solver%accuracy)) then
+         if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'
+      end if
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
 

@@ -22,7 +22,7 @@ static char message[512];
 static int failures = 0;
 
 /* What a call is made of: its pointers and its reals, in the order of the header. */
-static const void *p[4];
+static const void *p[7];
 static double x[6];
 
 /* What is looked at, and what a call may make or fill. */
@@ -37,8 +37,10 @@ static union {
    rwmf_response response;
    rwmf_event events[2];
    double tau;
+   double rows[2];
 } room;
 static rwmf_ending ending;
+static int32_t row_status[2];
 static size_t count;
 static double acceleration;
 
@@ -61,6 +63,10 @@ static int read_case_file(void) { return rwmf_read_case_file(p[0], (void *)p[1],
 static int run_case(void) { return rwmf_run_case(p[0], (void *)p[1], TALK); }
 static int run_case_ending(void) {
    return rwmf_run_case_ending(p[0], (void *)p[1], (void *)p[2], TALK);
+}
+static int run_rows(void) {
+   const rwmf_rows rows = {1, p[2], 2, p[3] ? x : NULL, 1, p[4]};
+   return rwmf_run_rows(p[0], p[1] ? &rows : NULL, 1, (void *)p[5], (void *)p[6], TALK);
 }
 static int create_from_case(void) {
    return rwmf_create_from_case(p[0], x[0], x[1], (void *)p[1], TALK);
@@ -111,7 +117,7 @@ typedef struct {
    int (*call)(void);
    int speaks; /* it has a message */
    int n_pointers;
-   const void *pointers[3];
+   const void *pointers[7];
    unsigned may_be_null;
    int n_reals;
    double reals[5];
@@ -149,13 +155,15 @@ static void refuse(const function *f, const char *what, double number) {
    memcpy(filled, &room, sizeof room);
    ending.t = -7;
    count = 77;
+   row_status[0] = row_status[1] = 77;
    expect(call(f) == RWMF_INPUT, f->name, what, number);
    if (f->speaks)
       expect(message[0] != '\0' && strcmp(message, "of an earlier call") != 0, f->name,
              "says why", number);
    memcpy(bytes, &room, sizeof room);
    expect(memcmp(filled, bytes, sizeof room) == 0, f->name, "fills nothing", number);
-   expect(ending.t == -7 && count == 77, f->name, "fills nothing beside", number);
+   expect(ending.t == -7 && count == 77 && row_status[0] == 77 && row_status[1] == 77, f->name,
+          "fills nothing beside", number);
    expect(!made_case && !made_wall && !made_element && !made_snapshot, f->name, "makes nothing",
           number);
    rwmf_query_state(wall, &after, NULL, 0);
@@ -196,6 +204,7 @@ static void try_function(const function *f) {
 }
 
 static void try_functions(void) {
+   const char *const column = "frame.T_s", *const quantity = "overturned";
    /* the wall stands at 0.5 s: an earlier time is refused as well */
    const function functions[] = {
       {"run", run, 1, 2, {text, &room}, 0, 0, {0}, 0},
@@ -203,6 +212,8 @@ static void try_functions(void) {
       {"read_case_file", read_case_file, 1, 2, {path, &made_case}, 0, 0, {0}, 0},
       {"run_case", run_case, 1, 2, {scene, &room}, 0, 0, {0}, 0},
       {"run_case_ending", run_case_ending, 1, 3, {scene, &room, &ending}, 0, 0, {0}, 0},
+      {"run_rows", run_rows, 1, 7, {scene, text, &column, text, &quantity, &room, row_status}, 0, 2,
+       {1.0, 2.0}, 0},
       {"create_from_case", create_from_case, 1, 2, {scene, &made_wall}, 0, 2, {0, 1}, 0},
       {"create_element_from_case", create_element_from_case, 1, 2, {scene, &made_element}, 0, 0,
        {0}, 0},

@@ -139,12 +139,13 @@ contains
       spectrum%status(2, 1, 1) = 2
       call write_spectrum(case, spectrum, folder//'/s.csv', error)
       call checks%no_error(error, 'spectrum written')
-      call checks%that(line_of('s.csv', 5) == 'b_m,gamma,T_s_s,u_s_max_m,status', &
+      call checks%that(line_of('s.csv', 5) == '# method: adams', 'method of the spectrum')
+      call checks%that(line_of('s.csv', 6) == 'b_m,gamma,T_s_s,u_s_max_m,status', &
          'columns of the spectrum')
-      line = line_of('s.csv', 7)
+      line = line_of('s.csv', 8)
       call checks%that(index(line, ',too_many_steps') == len(line) - 14, 'reason')
       call checks%that(same_bits(first_number(line), 0.5_wp), 'b comes first')
-      call checks%that(line_of('s.csv', 10) == '', 'four ordinates')
+      call checks%that(line_of('s.csv', 11) == '', 'four ordinates')
    end subroutine test_spectrum_file
 
    !> The bare frame has neither gamma nor b.
@@ -156,7 +157,7 @@ contains
       call make_case(case)
       call make_spectrum(spectrum)
       call write_spectrum(case, spectrum, folder//'/s.csv', error)
-      call checks%that(line_of('s.csv', 5) == 'T_s_s,u_s_max_m,status', 'bare frame')
+      call checks%that(line_of('s.csv', 6) == 'T_s_s,u_s_max_m,status', 'bare frame')
    end subroutine test_bare_spectrum
 
    !> A folder that does not exist is named.

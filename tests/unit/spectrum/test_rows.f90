@@ -50,6 +50,7 @@ program test_rows
    call check_motions()
    call check_refused()
    call check_accuracy()
+   call check_own_accuracy()
    call checks%finish()
 
 contains
@@ -216,6 +217,46 @@ contains
             run%estimated_relative_error]) <= 0), 'accuracy: bits')
       end do
    end subroutine check_accuracy
+
+   !> Rows with accuracies of their own have the bits of their single runs, by every method; those
+   !> whose accuracy round-off denies are 'inaccurate'.
+   subroutine check_own_accuracy()
+      character(12), parameter :: methods(3) = [character(12) :: 'fast', 'dop853', 'adams']
+      type(case_t) :: case, single
+      type(spectrum_t) :: rows
+      type(result_t) :: run
+      type(error_t), allocatable :: error
+      character(24) :: status(n, 1, 1), expected
+      real(wp) :: values(2, n)
+      integer :: i, k
+
+      if (.not. checks%wants('own accuracy')) return
+      do i = 1, n
+         values(:, i) = [0.5_wp + 0.1_wp*i, merge(6.1e-14_wp, 10.0_wp**(-2 - mod(i, 7)), i > n/2)]
+      end do
+      do k = 1, size(methods)
+         call read_case_text(wall//loss//pulses//" &solver t_end=8.0, method='" &
+            //trim(methods(k))//"' /", 'scene', case, error)
+         call checks%no_error(error, 'own accuracy, '//methods(k))
+         call compute_rows(case, [character(15) :: 'T_s', 'solver.accuracy'], values, &
+            [character(20) ::], 2, rows, error)
+         call checks%no_error(error, 'own accuracy, rows, '//methods(k))
+         status = status_of(rows)
+         do i = 1, n
+            single = case
+            single%frame%T_s = values(1, i)
+            single%solver%accuracy = values(2, i)
+            call simulate(single, run, error)
+            call checks%no_error(error, 'own accuracy, single run')
+            call checks%that(abs(rows%values(i, 1, 1, 1) - run%u_s_max) <= 0, &
+               'own accuracy: bits, '//methods(k))
+            expected = merge('inaccurate', 'ok        ', run%estimated_relative_error &
+               > values(2, i))
+            call checks%that(status(i, 1, 1) == expected, 'own accuracy: status, '//methods(k))
+         end do
+      end do
+      call checks%that(any(status == 'inaccurate'), 'own accuracy: round-off of adams')
+   end subroutine check_own_accuracy
 
    subroutine read_scene(text, case)
       character(*), intent(in) :: text

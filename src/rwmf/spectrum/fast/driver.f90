@@ -143,6 +143,8 @@ contains
          end if
          attempt = pack(attempt, attempt%stages > 0)
          attempt = attempt(order_by_cost(attempt%T_s, attempt%level, halvings))
+         ! of a grid: lanes of one scene, at adjacent periods, have their events at about one time
+         if (.not. associated(rows%table)) attempt = attempt(grouped(attempt%scene, scenes))
          do while (size(attempt) > 0)
             call fit_equations(fast, first, scenes, is_fitted, attempt)
             call cut_motion(fast, attempt)
@@ -151,6 +153,28 @@ contains
          end do
       end associate
    end subroutine run_fast
+
+   !> Indices of a list of numbers with equal ones together, in their order.
+   pure function grouped(number, most) result(order)
+      integer, intent(in) :: number(:)
+      !! from 1 to `most`
+      integer, intent(in) :: most
+      integer :: order(size(number))
+      integer :: before(most + 1)
+      integer :: i
+
+      before = 0
+      do i = 1, size(number)
+         before(number(i) + 1) = before(number(i) + 1) + 1
+      end do
+      do i = 2, most + 1
+         before(i) = before(i) + before(i - 1)
+      end do
+      do i = 1, size(number)
+         before(number(i)) = before(number(i)) + 1
+         order(before(number(i))) = i
+      end do
+   end function grouped
 
    !> First attempts: all rows. The equation of a scene is fitted by the way where its first row is.
    subroutine first_attempts(fast, first, is_fitted, attempt)
