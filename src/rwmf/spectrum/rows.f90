@@ -26,12 +26,14 @@ module rwmf_spectrum_rows
    !> Where the numbers of the runs come from.
    type :: rows_t
       type(case_t), pointer :: case => null()
-      !! what they have in common, samples of records included
+      !! what they have in common
+      type(case_t), pointer :: origin => null()
+      !! with the samples of its records: the same, or that which it was changed from
       integer :: n = 0
       !! number of rows
       real(wp), allocatable :: T_s(:), gamma(:), b(:)
-      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame beside
-      !! a wall, b without a wall
+      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame
+      !! beside a wall, b without a wall
       real(wp), pointer :: table(:, :) => null()
       !! (columns, rows) otherwise, each in the unit of its key
       integer :: axis_column(4) = 0
@@ -52,12 +54,16 @@ module rwmf_spectrum_rows
 contains
 
    !> The grid of a case's `&spectrum` group.
-   subroutine rows_of_grid(case, rows)
+   subroutine rows_of_grid(case, rows, origin)
       type(case_t), intent(in), target :: case
       !! outlives the rows
       type(rows_t), intent(out) :: rows
+      type(case_t), intent(in), target, optional :: origin
+      !! of a changed case: that which keeps the samples of its records; outlives the rows
 
       rows%case => case
+      rows%origin => case
+      if (present(origin)) rows%origin => origin
       rows%T_s = spectrum_periods(case%spectrum)
       rows%n = size(rows%T_s)
       if (.not. allocated(case%wall)) return
@@ -82,6 +88,7 @@ contains
       integer :: i, axis
 
       rows%case => case
+      rows%origin => case
       rows%table => values
       rows%n = size(values, 2)
       rows%is_one_scene = .true.
@@ -317,7 +324,7 @@ contains
       !! from `take_row`
       type(motion_t) :: motion
 
-      motion = motion_from_case(row, rows%case)
+      motion = motion_from_case(row, rows%origin)
    end function row_motion
 
 end module rwmf_spectrum_rows

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
+from rwmf import _simulation
 from rwmf.case.namelist import compose
 from rwmf.cli.main import main
 from rwmf.errors import InputError
@@ -51,7 +52,7 @@ def test_ordinates_are_runs(effect: str, folder: Path) -> None:
     tight = case.replace(solver={"method": "dop853", "rtol": 1e-12}, spectrum=None)
     for T_s in _PERIODS:
         output = {"energy": True, "reactions": True}
-        with rwmf._simulation.start(tight.replace(frame={"T_s": T_s}, output=output)) as run:
+        with _simulation.start(tight.replace(frame={"T_s": T_s}, output=output)) as run:
             expected = run.summary()
         for found, names in ((everything, keys), (events, smooth)):
             for key in names:
