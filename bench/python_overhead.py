@@ -1,6 +1,7 @@
 """What a call from Python costs beside the kernel's own time, side by side in one run.
 
-Run it as ``.venv/bin/python bench/python_overhead.py [ROUNDS]``, for a pulse and a record. It
+Run it as ``.venv/bin/python bench/python_overhead.py [ROUNDS [ORDINATES]]``, for a pulse and a
+record; with ORDINATES it shows what a spectrum of so many takes, in seconds and memory. It
 prints calls, the same work by the bare kernel, what lies between them, and what ``xarray.Dataset``
 alone would take to label the same arrays. All alternate, and the least time of each counts: on a
 machine that others use too, ask for more rounds.
@@ -8,6 +9,7 @@ machine that others use too, ask for more rounds.
 
 from __future__ import annotations
 
+import resource
 import sys
 import time
 from collections.abc import Callable
@@ -22,10 +24,40 @@ from rwmf.case.grid import with_grid
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def main(rounds: int = 200) -> None:
+def main(rounds: int = 200, ordinates: int = 0) -> None:
     """Measure and print."""
+    if ordinates:
+        _measure_many(ordinates)
     for name in ("fig12_one_cosine.nml", "fig13_elcentro_slender_wall.nml"):
         _measure(name, rounds)
+
+
+def _measure_many(n: int) -> None:
+    """Print what spectra of a bare frame take, one call each; the memory is the most so far."""
+    case = rwmf.Case(
+        frame={"T_s": 1.0, "xi_s": 0.05},
+        motion={"kind": "one_cosine", "a_max_g": 0.4, "omega_p": 2 * np.pi},
+        solver={"t_end": 10.0},
+    )
+    quantities = ["u_s_max_m", "energy_input_J_per_kg", "energy_viscous_J_per_kg"]
+    print("| ordinates | quantities | seconds | us each | bytes each | all [MB] |")
+    print("|---|---|---|---|---|---|")
+    rwmf.spectrum(case, T_s=np.linspace(0.1, 3.0, 1000), quantities=quantities)
+    before = _peak_memory()
+    for m in (n // 10, n):
+        begin = time.perf_counter()
+        made = rwmf.spectrum(case, T_s=np.linspace(0.1, 3.0, m), quantities=quantities)
+        seconds = time.perf_counter() - begin
+        grown = _peak_memory() - before
+        print(
+            f"| {made.status.size} | {len(quantities)} | {seconds:.1f} | {1e6 * seconds / m:.2f} "
+            f"| {grown / m:.0f} | {grown / 1e6:.0f} |"
+        )
+
+
+def _peak_memory() -> int:
+    """Largest memory of this process so far [bytes]."""
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _measure(name: str, rounds: int) -> None:
@@ -75,7 +107,7 @@ def _bare_spectrum(case: rwmf.Case) -> Callable[[], None]:
     message, control = np.zeros(8192, dtype=np.int8), np.zeros(2, dtype=np.int64)
 
     def call() -> None:
-        kernel.release(kernel.spectrum(case.kernel.handle, 1, control, message)[0])
+        kernel.release(kernel.spectrum(case.kernel.handle, b"", 1, control, message)[0])
 
     return call
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+import pandas as pd
 import xarray as xr
 
 __all__ = ["Labelled", "dataset"]
@@ -44,10 +46,13 @@ def dataset(
     indexes: dict[str, xr.indexes.PandasIndex] = {}
     made: dict[str, xr.Variable] = {}
     for name, (dims, values, attrs) in (*variables.items(), *coordinates.items()):
-        variable = xr.Variable(dims, values, attrs)
+        # the kernel's arrays need no conversion
+        variable = xr.Variable(dims, values, attrs, fastpath=isinstance(values, np.ndarray))
         sizes |= zip(dims, variable.shape, strict=True)
         if name in coordinates and dims == (name,):
-            indexes[name] = xr.indexes.PandasIndex(values, name, coord_dtype=variable.dtype)
+            # under its name already, the index is not copied once more to get one
+            index = pd.Index(variable.values, name=name)
+            indexes[name] = xr.indexes.PandasIndex(index, name, coord_dtype=variable.dtype)
             variable = indexes[name].create_variables({name: variable})[name]
         made[name] = variable
     found: xr.Dataset = make(made, set(coordinates), sizes, dict(attributes), indexes)

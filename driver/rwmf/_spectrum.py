@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
@@ -11,7 +12,8 @@ from rwmf import _library
 from rwmf._labels import dataset
 from rwmf.case import Case
 from rwmf.case.grid import Values, with_grid
-from rwmf.quantities import AXES, find
+from rwmf.errors import InputError
+from rwmf.quantities import AXES, find, keys_of
 
 __all__ = ["spectrum", "start", "to_dataset"]
 
@@ -69,14 +71,36 @@ def spectrum(
     Interrupted
         After Ctrl-C.
     """
-    case = with_grid(case, T_s, gamma, b, quantities)
-    with start(case, threads, progress) as sweep:
-        return to_dataset(sweep)
+    keys = [] if quantities is None else keys_of(quantities)
+    if quantities is not None and not (keys and _can_be_told_apart(keys)):
+        _refuse(case, keys)
+    try:
+        with start(with_grid(case, T_s, gamma, b), threads, progress, keys) as sweep:
+            return to_dataset(sweep)
+    except InputError:
+        if keys:
+            _refuse(case, keys)
+        raise
+
+
+def _can_be_told_apart(keys: Sequence[str]) -> bool:
+    """Tell whether these are different words, as long as keys may be."""
+    words = [key.lower() for key in keys if re.fullmatch(r"\w{1,40}", key, re.ASCII)]
+    return len(set(words)) == len(keys)
+
+
+def _refuse(case: Case, keys: Sequence[str]) -> None:
+    """Let the kernel read quantities as text, which says where and why one is not acceptable."""
+    with start(with_grid(case, T_s=1.0, quantities=keys)):
+        pass
 
 
 @contextmanager
 def start(
-    case: Case, threads: int = 0, progress: Progress | None = None
+    case: Case,
+    threads: int = 0,
+    progress: Progress | None = None,
+    quantities: Sequence[str] = (),
 ) -> Iterator[_library.Spectrum]:
     """Compute a case's spectrum and keep it in the kernel until the ``with`` block is left.
 
@@ -88,6 +112,8 @@ def start(
         Threads of the kernel, 0 for all.
     progress : callable, optional
         As in `spectrum`.
+    quantities : sequence of str
+        Keys of what is reported; none: what the case asks for.
 
     Yields
     ------
@@ -101,7 +127,7 @@ def start(
     """
     total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
-    with _library.start_spectrum(case.kernel, case.label, threads, report) as sweep:
+    with _library.start_spectrum(case.kernel, case.label, threads, report, quantities) as sweep:
         yield sweep
 
 

@@ -156,10 +156,11 @@ contains
       call put_list('T_s', spectrum%T_s)
       call put_list('gamma', spectrum%gamma)
       call put_list('b', spectrum%b)
-      do k = 1, size(spectrum%u_s_max, 3)
-         do j = 1, size(spectrum%u_s_max, 2)
-            call put_list('u_s_max', spectrum%u_s_max(:, j, k))
-            print '(*(a, 1x))', (trim(spectrum%status(i, j, k)), i=1, size(spectrum%T_s))
+      do k = 1, size(spectrum%values, 3)
+         do j = 1, size(spectrum%values, 2)
+            call put_list('u_s_max', spectrum%values(:, j, k, 1))
+            print '(*(a, 1x))', (trim(spectrum%status_names(spectrum%status(i, j, k))), i=1, &
+               size(spectrum%T_s))
          end do
       end do
       print '(a, i0)', 'rhs_evaluations ', spectrum%rhs_evaluations

@@ -81,7 +81,11 @@ def start_simulation(case: KernelCase, source: str) -> Run:
 
 
 def start_spectrum(
-    case: KernelCase, source: str, threads: int = 0, progress: Progress | None = None
+    case: KernelCase,
+    source: str,
+    threads: int = 0,
+    progress: Progress | None = None,
+    quantities: Sequence[str] = (),
 ) -> Spectrum:
     """Compute a spectrum in a worker thread.
 
@@ -95,6 +99,8 @@ def start_spectrum(
         Threads of the kernel, 0 for all.
     progress : callable, optional
         Called about 20 times a second with the number of finished ordinates.
+    quantities : sequence of str
+        Keys of what each ordinate reports; none: what the case asks for.
 
     Returns
     -------
@@ -110,9 +116,10 @@ def start_spectrum(
     """
     message = message_buffer()
     threads = check_threads(threads)
+    keys = encode("\t".join(quantities))
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _kernel.spectrum(case.handle, threads, control, message)
+        handle, status, n = _kernel.spectrum(case.handle, keys, threads, control, message)
         return handle, status, n
 
     return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)

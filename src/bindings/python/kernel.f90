@@ -15,7 +15,7 @@ module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_bindings_python_handles, only: complete_case, find, keep, kept_t, make_control, &
-      motion_of, put_error, put_text, split_names
+      motion_of, put_error, put_text, sampled_case, split_names
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
@@ -384,9 +384,11 @@ contains
       n = int(kernel_most_threads(), c_int)
    end subroutine most_threads
 
-   !> Compute a spectrum with so many threads (0: all). `control` is (finished, cancel).
-   subroutine spectrum(handle, threads, control, sweep, status, message, message_length)
+   !> Compute a spectrum with so many threads (0: all). `keys` are those of the quantities ('' for
+   !> those of the case), separated by tabs; `control` is (finished, cancel).
+   subroutine spectrum(handle, keys, threads, control, sweep, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
+      character(*), intent(in) :: keys
       integer(c_int), intent(in) :: threads
       integer(c_int64_t), intent(inout), target :: control(2)
       integer(c_int64_t), intent(out) :: sweep
@@ -395,15 +397,21 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: from
       type(kept_t), pointer :: kept
-      type(case_t), target :: case
+      type(motion_t), target :: room
+      type(motion_t), pointer :: motion
+      type(case_t), pointer :: origin
       type(error_t), allocatable :: error
+      character(40), allocatable :: wanted(:)
       !f2py threadsafe
 
       from => find(handle)
-      call complete_case(from, case)
+      origin => sampled_case(handle)
+      call motion_of(from, room, motion)
+      call split_names(keys, wanted)
       allocate (kept)
       allocate (kept%spectrum)
-      call compute_spectrum(case, int(threads), kept%spectrum, error, make_control(control))
+      call compute_spectrum(from%case, int(threads), kept%spectrum, error, make_control(control), &
+         wanted, origin, motion)
       call keep(kept, error, sweep)
       call put_error(error, status, message, message_length)
    end subroutine spectrum

@@ -122,13 +122,14 @@ contains
 
    !> The horizontal ground motion of a case in its own unit: a record as it stands in the file, a
    !> pulse over its amplitude. Cases that differ in this unit alone have the same.
-   pure function unit_motion(case) result(motion)
+   pure function unit_motion(case, origin) result(motion)
       type(case_t), intent(in) :: case
-      !! with its samples
+      type(case_t), intent(in) :: origin
+      !! with the samples of its record: the case itself, or that which it was changed from
       type(motion_t) :: motion
 
       ! a record that a case does not have arrives as an absent argument
-      motion = horizontal_motion(case, 1.0_wp, case%record)
+      motion = horizontal_motion(case, 1.0_wp, origin%record)
    end function unit_motion
 
    !> The unit of the horizontal motion of a case, with its sign [m/s2].

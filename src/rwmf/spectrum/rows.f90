@@ -27,7 +27,9 @@ module rwmf_spectrum_rows
    !> Where the numbers of the runs come from.
    type :: rows_t
       type(case_t), pointer :: case => null()
-      !! what they have in common, samples of records included
+      !! what they have in common
+      type(case_t), pointer :: origin => null()
+      !! with the samples of its records: the same, or that which it was changed from
       integer :: n = 0
       !! number of rows
       real(wp), allocatable :: T_s(:), gamma(:), b(:)
@@ -55,12 +57,16 @@ module rwmf_spectrum_rows
 contains
 
    !> The grid of a case's `&spectrum` group.
-   subroutine rows_of_grid(case, rows)
+   subroutine rows_of_grid(case, rows, origin)
       type(case_t), intent(in), target :: case
       !! outlives the rows
       type(rows_t), intent(out) :: rows
+      type(case_t), intent(in), target, optional :: origin
+      !! of a changed case: that which keeps the samples of its records; outlives the rows
 
       rows%case => case
+      rows%origin => case
+      if (present(origin)) rows%origin => origin
       rows%T_s = spectrum_periods(case%spectrum)
       rows%n = size(rows%T_s)
       if (.not. allocated(case%wall)) return
@@ -86,6 +92,7 @@ contains
       integer :: i, axis
 
       rows%case => case
+      rows%origin => case
       rows%table => values
       rows%n = size(values, 2)
       rows%is_one_scene = .true.
@@ -328,7 +335,7 @@ contains
       !! from `take_row`
       type(motion_t) :: motion
 
-      motion = motion_from_case(row, rows%case)
+      motion = motion_from_case(row, rows%origin)
    end function row_motion
 
 end module rwmf_spectrum_rows

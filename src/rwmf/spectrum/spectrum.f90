@@ -11,6 +11,7 @@ module rwmf_spectrum_spectrum
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_scene_axes, only: set_axes
+   use rwmf_simulation_quantities, only: spelled
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws
@@ -68,7 +69,8 @@ contains
    !> Each ordinate is a simulation of its own, so that the result has the same bits for every
    !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
    !> on.
-   subroutine compute_spectrum(case, threads, spectrum, error, control, known_motion)
+   subroutine compute_spectrum(case, threads, spectrum, error, control, quantities, origin, &
+      known_motion)
       type(case_t), intent(in), target :: case
       integer, intent(in) :: threads
       !! number of threads; 0 for all that OpenMP offers
@@ -76,7 +78,11 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted
       type(control_t), intent(in), optional :: control
-      type(motion_t), intent(in), optional :: known_motion
+      character(*), intent(in), optional :: quantities(:)
+      !! keys of what each ordinate reports; none: what the case asks for
+      type(case_t), intent(in), target, optional :: origin
+      !! of a changed case: that which keeps the samples of its records
+      type(motion_t), intent(in), target, optional :: known_motion
       !! of the case, when the caller holds it
       type(rows_t), target :: rows
       integer :: sizes(3)
@@ -85,7 +91,7 @@ contains
          call fail(error, err_input, 'no &spectrum group: nothing to loop over')
          return
       end if
-      call rows_of_grid(case, rows)
+      call rows_of_grid(case, rows, origin)
       spectrum%T_s = rows%T_s
       sizes = [size(rows%T_s), 1, 1]
       if (allocated(rows%gamma)) then
@@ -96,7 +102,7 @@ contains
          spectrum%b = rows%b
          sizes(3) = size(rows%b)
       end if
-      call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control, &
+      call compute(rows, sizes, wanted_keys(case, quantities), threads, spectrum, error, control, &
          known_motion)
    end subroutine compute_spectrum
 
@@ -124,12 +130,20 @@ contains
       call rows_of_table(case, columns, values, rows, error)
       if (allocated(error)) return
       sizes = [rows%n, 1, 1]
-      if (size(quantities) == 0) then
-         call compute(rows, sizes, keys_asked_by(case), threads, spectrum, error, control)
-      else
-         call compute(rows, sizes, quantities, threads, spectrum, error, control)
-      end if
+      call compute(rows, sizes, wanted_keys(case, quantities), threads, spectrum, error, control)
    end subroutine compute_rows
+
+   !> Keys of what is to be reported.
+   pure function wanted_keys(case, quantities) result(keys)
+      type(case_t), intent(in) :: case
+      character(*), intent(in), optional :: quantities(:)
+      !! (quantities) keys; of size 0 for what the case asks for
+      character(40), allocatable :: keys(:)
+
+      keys = keys_asked_by(case)
+      if (.not. present(quantities)) return
+      if (size(quantities) > 0) keys = spelled(quantities)
+   end function wanted_keys
 
    !> Compute all rows.
    subroutine compute(rows, sizes, keys, threads, spectrum, error, control, known_motion)
@@ -142,7 +156,7 @@ contains
       type(spectrum_t), intent(inout), target :: spectrum
       type(error_t), allocatable, intent(out) :: error
       type(control_t), intent(in), optional :: control
-      type(motion_t), intent(in), optional :: known_motion
+      type(motion_t), intent(in), target, optional :: known_motion
       !! common to all rows
       type(queue_t) :: queue
       type(motion_t), target :: motion
@@ -155,15 +169,15 @@ contains
       if (present(control)) signals = control
       call system_clock(started, rate)
       if (present(known_motion)) then
-         motion = known_motion
+         queue%motion => known_motion
       else
-         motion = motion_from_case(rows%case)
+         motion = motion_from_case(rows%case, rows%origin)
+         queue%motion => motion
       end if
-      call check_asked(rows%case, motion, keys, error)
+      call check_asked(rows%case, queue%motion, keys, error)
       if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
       queue%rows => rows
-      queue%motion => motion
       queue%asked = asked_of(rows%case, keys)
       is_broken = broken_laws(rows%case, in_grid=.not. associated(rows%table))
       spectrum%warnings = pack([tell_broken_laws(is_broken)], [any(is_broken)])

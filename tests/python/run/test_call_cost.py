@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import pickle
 import subprocess
 import sys
 import threading
@@ -123,3 +124,37 @@ def test_idle_threads_end() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rwmf.simulate(_case())
+
+
+@pytest.mark.parametrize("asked", [None, ("u_s_max", "impacts"), ("U_S_MAX",)])
+def test_changed_cases_share_samples(asked: tuple[str, ...] | None) -> None:
+    """What a changed case takes from its origin gives the bits of a case that was read."""
+    vertical = rwmf.Motion(_MOTION.values[::-1], dt=0.02, unit="m/s2", name="up")
+    for changes in ({"frame": {"xi_s": 0.03}}, {"motion": {"scale": 4.0}}, {"model": {"g": 9.7}}):
+        for case in (_case(), _case().replace(vertical=vertical)):
+            changed = case.replace(**changes)
+            fresh = pickle.loads(pickle.dumps(changed))
+            found, expected = (
+                rwmf.spectrum(one, T_s=[0.5, 1.0], gamma=[3.0, 5.0], quantities=asked)
+                for one in (changed, fresh)
+            )
+            assert float(found.u_s_max.max()) > 0
+            for name in found.data_vars:
+                assert found[name].values.tobytes() == expected[name].values.tobytes()
+
+
+def test_many_ordinates_of_several_quantities() -> None:
+    """No text says what is asked for: more periods than a text may have."""
+    case = bare_frame()
+    names = ("u_s_max", "energy_input_end")
+    periods = np.linspace(0.2, 3.0, 10_500)
+    found = rwmf.spectrum(case, T_s=periods, quantities=names)
+    few = rwmf.spectrum(case, T_s=periods[::2100], quantities=names)
+    for name in few.data_vars:
+        assert found[name].values[::2100].tobytes() == few[name].values.tobytes()
+    with pytest.raises(rwmf.InputError, match="u_max is unknown"):
+        rwmf.spectrum(case, T_s=periods, quantities=["u_max"])
+    with pytest.raises(rwmf.InputError, match="u_max"):
+        rwmf.spectrum(case, T_s=periods, quantities=["u_s_max_m\tu_max"])
+    with pytest.raises(rwmf.InputError, match="T_s"):
+        rwmf.spectrum(case, T_s=[-1.0], quantities=names)

@@ -100,7 +100,7 @@ contains
       type(exponential_t), intent(out) :: fast
 
       if (rows%n == 0 .or. rows%has_own_shape .or. rows%has_own_method) return
-      fast%motion = unit_motion(rows%case)
+      fast%motion = unit_motion(rows%case, rows%origin)
       fast%is_used = is_supported(rows%case, fast%motion)
       if (.not. fast%is_used) return
       fast%rows => rows
