@@ -90,7 +90,7 @@ def test_spectrum(bare: bool, tmp_path: Path, batch: Runner, command: Runner) ->
     assert [row["status"] for row in rows] == list(np.ravel(shown["status"]))
     dataset = rwmf.spectrum(rwmf.Case.from_namelist(path))
     assert np.array_equal(dataset["u_s_max"].values.ravel(), written)
-    keys = ["T_s_s", "gamma", "b_m", "u_s_max_m", "status", "seconds", "threads"]
+    keys = ["T_s_s", "gamma", "b_m", "u_s_max_m", "status", "method", "seconds", "threads"]
     keys = [key for key in keys if not (bare and key in ("gamma", "b_m"))]
     assert list(shown) == [*keys, "rhs_evaluations", "warnings"]
     assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "scene.spectrum.csv").read_bytes()
