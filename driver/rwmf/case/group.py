@@ -19,28 +19,39 @@ class Group(Mapping[str, Any]):
         The keys that the case gives; the others hold the kernel's defaults.
     units : mapping of str to str
         Units of the values as the kernel names them.
+    in_si : mapping of str to (float or tuple of float, str)
+        Of ratios to the mass or the weight of the wall, in a case with a mass: what they are in
+        kg, N, N/m or N s/m, and that unit.
 
     Parameters
     ----------
     name : str
         Name of the group.
     rows : list of list of str
-        Key, type, value, unit, and 'given' or 'default', as the kernel describes them.
+        Key, type, value, unit, and 'given', 'default' or 'derived' (it follows from dimensional
+        keys), as the kernel describes them; then the value with a unit, that unit, and what the
+        case gives where a rule makes the value of it, each '' where there is none.
     """
 
-    __slots__ = ("_given", "_name", "_units", "_values")
+    __slots__ = ("_given", "_in_si", "_name", "_raw", "_units", "_values")
 
     _given: frozenset[str]
+    _in_si: dict[str, tuple[Value, str]]
     _name: str
+    _raw: dict[str, Value]
     _units: dict[str, str]
     _values: dict[str, Value]
 
     def __init__(self, name: str, rows: list[list[str]]) -> None:
         put = super().__setattr__
         put("_name", name)
-        put("_values", {key: parse_value(kind, text) for key, kind, text, _, _ in rows})
-        put("_units", {key: unit for key, _, _, unit, _ in rows})
-        put("_given", frozenset(key for key, *_, origin in rows if origin == "given"))
+        put("_values", {key: parse_value(kind, text) for key, kind, text, *_ in rows})
+        put("_units", {key: unit for key, _, _, unit, *_ in rows})
+        put("_given", frozenset(row[0] for row in rows if row[4] == "given"))
+        both = [row for row in rows if len(row) > 5]
+        si = {row[0]: (parse_value(row[1], row[5]), row[6]) for row in both if row[6]}
+        put("_in_si", si)
+        put("_raw", {row[0]: parse_value(row[1], row[7]) for row in both if row[7]})
 
     @property
     def given(self) -> frozenset[str]:
@@ -51,6 +62,21 @@ class Group(Mapping[str, Any]):
     def units(self) -> dict[str, str]:
         """Units of the values."""
         return dict(self._units)
+
+    @property
+    def in_si(self) -> dict[str, tuple[Value, str]]:
+        """Values with a unit of ratios to the mass or the weight of the wall."""
+        return dict(self._in_si)
+
+    def as_given(self) -> dict[str, Value]:
+        """Return what the case gives, before a rule makes other values of it.
+
+        Returns
+        -------
+        dict of str to value
+            By key, in the kernel's order.
+        """
+        return {key: self._raw.get(key, self._values[key]) for key in self if key in self._given}
 
     def __getitem__(self, key: str) -> Any:  # noqa: ANN401 (the kernel's table knows the type)
         """Return the value of a key."""
@@ -99,4 +125,8 @@ class Group(Mapping[str, Any]):
         if isinstance(value, tuple) and len(value) > 8:
             text = f"{value[0]!r}, ..., {value[-1]!r} ({len(value)} values)"
         unit = self._units[key]
-        return f"{key} = {text}" + (f" {unit}" if unit.strip("-") else "")
+        shown = f"{key} = {text}" + (f" {unit}" if unit.strip("-") else "")
+        if key not in self._in_si:
+            return shown
+        number, unit = self._in_si[key]
+        return f"{shown} [{format_value(number)} {unit}]"
