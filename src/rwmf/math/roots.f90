@@ -56,6 +56,8 @@ module rwmf_math_roots
       !! values at x; bracket; the last two steps
       real(wp), private :: smallest
       !! distance that matters
+      real(wp), private :: start, near = 0
+      !! first point, and the distance of the next two from it where they lie beside it
       integer, private :: count = 0
       !! of the points so far
    end type maximum_t
@@ -172,10 +174,14 @@ contains
    end subroutine find_next
 
    !> Begin to search for a maximum.
-   pure type(maximum_t) function maximum_between(low, high, start) result(search)
+   pure type(maximum_t) function maximum_between(low, high, start, is_near) result(search)
       real(wp), intent(in) :: low, high
       real(wp), intent(in) :: start
       !! inside
+      logical, intent(in), optional :: is_near
+      !! it is near a maximum of a smooth function: points beside it say where that is, and the
+      !! search ends when the parabola through them promises nothing but round-off
+      real(wp), parameter :: part = 1.0_wp/256
 
       search%low = low
       search%high = high
@@ -183,6 +189,9 @@ contains
       search%next = start
       search%step = high - low
       search%before_last = search%step
+      search%start = start
+      if (.not. present(is_near)) return
+      if (is_near) search%near = min(part*search%step, (start - low)/2, (high - start)/2)
    end function maximum_between
 
    !> Take the value at the point that was wanted and want the next one: by the parabola through the
@@ -205,7 +214,12 @@ contains
          smallest => search%smallest, next => search%next)
          search%is_open = max(best - low, high - best) > 2*smallest &
             .and. value < huge(value) .and. search%count < most_points
+         if (search%near > 0 .and. search%count < 3) then
+            next = search%start + merge(search%near, -search%near, search%count == 1)
+            return
+         end if
          next = vertex_of_parabola(search%x, search%f)
+         if (search%near > 0) search%is_open = search%is_open .and. promises_more(search)
          if (.not. (next > low + smallest .and. next < high - smallest &
              .and. abs(next - best) < search%before_last/2)) then
             next = best + golden*(merge(low, high, best > (low + high)/2) - best)
@@ -216,6 +230,22 @@ contains
             high - best) - best)
       end associate
    end subroutine climb
+
+   !> Does the parabola through the best three points rise above the best of them by more than
+   !> round-off?
+   pure logical function promises_more(search)
+      type(maximum_t), intent(in) :: search
+      !! whose next point is its vertex
+      real(wp) :: bend
+
+      promises_more = .true.
+      if (.not. (search%next > search%low .and. search%next < search%high)) return
+      associate (x => search%x, f => search%f)
+         bend = ((f(3) - f(1))/(x(3) - x(1)) - (f(2) - f(1))/(x(2) - x(1)))/(x(3) - x(2))
+         promises_more = .not. (bend <= 0 .and. -bend*(search%next - x(1))**2 <= 4*epsilon(bend) &
+            *abs(f(1)))
+      end associate
+   end function promises_more
 
    !> Let a new point take its rank among the best three, and tighten the bracket.
    pure subroutine rank(search, value)

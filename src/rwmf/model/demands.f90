@@ -66,6 +66,8 @@ module rwmf_model_demands
       !! moment of the horizontal forces of inertia about the ground over the weight [m]
       type(section_extremes_t) :: wall
       !! the largest forces inside it
+      type(links_t) :: links
+      !! what they come from
    end type demands_t
 
 contains
@@ -131,29 +133,32 @@ contains
       real(wp), intent(in) :: y_dot(:)
       !! (states) their rates
       type(demands_t), intent(inout) :: demands
-      type(links_t) :: links
+      type(kinematics_t) :: kin
       real(wp) :: u_ddot(building%floors)
       !! accelerations of the floors relative to the ground [m/s2]
       real(wp) :: a
 
       a = ground(equation, t)
-      call follow_floors(building, equation, y, y_dot, demands, u_ddot)
+      if (equation%has_wall) kin = kinematics_at(equation, y(1))
+      call follow_floors(building, equation, kin, y, y_dot, demands, u_ddot)
       demands%acceleration = u_ddot + a
       demands%overturning = 0
       if (allocated(building%z)) demands%overturning = sum(building%m*building%z &
          *demands%acceleration)
       if (equation%has_wall) then
          demands%overturning = demands%overturning + wall_overturning(equation, a, y, y_dot(2))
-         call links_of(building, equation, t, y, y_dot(2), links)
-         call find_section_extremes(equation, t, y, y_dot(2), links, demands%wall)
+         call links_of(building, equation, kin, t, y, y_dot(2), demands%links)
+         call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
       end if
       demands%overturning = demands%overturning/building%weight
    end subroutine demands_at
 
    !> Accelerations of the floors relative to the ground, drifts and shears of the storeys.
-   subroutine follow_floors(building, equation, y, y_dot, demands, u_ddot)
+   subroutine follow_floors(building, equation, kin, y, y_dot, demands, u_ddot)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
+      type(kinematics_t), intent(in) :: kin
+      !! of a wall
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_dot(:)
       type(demands_t), intent(inout) :: demands
@@ -168,8 +173,7 @@ contains
       end if
       associate (n => building%floors, first => equation%floors%first)
          u_ddot(n) = y_dot(2)
-         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, &
-            kinematics_at(equation, y(1)), y, y_dot(2))
+         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, kin, y, y_dot(2))
          if (equation%floors%n > 0) then
             u_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
             call floor_motion(equation, equation%state%side, y, u, v)
@@ -215,26 +219,29 @@ contains
    !>
    !> Where every floor is linked, its link pulls with the floor's inertia and the difference of the
    !> forces above and below: shears, dampers that lie in the storeys, less what leans on them.
-   subroutine links_of(building, equation, t, y, y_ddot, links)
+   subroutine links_of(building, equation, kin, t, y, y_ddot, links)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
       !! with a wall
+      type(kinematics_t), intent(in) :: kin
+      !! at this rotation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: y_ddot
       !! theta'' [rad/s2]
-      type(links_t), intent(out) :: links
-      type(kinematics_t) :: kin
+      type(links_t), intent(inout) :: links
+      !! whose room may be used again
       real(wp), dimension(building%storeys) :: shear, a
       real(wp) :: u, v
-      integer :: i
+      integer :: i, n
 
-      kin = kinematics_at(equation, y(1))
+      n = min(1, building%floors)
+      if (equation%floors%are_linked) n = building%floors
+      if (.not. allocated(links%place)) allocate (links%place(2, n), links%force(2, n))
       if (.not. equation%floors%are_linked) then
-         links%place = link_places(equation, [(1.0_wp, i=1, min(1, building%floors))])
-         allocate (links%force(2, size(links%place, 2)))
+         links%place(:, :) = link_places(equation, [(1.0_wp, i=1, n)])
          if (building%floors > 0) links%force(:, 1) = link_force(equation, kin, t, y, y_ddot)
          return
       end if
@@ -242,9 +249,9 @@ contains
       shear = building%bend*(building%k*(resisting_displacements(building, equation, y) &
          + building%viscous_time*v) - building%load*u)
       a = building%share*roof_acceleration(equation, kin, y, y_ddot) + ground(equation, t)
-      links%place = link_places(equation, building%share)
-      allocate (links%force(2, building%floors))
-      links%force(1, :) = -building%m*a - shear + [shear(2:), 0.0_wp]
+      links%place(:, :) = link_places(equation, building%share)
+      links%force(1, :) = -building%m*a - shear
+      links%force(1, :n - 1) = links%force(1, :n - 1) + shear(2:)
       links%force(2, :) = link_tilt(equation, kin)*links%force(1, :)
    end subroutine links_of
 

@@ -100,7 +100,7 @@ contains
       !! theta'' [rad/s2]; without wall u'' [m/s2]
       real(wp) :: force(2)
       !! [m/s2]
-      real(wp), allocatable :: resisting(:)
+      real(wp) :: resisting(equation%floors%n)
       !! forces of the storeys [m/s2]
       real(wp) :: on_frame(2)
       !! forces of effects on the frame [m/s2]
@@ -113,7 +113,7 @@ contains
          force(1) = -p%gamma*(u_ddot + equation%floors%excited_mass_ratio*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
-            force(1) = force(1) - resisting(size(resisting))
+            force(1) = force(1) - resisting(equation%floors%n)
          else
             force(1) = force(1) - p%gamma*p%omega_s*p%R &
                *(p%omega_s*equation%state%side*kin%u + 2*p%xi_s*kin%j*y(2))

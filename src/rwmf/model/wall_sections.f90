@@ -30,7 +30,7 @@ module rwmf_model_wall_sections
       !! height above the base [m]
    end type section_extremes_t
 
-   !> What acts on the wall at an instant, along its own axes.
+   !> What acts on the part of the wall above a section, along its own axes.
    type :: loads_t
       real(wp) :: h, b
       !! half height and half width [m]
@@ -38,10 +38,12 @@ module rwmf_model_wall_sections
       !! acceleration across the axis at the base, gravity included [m/s2]
       real(wp) :: turn
       !! theta'' [rad/s2]
-      real(wp), allocatable :: z(:)
-      !! (links) height of each [m]
-      real(wp), allocatable :: across(:), about(:)
-      !! (links) force across the axis [m/s2] and moment about it at its own height [m2/s2]
+      real(wp) :: sine, cosine
+      !! of theta [-]
+      real(wp) :: across
+      !! force of cable and links across the axis [m/s2]
+      real(wp) :: about
+      !! moment of cable and links about the middle of the base [m2/s2]
    end type loads_t
 
 contains
@@ -83,23 +85,22 @@ contains
       !! ends of a piece without a link inside [m]
       real(wp) :: s(3)
       !! distances from the top of where a force may be largest inside [m]
-      integer :: n, i, j
+      integer :: i, j
 
-      loads = loads_on(equation, t, y, y_ddot, links)
-      n = size(links%place, 2)
+      loads = loads_at_top(equation, t, y, y_ddot)
       z(1) = 2*loads%h
-      do i = n, 0, -1
-         ! links from i + 1 up act above the piece
+      do i = size(links%place, 2), 0, -1
          z(2) = z(1)
          z(1) = 0
-         if (i > 0) z(1) = loads%z(i)
-         s = stationary_places(loads, i + 1)
+         if (i > 0) z(1) = links%place(2, i)
+         s = stationary_places(loads)
          call look_at(z(1))
          call look_at(z(2))
          do j = 1, size(s)
             if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) call look_at(2*loads%h &
                - s(j))
          end do
+         if (i > 0) call add_link(loads, links, i)
       end do
 
    contains
@@ -109,7 +110,7 @@ contains
          real(wp), intent(in) :: at
          real(wp) :: force(2)
 
-         force = abs(forces_at(loads, at, i + 1))
+         force = abs(forces_at(loads, at))
          if (force(1) > extremes%shear) then
             extremes%shear = force(1)
             extremes%z_shear = at
@@ -137,80 +138,88 @@ contains
       real(wp) :: force(2)
       !! across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2], over m_w
       type(loads_t) :: loads
+      integer :: i
 
-      loads = loads_on(equation, t, y, y_ddot, links)
-      force = forces_at(loads, z, count(loads%z < z) + 1)
+      loads = loads_at_top(equation, t, y, y_ddot)
+      do i = size(links%place, 2), 1, -1
+         if (links%place(2, i) >= z) call add_link(loads, links, i)
+      end do
+      force = forces_at(loads, z)
    end function section_forces
 
-   !> All that acts above the base.
-   type(loads_t) function loads_on(equation, t, y, y_ddot, links) result(loads)
+   !> What acts on the top: the cable, which is anchored on the axis.
+   type(loads_t) function loads_at_top(equation, t, y, y_ddot) result(loads)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
-      type(links_t), intent(in) :: links
-      real(wp) :: sine, cosine
       real(wp) :: g
       !! with the vertical motion of the ground [m/s2]
-      real(wp) :: cable(2), pull
-      integer :: n
+      real(wp) :: cable(2)
 
-      n = size(links%place, 2)
       loads%h = equation%p%R*equation%p%cos_alpha
       loads%b = equation%p%R*equation%sin_alpha
       loads%turn = y_ddot
-      sine = sin(y(1))
-      cosine = cos(y(1))
+      loads%sine = sin(y(1))
+      loads%cosine = cos(y(1))
       g = equation%p%g
       if (equation%has_vertical) g = g + vertical_ground(equation, t)
-      loads%push = ground(equation, t)*cosine - g*sine &
+      loads%push = ground(equation, t)*loads%cosine - g*loads%sine &
          + equation%state%side*equation%p%R*equation%geometry%sine_wall*y(2)**2
-      loads%z = links%place(2, :)
-      loads%across = cosine*links%force(1, :) - sine*links%force(2, :)
-      loads%about = -links%place(1, :)*(sine*links%force(1, :) + cosine*links%force(2, :))
       cable = cable_force(equation, y(1))
-      pull = cosine*cable(1) - sine*cable(2)
-      ! the cable is anchored on the axis
-      loads%z = [loads%z, 2*loads%h]
-      loads%across = [loads%across, pull]
-      loads%about = [loads%about, 0.0_wp]
-   end function loads_on
+      loads%across = loads%cosine*cable(1) - loads%sine*cable(2)
+      loads%about = 2*loads%h*loads%across
+   end function loads_at_top
 
-   !> Shear and moment at a height below the links from `first` up.
-   pure function forces_at(loads, z, first) result(force)
+   !> The section passes a link on its way down.
+   pure subroutine add_link(loads, links, i)
+      type(loads_t), intent(inout) :: loads
+      type(links_t), intent(in) :: links
+      integer, intent(in) :: i
+      !! number of the link
+      real(wp) :: across
+
+      associate (place => links%place(:, i), force => links%force(:, i))
+         across = loads%cosine*force(1) - loads%sine*force(2)
+         loads%across = loads%across + across
+         loads%about = loads%about + place(2)*across - place(1)*(loads%sine*force(1) &
+            + loads%cosine*force(2))
+      end associate
+   end subroutine add_link
+
+   !> Shear and moment at a height.
+   pure function forces_at(loads, z) result(force)
       type(loads_t), intent(in) :: loads
       real(wp), intent(in) :: z
-      integer, intent(in) :: first
       real(wp) :: force(2)
       real(wp) :: s
 
       s = 2*loads%h - z
       associate (push => loads%push + loads%turn*z, per_length => 1/(2*loads%h))
-         force(1) = per_length*s*(push + loads%turn*s/2) - sum(loads%across(first:))
+         force(1) = per_length*s*(push + loads%turn*s/2) - loads%across
          force(2) = per_length*s*(push*s/2 + loads%turn*(s**2 + loads%b**2)/3) &
-            - sum(loads%about(first:) + (loads%z(first:) - z)*loads%across(first:))
+            - (loads%about - z*loads%across)
       end associate
    end function forces_at
 
-   !> Distances from the top at which shear or moment below the links from `first` up is stationary;
-   !> negative where there is none [m].
-   pure function stationary_places(loads, first) result(s)
+   !> Distances from the top at which shear or moment is stationary; negative where there is none
+   !> [m].
+   pure function stationary_places(loads) result(s)
       type(loads_t), intent(in) :: loads
-      integer, intent(in) :: first
       real(wp) :: s(3)
       real(wp) :: bend, slope, rest, root
 
       s = -1
       if (abs(loads%turn) <= 0) then
          ! the moment is a parabola
-         if (abs(loads%push) > 0) s(2) = 2*loads%h*sum(loads%across(first:))/loads%push
+         if (abs(loads%push) > 0) s(2) = 2*loads%h*loads%across/loads%push
          return
       end if
       s(1) = 2*loads%h + loads%push/loads%turn
       ! rest + slope s + bend s**2 = 0, the shear and what turns each slice
       bend = -loads%turn/2
       slope = loads%push + 2*loads%h*loads%turn
-      rest = loads%turn*loads%b**2/3 - 2*loads%h*sum(loads%across(first:))
+      rest = loads%turn*loads%b**2/3 - 2*loads%h*loads%across
       root = slope**2 - 4*bend*rest
       if (root < 0) return
       root = -(slope + sign(sqrt(root), slope))/2

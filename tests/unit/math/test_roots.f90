@@ -17,6 +17,7 @@ program test_roots
    if (checks%wants('secant')) call check_secant()
    if (checks%wants('secant_resolution')) call check_secant_resolution()
    if (checks%wants('maximum')) call check_maximum()
+   if (checks%wants('near_maximum')) call check_near_maximum()
    if (checks%wants('maximum_at_ends')) call check_maximum_at_ends()
    if (checks%wants('stationary_points')) call check_stationary_points()
    call checks%finish()
@@ -205,6 +206,36 @@ contains
       end do
       call checks%close_to(search%x(1), 0.3_wp, 'a corner', atol=8*3*sqrt(epsilon(1.0_wp)))
    end subroutine check_maximum
+
+   !> From near it a parabola tells the value of a maximum in a few points; from afar, or without a
+   !> parabola, the search goes on until the bracket is closed.
+   subroutine check_near_maximum()
+      real(wp), parameter :: start(4) = pi/2 + [1.0e-3_wp, -0.02_wp, 0.2_wp, -1.5_wp]
+      type(maximum_t) :: search
+      integer :: count, i
+
+      do i = 1, size(start)
+         search = maximum_between(0.0_wp, 3.0_wp, start(i), is_near=.true.)
+         count = 0
+         do while (search%is_open)
+            call climb(search, sin(search%next))
+            count = count + 1
+         end do
+         call checks%close_to(sin(search%x(1)), 1.0_wp, 'value from near', rtol=8*epsilon(1.0_wp))
+         if (i <= 2) call checks%that(count <= 6, 'in a few points')
+      end do
+      search = maximum_between(-1.0_wp, 2.0_wp, 0.31_wp, is_near=.true.)
+      do while (search%is_open)
+         call climb(search, -abs(search%next - 0.3_wp))
+      end do
+      call checks%close_to(search%x(1), 0.3_wp, 'a corner', atol=8*3*sqrt(epsilon(1.0_wp)))
+      search = maximum_between(0.0_wp, 1.0_wp, 0.5_wp, is_near=.true.)
+      do while (search%is_open)
+         call climb(search, search%next)
+      end do
+      call checks%close_to(search%x(1), 1.0_wp, 'a function that grows', &
+         atol=8*sqrt(epsilon(1.0_wp)))
+   end subroutine check_near_maximum
 
    subroutine check_maximum_at_ends()
       type(maximum_t) :: search

@@ -136,7 +136,7 @@ contains
 
       y_ddot = second_derivative(equation, t, y)
       call building_of(case, equation, building)
-      call links_of(building, equation, t, y, y_ddot, links)
+      call links_of(building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, links)
       inside = section_forces(equation, t, y, y_ddot, links, 0.0_wp)
       base = place(equation, y(1), [0.0_wp, -case%wall%h])
       outside(1) = dot_product([cos(y(1)), -sin(y(1))], [reactions%horizontal, reactions%normal] &

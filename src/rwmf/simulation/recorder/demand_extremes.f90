@@ -3,9 +3,10 @@
 !> Demands are smooth between two events or knots. Both ends of a piece of motion count with their
 !> one-sided values, so that those on both sides of an impact do. A step that is short, and whose
 !> ends stay below the largest so far by what a vibration can rise between them, is left alone. Any
-!> other is searched in parts of a quarter of the shortest period at most, at five places each; a
-!> maximum that shows between them is closed in on, to sqrt(epsilon) of the part in time, which
-!> leaves round-off in the value.
+!> other is searched at five places, in parts of a quarter of the shortest period at most. In a
+!> short step the cubics through the states at its ends say what there is to be found, and where; a
+!> maximum that can be the largest so far is closed in on with the integrator's own states, until
+!> nothing but round-off is to be gained.
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -34,13 +35,26 @@ module rwmf_simulation_recorder_demand_extremes
       !! of the last instant that was asked for
       real(wp), allocatable :: largest(:)
       !! (demands)
+      real(wp), allocatable :: t_largest(:)
+      !! (demands) [s]
       real(wp), allocatable :: smallest(:)
       !! (demands) which tells how far they vary
       logical, allocatable :: is_led(:)
       !! (demands) it is in a fixed proportion to one before it
       real(wp) :: z_shear = 0, z_moment = 0
       !! height of the largest forces in the wall above its base [m]
+      real(wp) :: t_end = -1
+      !! where the last piece ended [s]
+      real(wp), allocatable :: y_end(:)
+      !! (states) there
+      real(wp), allocatable :: rates(:, :)
+      !! (states, 2) of the states at both ends of the last piece
+      real(wp), allocatable :: at_ends(:, :)
+      !! (demands, 2)
    end type demand_recorder_t
+
+   real(wp), parameter :: brief = 1
+   !! angle of the fastest vibration in a step from which cubics depart by 1/384 of it at most [rad]
 
 contains
 
@@ -58,8 +72,11 @@ contains
       associate (building => recorder%building, storeys => recorder%building%storeys)
          n = 2*storeys + building%floors + 3
          allocate (recorder%largest(n), source=-1.0_wp)
+         allocate (recorder%t_largest(n), source=0.0_wp)
          allocate (recorder%smallest(n), source=huge(1.0_wp))
          allocate (recorder%is_led(n), source=.false.)
+         allocate (recorder%y_end(equation%n), recorder%rates(equation%n, 2))
+         allocate (recorder%at_ends(n, 2))
          if (building%is_linear) recorder%is_led(storeys + 1:2*storeys) = .true.
          if (equation%floors%n == 0) then
             recorder%is_led(2:storeys) = .true.
@@ -81,24 +98,47 @@ contains
       !! (states) their rates
       real(wp) :: found(size(recorder%largest))
 
-      call demands_at(recorder%building, equation, t, y, y_dot, recorder%present)
-      call keep_largest(recorder, found)
+      call find_demands(recorder, equation, t, y, y_dot, found)
+      call keep_largest(recorder, t, found)
    end subroutine observe_demands_at
 
-   !> Let the present demands take part.
-   pure subroutine keep_largest(recorder, found)
+   !> Magnitudes of the demands at a state.
+   subroutine find_demands(recorder, equation, t, y, y_dot, found)
       type(demand_recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_dot(:)
       real(wp), intent(out) :: found(:)
-      !! (demands) their magnitudes
+      !! (demands)
 
-      associate (present => recorder%present, n => size(found))
-         found(:n - 3) = abs([present%drift, present%shear, present%acceleration])
+      call demands_at(recorder%building, equation, t, y, y_dot, recorder%present)
+      associate (present => recorder%present, n => size(found), s => recorder%building%storeys)
+         found(:s) = abs(present%drift)
+         found(s + 1:2*s) = abs(present%shear)
+         found(2*s + 1:n - 3) = abs(present%acceleration)
          found(n - 2:) = [abs(present%overturning), present%wall%shear, present%wall%moment]
-         if (found(n - 1) > recorder%largest(n - 1)) recorder%z_shear = present%wall%z_shear
-         if (found(n) > recorder%largest(n)) recorder%z_moment = present%wall%z_moment
       end associate
-      recorder%largest = max(recorder%largest, found)
-      recorder%smallest = min(recorder%smallest, found)
+   end subroutine find_demands
+
+   !> Let the demands that have been found last take part.
+   pure subroutine keep_largest(recorder, t, found)
+      type(demand_recorder_t), intent(inout) :: recorder
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: found(:)
+      !! (demands) their magnitudes
+      integer :: q
+
+      associate (wall => recorder%present%wall, n => size(found))
+         if (found(n - 1) > recorder%largest(n - 1)) recorder%z_shear = wall%z_shear
+         if (found(n) > recorder%largest(n)) recorder%z_moment = wall%z_moment
+      end associate
+      do q = 1, size(found)
+         recorder%smallest(q) = min(recorder%smallest(q), found(q))
+         if (.not. found(q) > recorder%largest(q)) cycle
+         recorder%largest(q) = found(q)
+         recorder%t_largest(q) = t
+      end do
    end subroutine keep_largest
 
    !> Smooth motion inside the last step of the integrator.
@@ -107,107 +147,181 @@ contains
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      real(wp) :: found(size(recorder%largest), n_nodes)
       real(wp) :: t(2)
-      logical :: is_plain
+      logical :: is_brief
       integer :: i, n
 
-      call look_at_ends(recorder, piece, is_plain)
-      if (is_plain) return
-      n = count_parts(piece)
+      call look_at_ends(recorder, piece)
+      is_brief = is_short(piece, brief, fastest_of(piece%equation))
+      if (is_brief) then
+         if (is_plain(recorder, (piece%t_b - piece%t_a)*fastest_of(piece%equation))) return
+      end if
+      n = 1
+      if (.not. is_brief) n = count_parts(piece)
+      found(:, n_nodes) = recorder%at_ends(:, 1)
       t(2) = piece%t_a
       do i = 1, n
+         found(:, 1) = found(:, n_nodes)
          t = [t(2), end_of_part(piece, i, n)]
-         call search_part(recorder, piece, t, error)
+         call search_part(recorder, piece, t, is_brief, found, error)
          if (allocated(error)) return
       end do
    end subroutine observe_demands
 
-   !> Let both ends of a piece take part. Is it plain from them that nothing larger lies between?
-   subroutine look_at_ends(recorder, piece, is_plain)
+   !> Let both ends of a piece take part. It begins where the one before has ended, unless something
+   !> jumped there.
+   subroutine look_at_ends(recorder, piece)
       type(demand_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
-      logical, intent(out) :: is_plain
-      real(wp), parameter :: short = 1
-      !! angle of the fastest vibration in a step that may be plain [rad]
+      real(wp), parameter :: slack = 1.0e-12_wp
+      logical :: goes_on
+
+      associate (found => recorder%at_ends, rates => recorder%rates)
+         goes_on = abs(recorder%t_end - piece%t_a) <= 0
+         if (goes_on) goes_on = all(abs(recorder%y_end - piece%y_a) <= 0)
+         call rates_at(piece%equation, piece%t_a, piece%y_a, rates(:, 1))
+         if (goes_on) goes_on = all(abs(rates(:, 1) - rates(:, 2)) <= slack*abs(rates(:, 1)))
+         if (goes_on) then
+            found(:, 1) = found(:, 2)
+         else
+            call find_demands(recorder, piece%equation, piece%t_a, piece%y_a, rates(:, 1), &
+               found(:, 1))
+            call keep_largest(recorder, piece%t_a, found(:, 1))
+         end if
+         call rates_at(piece%equation, piece%t_b, piece%y_b, rates(:, 2))
+         call find_demands(recorder, piece%equation, piece%t_b, piece%y_b, rates(:, 2), found(:, 2))
+         call keep_largest(recorder, piece%t_b, found(:, 2))
+      end associate
+      recorder%t_end = piece%t_b
+      recorder%y_end(:) = piece%y_b
+   end subroutine look_at_ends
+
+   !> Is it plain from both ends of a short step that nothing larger lies between them?
+   pure logical function is_plain(recorder, angle)
+      type(demand_recorder_t), intent(in) :: recorder
+      real(wp), intent(in) :: angle
+      !! of the fastest vibration in the step [rad]
       real(wp), parameter :: rise = 0.5_wp
       !! of the range so far over the angle squared: by so much a second harmonic rises above both
       !! ends, a vibration by a quarter of it [-]
-      real(wp), parameter :: least_rise = 0.02_wp
-      real(wp), dimension(size(recorder%largest), 2) :: found
+      real(wp), parameter :: least_rise = 0.02_wp, stiff_rise = 100
+      !! the same where a stiff cable, which is not asked, vibrates faster
       real(wp) :: margin
+      integer :: q
 
-      call sample(recorder, piece, piece%t_a, piece%y_a, found(:, 1))
-      call sample(recorder, piece, piece%t_b, piece%y_b, found(:, 2))
-      is_plain = is_short(piece, short, fastest_of(piece%equation))
-      if (.not. is_plain) return
-      margin = max(least_rise, rise*((piece%t_b - piece%t_a)*fastest_of(piece%equation))**2)
-      is_plain = all(recorder%is_led .or. maxval(found, 2) + margin*(recorder%largest &
-         - recorder%smallest) <= recorder%largest)
-   end subroutine look_at_ends
-
-   !> Demands at a state of the piece; they take part.
-   subroutine sample(recorder, piece, t, y, found)
-      type(demand_recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: found(:)
-      real(wp) :: y_dot(size(y))
-
-      call rates_at(piece%equation, t, y, y_dot)
-      call demands_at(recorder%building, piece%equation, t, y, y_dot, recorder%present)
-      call keep_largest(recorder, found)
-   end subroutine sample
+      margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
+      is_plain = .false.
+      do q = 1, size(recorder%largest)
+         associate (largest => recorder%largest(q), found => recorder%at_ends(q, :))
+            if (.not. max(found(1), found(2)) + margin*(largest - recorder%smallest(q)) &
+                <= largest .and. .not. recorder%is_led(q)) return
+         end associate
+      end do
+      is_plain = .true.
+   end function is_plain
 
    !> Extrema in a part in which nothing vibrates by more than a quarter of its period.
-   subroutine search_part(recorder, piece, t, error)
+   subroutine search_part(recorder, piece, t, is_brief, found, error)
       type(demand_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       real(wp), intent(in) :: t(2)
       !! its ends [s]
+      logical, intent(in) :: is_brief
+      !! cubics tell enough of the whole piece, which is the part
+      real(wp), intent(inout) :: found(:, :)
+      !! (demands, nodes) the first is known
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: found(size(recorder%largest), n_nodes), at_point(size(recorder%largest))
-      real(wp) :: y(size(piece%y_b)), times(n_nodes), vertex
-      type(maximum_t) :: search
-      integer :: i, k, q
+      real(wp), parameter :: slack = 0.01_wp
+      !! of the range so far, for what the cubics err
+      real(wp) :: times(n_nodes), level(size(recorder%largest))
+      integer :: i, q
 
       times = t(1) + (t(2) - t(1))*node
       times(n_nodes) = t(2)
-      do i = 1, n_nodes
-         call sample_inside(times(i), found(:, i))
+      do i = 2, n_nodes
+         if (times(i) >= piece%t_b) then
+            found(:, i) = recorder%at_ends(:, 2)
+         else if (is_brief) then
+            call estimate(recorder, piece, times(i), found(:, i))
+         else
+            call sample(recorder, piece, times(i), found(:, i), error)
+         end if
          if (allocated(error)) return
       end do
+      level = 0
+      if (is_brief) level = slack*(recorder%largest - recorder%smallest)
       do q = 1, size(found, 1)
          if (recorder%is_led(q)) cycle
-         if (place_of_peak(found(q, :), recorder%largest(q)) /= inside) cycle
-         k = min(max(maxloc(found(q, :), dim=1), 2), n_nodes - 1)
-         vertex = vertex_of_parabola(times(k - 1:k + 1), found(q, k - 1:k + 1))
-         if (.not. (vertex > times(k - 1) .and. vertex < times(k + 1))) vertex = times(k)
-         search = maximum_between(times(k - 1), times(k + 1), vertex)
-         do while (search%is_open)
-            call sample_inside(search%next, at_point)
-            if (allocated(error)) return
-            call climb(search, at_point(q))
-         end do
+         if (place_of_peak(found(q, :), recorder%largest(q) - level(q)) /= inside) cycle
+         call close_in(recorder, piece, q, times, found(q, :), error)
+         if (allocated(error)) return
       end do
-
-   contains
-
-      subroutine sample_inside(at, found)
-         real(wp), intent(in) :: at
-         real(wp), intent(out) :: found(:)
-
-         ! an event at an end of the piece has been placed more exactly than the integrator knows
-         if (at <= piece%t_a) then
-            y = piece%y_a
-         else if (at >= piece%t_b) then
-            y = piece%y_b
-         else
-            call sample_state(piece, at, y, error)
-         end if
-         if (.not. allocated(error)) call sample(recorder, piece, at, y, found)
-      end subroutine sample_inside
    end subroutine search_part
+
+   !> The maximum of a demand between the nodes.
+   subroutine close_in(recorder, piece, q, times, found, error)
+      type(demand_recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      integer, intent(in) :: q
+      !! which demand
+      real(wp), intent(in) :: times(n_nodes)
+      !! [s]
+      real(wp), intent(in) :: found(n_nodes)
+      !! the demand there, nearly
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: miss = 0.1_wp
+      !! of the range in the part, by which the first point may miss the maximum
+      type(maximum_t) :: search
+      real(wp) :: at_point(size(recorder%largest))
+      real(wp) :: vertex
+      integer :: k
+
+      k = min(max(maxloc(found, dim=1), 2), n_nodes - 1)
+      vertex = vertex_of_parabola(times(k - 1:k + 1), found(k - 1:k + 1))
+      if (.not. (vertex > times(k - 1) .and. vertex < times(k + 1))) vertex = times(k)
+      search = maximum_between(times(k - 1), times(k + 1), vertex, is_near=.true.)
+      do while (search%is_open)
+         call sample(recorder, piece, search%next, at_point, error)
+         if (allocated(error)) return
+         if (at_point(q) + miss*(maxval(found) - minval(found)) < recorder%largest(q)) return
+         call climb(search, at_point(q))
+      end do
+   end subroutine close_in
+
+   !> Demands inside a short piece by the cubics through the states at its ends, nearly.
+   subroutine estimate(recorder, piece, t, found)
+      type(demand_recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: found(:)
+      real(wp), dimension(size(piece%y_b)) :: y, y_dot
+      real(wp) :: h, x
+
+      h = piece%t_b - piece%t_a
+      x = (t - piece%t_a)/h
+      associate (a => piece%y_a, b => piece%y_b, rates => recorder%rates)
+         y = a + x**2*(3 - 2*x)*(b - a) + h*x*(1 - x)*((1 - x)*rates(:, 1) - x*rates(:, 2))
+      end associate
+      call rates_at(piece%equation, t, y, y_dot)
+      call find_demands(recorder, piece%equation, t, y, y_dot, found)
+   end subroutine estimate
+
+   !> Demands inside a piece; they take part.
+   subroutine sample(recorder, piece, t, found, error)
+      type(demand_recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: found(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), dimension(size(piece%y_b)) :: y, y_dot
+
+      call sample_state(piece, t, y, error)
+      if (allocated(error)) return
+      call rates_at(piece%equation, t, y, y_dot)
+      call find_demands(recorder, piece%equation, t, y, y_dot, found)
+      call keep_largest(recorder, t, found)
+   end subroutine sample
 
    !> The wall stays at rest while the motion goes through the interval in force. All demands then
    !> are in proportion to the ground's acceleration, or a straight line over it: largest where it

@@ -213,13 +213,21 @@ contains
    end function sees_rest
 
    !> A piece of smooth motion inside the last step of the integrator.
-   subroutine observe_piece(recorder, piece, error)
+   subroutine observe_piece(recorder, piece, error, has_plain_reactions)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      logical, intent(in), optional :: has_plain_reactions
+      !! it is known to hold no extremum of the reactions
+      logical :: is_left
 
-      call observe_peaks(recorder, piece, error)
+      is_left = allocated(recorder%forces)
+      if (present(has_plain_reactions) .and. allocated(recorder%demands)) is_left = is_left &
+         .and. .not. has_plain_reactions
+      call observe_fastest(recorder, piece, error)
+      if (allocated(error)) return
+      if (is_left) call observe_moving(recorder%forces, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
       if (allocated(error)) return
@@ -229,17 +237,6 @@ contains
       if (allocated(error)) return
       if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
    end subroutine observe_piece
-
-   !> What has its peak at no event: of angular velocity and reactions.
-   subroutine observe_peaks(recorder, piece, error)
-      type(recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      type(error_t), allocatable, intent(out) :: error
-
-      call observe_fastest(recorder, piece, error)
-      if (allocated(error) .or. .not. allocated(recorder%forces)) return
-      call observe_moving(recorder%forces, piece, error)
-   end subroutine observe_peaks
 
    !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far. A
    !> long piece is searched in parts.

@@ -141,7 +141,10 @@ contains
       real(wp) :: u(0:floors%n)
 
       associate (n => floors%n, first => floors%first)
-         u = [0.0_wp, y(first:first + n - 2), u_roof]
+         ! one by one: an array constructor would fetch memory
+         u(0) = 0
+         u(1:n - 1) = y(first:first + n - 2)
+         u(n) = u_roof
          shear = branches%slope*(u(1:) - u(:n - 1))
          if (allocated(floors%laws)) then
             shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
@@ -163,11 +166,13 @@ contains
       real(wp), intent(in) :: v_roof
       !! [m/s]
       real(wp) :: force(floors%n)
-      real(wp) :: shear(floors%n)
+      real(wp), dimension(floors%n) :: shear, v
 
       shear = shears_at(floors, branches, y, u_roof)
       associate (n => floors%n, first => floors%first)
-         force = matmul(floors%c, [y(first + n - 1:first + 2*n - 3), v_roof]) + shear
+         v(:n - 1) = y(first + n - 1:first + 2*n - 3)
+         v(n) = v_roof
+         force = matmul(floors%c, v) + shear
          force(:n - 1) = force(:n - 1) - shear(2:)
       end associate
    end function resistance_to
@@ -185,7 +190,7 @@ contains
       !! (states)
       real(wp), intent(in) :: u_ddot
       !! acceleration of the roof relative to the ground [m/s2]
-      real(wp), allocatable :: force(:)
+      real(wp) :: force(equation%floors%n)
 
       if (allocated(equation%floors%m)) then
          force = resistance(equation, y)
