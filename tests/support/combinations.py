@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -112,6 +112,40 @@ def combination(number: int) -> Combination:
     return _moved(dice, number, groups)
 
 
+def further_combination(number: int) -> Combination:
+    """Make the scene of a number with laws that slip, come back and lose strength.
+
+    It is `combination` of the same number, whose frame or storeys and fuses get other laws, with
+    gravity on the frame and a shear key in some, and every demand is asked for.
+
+    Parameters
+    ----------
+    number : int
+        Any.
+
+    Returns
+    -------
+    Combination
+        A rocking wall that may have any of the effects.
+    """
+    dice = random.Random(f"further {number}")
+    made = combination(number)
+    groups = {name: dict(keys) for name, keys in made.groups.items()}
+    groups["output"] = {"reactions": True}
+    if dice.random() < 0.4:
+        groups["wall"]["shear_key"] = True
+    if "frame" in groups and dice.random() < 0.8:
+        groups["yielding"] = _further_yielding(dice, groups.get("storeys", {}))
+    if "frame" in groups and dice.random() < 0.5:
+        groups["p_delta"] = {
+            "m_g_over_m_s": _log(dice, 0.2, 3.0),
+            "drift_limit": dice.choice([0.02, 0.1, 0.5]),
+        }
+    if dice.random() < 0.3 or "fuse" in groups:
+        groups["fuse"] = _fuse(dice) | dice.choice([_friction, _flag])(dice)
+    return replace(made, groups=groups)
+
+
 def spectrum_combination(number: int) -> Combination:
     """Make a scene with `&spectrum` that method `fast` supports.
 
@@ -210,6 +244,53 @@ def _yielding_storeys(dice: random.Random, u_y: float, n: int) -> dict[str, Any]
     if law == "bilinear":
         return keys | {"hardening": dice.choice([0.0, 0.1])}
     return keys | {"law": law, "exponent": dice.choice([1.0, 2.0, 8.0])}
+
+
+def _further_yielding(dice: random.Random, storeys: dict[str, Any]) -> dict[str, Any]:
+    """Friction, flags, softening and loss of strength, of the frame or of each storey."""
+    u_y = _log(dice, 1e-3, 5e-2)
+    coupling, n = storeys.get("coupling"), len(storeys.get("height", []))
+    keys: dict[str, Any] = {"u_y": u_y}
+    if coupling == "full" or (coupling == "every_floor" and dice.random() < 0.5):
+        keys = {"storey_u_y": [u_y * (1 + i) / n for i in range(n)]}
+    law = dice.choice([_friction, _flag, _softening, _loss, _loss])
+    return keys | law(dice)
+
+
+def _friction(dice: random.Random) -> dict[str, Any]:
+    return {"law": "friction", "hardening": dice.choice([0.0, 0.05]),
+            "breakaway": dice.choice([1.0, 1.1, 1.5])}  # fmt: skip
+
+
+def _flag(dice: random.Random) -> dict[str, Any]:
+    return {"law": "flag", "hardening": dice.choice([0.0, 0.05]),
+            "flag_height": dice.choice([0.3, 0.8, 1.0])}  # fmt: skip
+
+
+def _softening(dice: random.Random) -> dict[str, Any]:
+    return {"hardening": -_log(dice, 0.002, 0.1), "ultimate": dice.uniform(3.0, 20.0)}
+
+
+def _loss(dice: random.Random) -> dict[str, Any]:
+    """Loss of strength, with and without wear, pinching and an end."""
+    keys: dict[str, Any] = {
+        "law": dice.choice(["peak_oriented", "pinched"]),
+        "hardening": dice.choice([0.0, 0.05]),
+        "cap": dice.uniform(1.5, 6.0),
+        "post_cap": dice.uniform(5.0, 30.0),
+        "residual": dice.choice([0.0, 0.1]),
+    }
+    wear = dice.choice(["none", "one", "four"])
+    if wear == "one":
+        keys["lambda"] = [_log(dice, 20.0, 300.0)]
+    elif wear == "four":
+        keys["lambda"] = [_log(dice, 20.0, 300.0) for _ in range(4)]
+        keys["lambda_exponent"] = [dice.uniform(1.0, 2.0) for _ in range(4)]
+    if keys["law"] == "pinched":
+        keys |= {"pinch_force": dice.uniform(0.2, 1.0), "pinch_displacement": dice.random()}
+    if dice.random() < 0.3:
+        keys["ultimate"] = dice.uniform(5.0, 20.0)
+    return keys
 
 
 def _cable(dice: random.Random) -> dict[str, Any]:

@@ -112,6 +112,8 @@ contains
       if (allocated(error)) return
       ! an implicit method solves for all states together, which leaves round-off in those held
       hybrid%y(:2) = 0
+      ! a motion that jumps where the step begins lifts the wall at once: that is no rest
+      if (side /= 0 .and. hybrid%t <= step%t_a) return
       step%t_b = hybrid%t
       step%y_b => hybrid%y
       call observe_piece(recorder, step, error)
@@ -216,6 +218,9 @@ contains
       hybrid%y(:) = step%y_a
       t(3) = step%t_a
       d(:, 3) = drives(step%equation, t(3), hybrid%y)
+      hybrid%t = t(3)
+      side = lifting_side(d(:, 3), step%equation%threshold)
+      if (side /= 0) return
       do i = 1, n
          t = [t(3), end_of_part(step, 2*i - 1, 2*n), end_of_part(step, 2*i, 2*n)]
          d(:, 1) = d(:, 3)

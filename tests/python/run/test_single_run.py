@@ -58,3 +58,15 @@ def test_a_spectrum_needs_none(file: Path, tmp_path: Path, batch: Runner) -> Non
     assert (found.status == "ok").all()
     assert batch(file, "--out", tmp_path).returncode == 0
     assert [path.name for path in tmp_path.iterdir()] == ["scene.spectrum.csv"]
+
+
+def test_history_larger_than_the_stack() -> None:
+    """It is shortened to what has been written; a thread has 8 MB."""
+    case = rwmf.Case(
+        frame={"T_s": 1.0, "xi_s": 0.05},
+        motion={"kind": "one_sine", "a_max_g": 0.4, "T_p": 1.0},
+        solver={"t_end": 3.0},
+    )
+    run = rwmf.simulate(case, dt=1e-5)
+    assert run["time"].size == 300_001
+    assert sum(run[name].nbytes for name in run if "time" in run[name].dims) > 6_000_000

@@ -575,7 +575,21 @@ contains
          call write_row(recorder, equation, t, y, y_ddot, recorder%energy)
       end if
       ! of a motion that ends early, by overturning or collapse, there are no more rows
-      recorder%history%values = recorder%history%values(:recorder%next_row - 1, :)
+      call shorten_rows(recorder%history%values, recorder%next_row - 1)
    end subroutine finish_recorder
+
+   !> Keep the first rows, in a memory of their own: a whole history is too much for the stack.
+   pure subroutine shorten_rows(values, n)
+      real(wp), allocatable, intent(inout) :: values(:, :)
+      !! (rows, columns)
+      integer, intent(in) :: n
+      !! number of rows that are kept
+      real(wp), allocatable :: kept(:, :)
+
+      if (n == size(values, 1)) return
+      allocate (kept(n, size(values, 2)))
+      kept(:, :) = values(:n, :)
+      call move_alloc(kept, values)
+   end subroutine shorten_rows
 
 end module rwmf_simulation_recorder_recorder
