@@ -5,13 +5,19 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 import pytest
+from browser import chromium
 from checkout import BATCH, ROOT, Runner, run_words
 from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # noqa: F401
 from rwmf import records
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 matplotlib.use("Agg")
 # a shell gives its background jobs a SIGINT that is ignored, and they give it on: tests of
@@ -52,6 +58,13 @@ def batch_program() -> Path:
     """Find the batch program of the build; RWMF_BATCH names another one."""
     assert BATCH.is_file(), f"{BATCH} is missing: run tools/test, or set RWMF_BATCH"
     return BATCH
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Run chromium for a file: playwright keeps an event loop, which other files must not meet."""
+    with chromium() as running:
+        yield running
 
 
 @pytest.fixture

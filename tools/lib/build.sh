@@ -37,9 +37,20 @@ link_batch_program() {
    ln -sfn "$program" "$venv/bin/rwmf-batch"
 }
 
+# Of other projects, for the page of `rwmf explore`: copies, since it serves nothing outside its folder.
+copy_vendor() {
+   local vendor="$root/driver/rwmf/explore/page/vendor" file
+   mkdir -p "$vendor"
+   for file in uPlot.iife.js uPlot.min.css; do
+      cmp --silent "$root/build/driver/$file" "$vendor/$file" ||
+         cp "$root/build/driver/$file" "$vendor/"
+   done
+}
+
 build_all() {
    build_in "$root/build"
    link_extensions
+   copy_vendor
    link_batch_program
 }
 

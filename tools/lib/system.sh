@@ -91,12 +91,20 @@ install_system_packages() {
    install_packages "${packages[@]}"
 }
 
-# What only tests use: they are skipped without it, so that its lack stops nothing.
+# What only tests use: they are skipped without it, so that its lack stops nothing. A browser of half
+# a gigabyte is installed only where no test may be skipped.
 install_test_packages() {
    local package missing=()
    for package in valgrind strace; do
       command -v "$package" >/dev/null || missing+=("$package")
    done
+   if ! command -v chromium >/dev/null; then
+      if [[ "${RWMF_MUST_RUN:-}" == 1 ]]; then
+         missing+=(chromium)
+      else
+         say 'no chromium: tests in a browser are skipped (RWMF_MUST_RUN=1 installs it)'
+      fi
+   fi
    [[ ${#missing[@]} -gt 0 ]] || return 0
    if may_install && command -v apt-get >/dev/null &&
       (trap drop_apt EXIT; install_packages "${missing[@]}"); then return 0; fi

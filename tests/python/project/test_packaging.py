@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 import re
 import subprocess
 import tomllib
+from pathlib import Path
 
 import pytest
 import rwmf
@@ -73,8 +76,53 @@ def test_every_bundled_part_has_its_licence() -> None:
     table = _text("licenses/README.md")
     for name in re.findall(r"`([\w.-]+\.txt)`", table):
         assert (ROOT / "licenses" / name).stat().st_size > 500
-    for part in ("SUNDIALS", "LAPACK", "libgfortran", "libgomp", "libquadmath"):
+    for part in ("SUNDIALS", "LAPACK", "uPlot", "libgfortran", "libgomp", "libquadmath"):
         assert part in table
+
+
+def test_files_of_uplot_are_the_pinned_ones() -> None:
+    """Package, version and hashes agree wherever they stand; the checkout has the files."""
+    pin = _found(r"^(uplot-python==[\d.]+)$", "tools/requirements.txt")
+    assert pin in PYPROJECT["build-system"]["requires"]
+    named = _found(r"the one of (uplot-python [\d.]+)'", "driver/meson.build")
+    assert named == pin.replace("==", " ")
+    release = _found(r"uPlot ([\d.]+) ", "licenses/README.md")
+    hashes = re.findall(r"'(uPlot\..*)': '([0-9a-f]{64})'", _text("driver/meson.build"))
+    assert [name for name, _ in hashes] == ["uPlot.iife.js", "uPlot.min.css"]
+    for name, expected in hashes:
+        content = (Path(rwmf.__file__).parent / "explore/page/vendor" / name).read_bytes()
+        assert hashlib.sha256(content).hexdigest() == expected
+        if name.endswith(".js"):
+            assert f"(v{release})" in content.decode()[:400]
+
+
+_WITHOUT_CHROMIUM = """
+root="$1"
+. "$root/tools/lib/system.sh"
+command() { [[ "$*" != *chromium ]] && builtin command "$@"; }
+may_install() { true; }
+drop_apt() { :; }
+say() { echo "says: $*"; }
+install_packages() { echo "installs: $*"; }
+install_test_packages
+"""
+
+
+@pytest.mark.parametrize(
+    ("must_run", "expected"),
+    [("0", r"says: no chromium: .* skipped"), ("1", r"installs: (.* )?chromium\n")],
+)
+def test_a_browser_is_installed_where_nothing_may_be_skipped(must_run: str, expected: str) -> None:
+    """Elsewhere its half gigabyte is not, and what is skipped is said."""
+    done = subprocess.run(
+        ["bash", "-euc", _WITHOUT_CHROMIUM, "-", ROOT],
+        env=os.environ | {"RWMF_MUST_RUN": must_run},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert re.search(expected, done.stdout)
+    assert len(re.findall("chromium", done.stdout)) == 1
 
 
 def test_the_install_section_gives_two_lines() -> None:
