@@ -25,7 +25,7 @@ from rwmf._explore.controls import describe
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
 from rwmf._explore.turns import Turns
 from rwmf.case import Case
-from rwmf.errors import InputError, NumericalError
+from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
 from rwmf.quantities import find
 
@@ -291,6 +291,25 @@ class Model:
         facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
         return {"record": number, "name": plain, "motion": given(base)["motion"], "facts": facts}
 
+    def plainly(self, error: RwmfError) -> str:
+        """Say what is wrong without file and lines of a namelist, which the page does not have.
+
+        Parameters
+        ----------
+        error : RwmfError
+            Of a question.
+
+        Returns
+        -------
+        str
+            The message.
+        """
+        text = re.sub(r" \(line \d+\)", "", str(error))
+        for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
+            text = text.removeprefix(label)
+        # an uploaded record has the name that its owner gave it
+        return text.replace(f"{self._folder}{os.sep}", "")
+
     def _with_record(self, path: Path, unit: str | None, dt: float | None) -> Case:
         """Put a record into the case; which keys it takes is seen from the file by the kernel."""
         own = {"kind": "record", "file": str(path), "scale": 1.0}
@@ -303,9 +322,7 @@ class Model:
                 return scene.replace(motion=keys)
             except InputError as error:
                 problem = error
-        text = str(problem).replace(str(path), path.name)
-        # the page knows no lines of a namelist, and no folder
-        raise InputError(text.rpartition(f"{path.name}: ")[2] or text)
+        raise InputError(str(problem).rpartition(f"{path}: ")[2])
 
     def _case_of(self, question: Question) -> Case:
         if not question.record:
@@ -415,14 +432,18 @@ def _scene_of(case: Case) -> dict[str, Any]:
     if case.wall is not None:
         h, b = float(case.wall.h), float(case.wall.b)
         found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
-        found["T"] = 2 * math.pi / math.sqrt(3 * float(case.model.g) / (4 * math.hypot(h, b)))
-    if case.frame is not None:
-        found["T"] = case.frame.get("T_s")
     if case.storeys is not None:
         found["heights"] = list(case.storeys.height)
         found["coupling"] = case.storeys.coupling
     found["formulation"] = case.model.formulation
+    found["T"] = _period_of(case)
     return found
+
+
+def _period_of(case: Case) -> float | None:
+    """Return where the case stands on the axis of its spectrum [s]."""
+    axis = case.kernel.axes().get("T_s")
+    return None if axis is None else axis.value
 
 
 def _grid(case: Case, points: int) -> Array:
@@ -433,7 +454,7 @@ def _grid(case: Case, points: int) -> Array:
         low, high = min(group["T_s"]), max(group["T_s"])
     elif group.get("T_s_min") and group.get("T_s_max"):
         low, high = group["T_s_min"], group["T_s_max"]
-    own = _scene_of(case).get("T")
+    own = _period_of(case)
     if own:
         low, high = min(low, own), max(high, own)
     if not high > low:

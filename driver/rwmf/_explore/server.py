@@ -159,7 +159,7 @@ class _Handler(BaseHTTPRequestHandler):
         except BadQuestionError as error:
             self._fail(400, str(error))
         except RwmfError as error:
-            self._fail(422, str(error))
+            self._fail(422, self.server.model.plainly(error))
         except (_GoneError, ConnectionError, TimeoutError):
             self.close_connection = True
         except Exception as error:
@@ -259,7 +259,7 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             self._line({"result": compute(report)})
         except RwmfError as error:
-            self._line({"error": str(error)})
+            self._line({"error": self.server.model.plainly(error)})
 
     def _line(self, value: object) -> None:
         self.wfile.write(_encode(value) + b"\n")

@@ -74,23 +74,23 @@ export class Controls {
       ...(group.name === "motion" && scene.get("motion.kind") === "record"
         ? [element("p", { class: "hint" }, `record: ${scene.recordName}`)] : []),
       ...given.map((key) => this.key(group.name, key)),
-      ...(others.length ? [this.others(group.name, others)] : []),
-      element("button", { type: "button", class: "take-out", onclick: () => scene.remove(group.name) },
-        `Take ${group.title.toLowerCase()} out`));
+      this.others(group, others));
     box.addEventListener("toggle", () => (box.open ? this.open.add(group.name) : this.open.delete(group.name)));
     return box;
   }
 
   others(group, keys) {
     const { scene } = this;
-    const name = `${group}?`;
+    const name = `${group.name}?`;
     const box = element("details", { class: "more", open: this.open.has(name) },
-      element("summary", {}, `${keys.length} more ${keys.length > 1 ? "keys" : "key"}`),
+      element("summary", {}, keys.length ? `${keys.length} more ${keys.length > 1 ? "keys" : "key"}` : "More"),
       ...keys.map((key) => element("div", { class: "absent-key", title: key.allowed },
         element("span", {}, element("b", {}, key.key), ` ${key.help}`,
           key.default === "none" || key.default === "required" ? "" : ` (${key.default} ${unit(key.unit)})`),
-        element("button", { type: "button", id: `set-${group}.${key.key}`, "aria-label": `Set ${key.key} of ${group}`,
-          onclick: () => scene.set(`${group}.${key.key}`, JSON.parse(JSON.stringify(key.start))) }, "Set"))));
+        element("button", { type: "button", id: `set-${group.name}.${key.key}`, "aria-label": `Set ${key.key} of ${group.name}`,
+          onclick: () => scene.set(`${group.name}.${key.key}`, JSON.parse(JSON.stringify(key.start))) }, "Set"))),
+      element("button", { type: "button", class: "take-out", onclick: () => scene.remove(group.name) },
+        `Take the whole group &${group.name} out`));
     box.addEventListener("toggle", () => (box.open ? this.open.add(name) : this.open.delete(name)));
     return box;
   }

@@ -171,7 +171,8 @@ class Explorer {
     this.pictures.drawSpectrum(answer, other, { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });
     this.offer(answer);
     const failed = Object.entries(answer.failed).map(([status, n]) => `${n} ${status}`).join(", ");
-    byId("failed").textContent = `${points} periods${failed ? `; without a value: ${failed}` : ""}. A click sets the period.`;
+    byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
+      + (this.scene.get("frame.T_s") === undefined ? "" : " A click sets the period.");
     if (points === FULL || this.version !== version) this.shown.spectrum = version;
     this.report("spectrum", answer, touched, points);
   }
@@ -180,7 +181,7 @@ class Explorer {
   report(what, answer, touched, points) {
     const kernel = 1e3 * answer.kernel_seconds;
     this.seconds = { ...this.seconds, [what]: kernel };
-    byId("status").textContent = Object.entries(this.seconds).map(([name, ms]) => `${name} ${short(ms, 2)} ms`).join(", ");
+    byId("status").textContent = `kernel: ${Object.entries(this.seconds).map(([name, ms]) => `${name} ${short(ms, 2)} ms`).join(", ")}`;
     requestAnimationFrame(() => performance.measure(what, { start: touched, end: performance.now(), detail: { kernel, points } }));
   }
 

@@ -14,7 +14,8 @@ export function showNumbers(answer) {
     const number = Number(text);
     const shown = Number.isFinite(number) && !/^(yes|no)$/.test(text) ? short(number, 5) : text;
     return element("tr", { class: MAIN.includes(key) ? "main" : "" },
-      element("th", { scope: "row", title: key }, help),
+      // a meaning that refers to its neighbours in the table of all quantities says nothing alone
+      element("th", { scope: "row", title: key }, / them\b/.test(help) ? key.replaceAll("_", " ") : help),
       element("td", { title: text, "data-key": key, "data-exact": text }, shown),
       element("td", {}, unit(of)));
   }));

@@ -44,6 +44,8 @@ class Chart {
   make(series, data, bands, shape) {
     this.plot?.destroy();
     this.shape = shape;
+    // an empty place is not shown, and has no width
+    this.place.replaceChildren(element("span"));
     const axis = { stroke: () => colour("soft"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif",
       grid: { stroke: () => colour("line"), width: 1 }, ticks: { stroke: () => colour("line"), width: 1 } };
     const options = {

@@ -37,8 +37,11 @@ export class Stage {
     this.height = scene.h ? 2 * scene.h : scene.heights ? sum(scene.heights) : 4;
     const largest = columns.theta ? peak(columns.theta) : peak(columns.u_s) / this.height;
     this.factor = magnification(largest);
-    const sway = scene.h ? 0 : this.factor * peak(columns.u_s ?? []);
-    this.reach = Math.max(1.1 * this.height, peak(ground) + 0.75 * this.height + sway);
+    // what stands left and right of the middle of the base, moving with roof and ground
+    const sway = this.factor * (columns.theta ? this.height * peak(columns.theta) : peak(columns.u_s));
+    const moves = sway + peak(ground) + 0.08 * this.height;
+    this.left = moves + (scene.h ? scene.b + (scene.frame ? 1.1 * this.height : 0) : 0.3 * this.height);
+    this.right = moves + (scene.h ? scene.b : 0.3 * this.height);
     this.factorPlace.textContent = this.factor > 1 ? `rotations drawn ${this.factor} times` : "";
   }
 
@@ -67,9 +70,8 @@ export class Stage {
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     ctx.clearRect(0, 0, width, height);
     const H = this.height;
-    const scale = Math.min(width / (2.35 * this.reach + 0.3 * H), height / (1.32 * H));
-    const middle = this.scene.h && this.scene.frame ? 0.62 : 0.5;
-    ctx.translate(width * middle, height - 0.12 * H * scale);
+    const scale = Math.min(width / (this.left + this.right), height / (1.25 * H));
+    ctx.translate((width - (this.right - this.left) * scale) / 2, height - 0.08 * H * scale);
     ctx.scale(scale, -scale);
     this.pixel = 1 / scale;
     const ground = this.ground ? this.at(this.ground, t) : 0;
@@ -95,9 +97,8 @@ export class Stage {
 
   soil(ground, H) {
     const y = -0.015 * H;
-    this.path([[ground - 1.5 * H, y], [ground + 0.9 * H, y]], "alone", 3);
-    for (let i = -7; i <= 4; i++) {
-      const x = ground + 0.2 * H * i;
+    this.path([[ground - this.left, y], [ground + this.right, y]], "alone", 3);
+    for (let x = ground - this.left; x <= ground + this.right; x += 0.12 * H) {
       this.path([[x, y], [x - 0.05 * H, y - 0.05 * H]], "alone", 1);
     }
   }
