@@ -62,7 +62,9 @@ export async function follow(path, question, signal, report) {
 
 // 32-bit floats of the server as an array; what is no number is null, which leaves a gap in a line.
 export function unpack(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
   const values = new Float32Array(bytes.buffer);
   for (const value of values) {
     if (value !== value) return Array.from(values, (x) => (x === x ? x : null));
