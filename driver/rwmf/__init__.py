@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
     from rwmf._cost import Cost, cost
+    from rwmf._explore import explore
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
@@ -38,6 +39,7 @@ __all__ = [
     "RwmfError",
     "__version__",
     "cost",
+    "explore",
     "find_records",
     "loops",
     "merge",
@@ -61,6 +63,7 @@ _HOMES = {
     "RecordFile": "_sweep",
     "RwmfError": "errors",
     "cost": "_cost",
+    "explore": "_explore",
     "find_records": "_sweep",
     "merge": "_sweep",
     "simulate": "_simulation",

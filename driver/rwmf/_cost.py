@@ -163,7 +163,8 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
     target : float
         Relative error of the peak that the recommendation is for [-].
     progress : callable, optional
-        Called with the number of finished units of work and of all.
+        Called with the number of finished units of work and of all, and about 20 times a second
+        while the reference is computed; what it raises stops the kernel.
 
     Returns
     -------
@@ -184,7 +185,7 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
     total = count_tasks()
     report = progress or (lambda done, total: None)
     report(0, total)
-    reference, facts = _reference(case)
+    reference, facts = _reference(case, lambda: report(0, total))
     report(1, total)
     tasks = [*_practices(case), *_methods(case)]
     watch = _Stopwatch()
@@ -239,11 +240,12 @@ class _TooSlowError(Exception):
     """Quadruple precision takes too long."""
 
 
-def _reference(case: Case) -> tuple[Reference, dict[str, Any]]:
+def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[str, Any]]:
     """Results that the errors are measured against, and how they were obtained."""
     started = time.monotonic()
 
     def watch(_: int) -> None:
+        report()
         if time.monotonic() - started > _MOST_REFERENCE_SECONDS:
             raise _TooSlowError
 

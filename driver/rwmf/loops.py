@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting.style import LEVEL, legend_above, make_panels, series
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind"]
+__all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "springs_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -79,23 +79,40 @@ def find_loops(dataset: xr.Dataset, case: Case) -> list[Loop]:
     """
     if "time" not in dataset.coords:
         raise InputError("no history: loops need an interval, simulate(case, dt=0.01)")
-    loops = []
-    if "frame_force_over_m_s_g" in dataset:
-        force = dataset["frame_force_over_m_s_g"].values
-        loops.append(Loop("frame", dataset["u_s"].values, force, r"$F_s/(m_s g)$"))
-    if "cable_force_over_m_w_g" in dataset:
-        force = dataset["cable_force_over_m_w_g"].values
-        loops.append(Loop("cable", _elongation(dataset, case), force, r"$P/(m_w g)$"))
-    for corner, side in _FUSES.items():
-        name = f"fuse_{corner}_force_over_m_w_g"
-        if name in dataset:
-            force = dataset[name].values
-            loops.append(
-                Loop(f"{corner} fuse", _uplift(dataset, case, side), force, r"$F/(m_w g)$")
-            )
+    loops = springs_of({str(name): dataset[name].values for name in dataset}, case)
     if not loops:
         check_springs(case)
         raise InputError("the history holds no force of a spring")
+    return loops
+
+
+def springs_of(columns: Mapping[str, Array], case: Case) -> list[Loop]:
+    """Find the springs whose force is among the columns of a history.
+
+    Parameters
+    ----------
+    columns : mapping of str to numpy.ndarray, each shape (n,)
+        Columns by their names in a dataset.
+    case : Case
+        The case that was simulated.
+
+    Returns
+    -------
+    list of Loop
+        As `find_loops`, none where no column is a force.
+    """
+    loops = []
+    if "frame_force_over_m_s_g" in columns:
+        force = columns["frame_force_over_m_s_g"]
+        loops.append(Loop("frame", columns["u_s"], force, r"$F_s/(m_s g)$"))
+    if "cable_force_over_m_w_g" in columns:
+        force = columns["cable_force_over_m_w_g"]
+        loops.append(Loop("cable", _elongation(columns["theta"], case), force, r"$P/(m_w g)$"))
+    for corner, side in _FUSES.items():
+        name = f"fuse_{corner}_force_over_m_w_g"
+        if name in columns:
+            uplift = _uplift(columns["theta"], case, side)
+            loops.append(Loop(f"{corner} fuse", uplift, columns[name], r"$F/(m_w g)$"))
     return loops
 
 
@@ -137,15 +154,14 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     return kinds
 
 
-def _uplift(dataset: xr.Dataset, case: Case, side: float) -> Array:
+def _uplift(theta: Array, case: Case, side: float) -> Array:
     """Stroke 4b sin(theta/2) of the corner that lifts when theta has this sign [m]."""
-    return 4 * float(case.wall.b) * np.sin(np.maximum(0.0, side * dataset["theta"].values) / 2)
+    return 4 * float(case.wall.b) * np.sin(np.maximum(0.0, side * theta) / 2)
 
 
-def _elongation(dataset: xr.Dataset, case: Case) -> Array:
+def _elongation(theta: Array, case: Case) -> Array:
     """Elongation since theta = 0: b |theta| for Eq. (1), else that of the straight cable [m]."""
     h, b = float(case.wall.h), float(case.wall.b)
-    theta = dataset["theta"].values
     phi = theta if case.model.formulation == "published" else np.abs(theta)
     if case.cable.law != "truss":
         return b * phi

@@ -39,7 +39,7 @@ link_batch_program() {
 
 # Of other projects, for the page of `rwmf explore`: copies, since it serves nothing outside its folder.
 copy_vendor() {
-   local vendor="$root/driver/rwmf/explore/page/vendor" file
+   local vendor="$root/driver/rwmf/_explore/page/vendor" file
    mkdir -p "$vendor"
    for file in uPlot.iife.js uPlot.min.css; do
       cmp --silent "$root/build/driver/$file" "$vendor/$file" ||

@@ -49,7 +49,7 @@ def check_threads(threads: int, name: str = "threads") -> int:
     return number
 
 
-def start_simulation(case: KernelCase, source: str) -> Run:
+def start_simulation(case: KernelCase, source: str, progress: Progress | None = None) -> Run:
     """Run one simulation in a worker thread.
 
     Parameters
@@ -58,6 +58,8 @@ def start_simulation(case: KernelCase, source: str) -> Run:
         From `read_case`.
     source : str
         What a message begins with: the path of the case's file, or ''.
+    progress : callable, optional
+        Called about 20 times a second; what it raises stops the kernel.
 
     Returns
     -------
@@ -77,7 +79,7 @@ def start_simulation(case: KernelCase, source: str) -> Run:
         handle, status, n = _kernel.simulate(case.handle, control, message)
         return handle, status, n
 
-    return wait_for(call, message, source, lambda handle: Run(case, handle), None)
+    return wait_for(call, message, source, lambda handle: Run(case, handle), progress)
 
 
 def start_spectrum(

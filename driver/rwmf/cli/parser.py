@@ -52,6 +52,7 @@ def make_parser() -> argparse.ArgumentParser:
         add_study,
         _add_reproduce,
         _add_animate,
+        _add_explore,
     ):
         add(commands)
     return parser
@@ -250,3 +251,22 @@ def _add_animate(commands: Subcommands) -> None:
         "--speed", type=positive, default=1.0, help="0.5 for half of the real speed"
     )
     parser.add_argument("--until", type=positive, metavar="T", help="end of the film [s]")
+
+
+def _add_explore(commands: Subcommands) -> None:
+    parser = commands.add(
+        "explore",
+        "Show a case in the browser: sliders for every key, spectrum, history, the wall in motion. "
+        "Works without a network; Ctrl-C ends it.",
+        "inputs/fig12_one_sine.nml",
+        "explore.run",
+    )
+    parser.add_argument(
+        "case", metavar="CASE.nml", nargs="?", help="namelist file (default: the case of Fig. 12)"
+    )
+    parser.add_argument(
+        "--port", type=whole(0, 65535), default=0, metavar="N", help="of this machine (0: a free one)"
+    )
+    parser.add_argument(
+        "--no-browser", action="store_true", help="print the address, open no browser"
+    )

@@ -1,0 +1,324 @@
+"""How the page shows each key of a case: range of its slider, what to begin with, what excludes it.
+
+Keys, units, types and bounds are the kernel's. What stands here is only what suits a hand: ranges
+in which walls and frames lie, and what follows when a choice is made. A key that is not named
+here has a slider from its bounds.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+from rwmf import _library
+
+__all__ = ["describe", "editable"]
+
+# where values usually lie: low, high, and whether equal ratios are equal ways of the slider
+_RANGES: dict[str, tuple[float, float, bool]] = {
+    "wall.h": (0.5, 10.0, False),
+    "wall.b": (0.1, 3.0, False),
+    "wall.m_w": (1e3, 1e6, True),
+    "frame.T_s": (0.05, 3.0, False),
+    "frame.gamma": (0.1, 2000.0, True),
+    "frame.xi_s": (0.0, 0.2, False),
+    "link.L": (1.0, 100.0, True),
+    "damper.c_over_m_w": (0.0, 20.0, False),
+    "inerter.inertance_over_m_w": (0.0, 5.0, False),
+    "fuse.eta_y": (0.05, 3.0, False),
+    "fuse.stroke_y": (1e-3, 0.1, True),
+    "yielding.u_y": (5e-3, 0.5, True),
+    "yielding.f_y_over_m_s_g": (0.02, 2.0, True),
+    "yielding.ultimate": (1.5, 30.0, False),
+    "yielding.cap": (1.1, 10.0, False),
+    "yielding.post_cap": (0.5, 20.0, False),
+    "yielding.hardening": (-0.2, 0.5, False),
+    "yielding.exponent": (1.0, 20.0, False),
+    "p_delta.m_g_over_m_s": (0.0, 5.0, False),
+    "p_delta.drift_limit": (0.01, 0.3, False),
+    "cable.eta_0": (0.0, 5.0, False),
+    "cable.eta_alpha": (0.0, 20.0, False),
+    "cable.eta_y": (0.5, 10.0, False),
+    "cable.rupture_strain": (1e-3, 0.1, True),
+    "motion.a_max_g": (0.0, 2.0, False),
+    "motion.v_p": (0.0, 3.0, False),
+    "motion.omega_p": (1.0, 40.0, True),
+    "motion.T_p": (0.1, 6.0, False),
+    "motion.cycles": (0.5, 10.0, False),
+    "motion.n_pulses": (1, 10, False),
+    "motion.gamma_p": (1.05, 5.0, False),
+    "motion.nu": (-math.pi, math.pi, False),
+    "motion.t_0": (0.0, 5.0, False),
+    "motion.scale": (0.0, 4.0, False),
+    "vertical.ratio": (-1.0, 1.0, False),
+    "vertical.scale": (0.0, 4.0, False),
+    "initial.theta_over_alpha": (-1.5, 1.5, False),
+    "initial.theta_dot": (-2.0, 2.0, False),
+    "model.g": (1.0, 20.0, False),
+    "model.overturning_angle": (0.2, math.pi / 2, False),
+    "solver.t_end": (1.0, 60.0, False),
+    "solver.rtol": (1e-13, 1e-2, True),
+    "solver.accuracy": (1e-10, 1e-2, True),
+    "solver.atol": (1e-16, 1e-4, True),
+    "solver.max_steps": (1000, 50_000_000, True),
+    "output.dt": (1e-3, 0.1, True),
+    "output.friction_limit": (0.1, 1.5, False),
+    "spectrum.T_s_min": (0.02, 1.0, False),
+    "spectrum.T_s_max": (1.0, 10.0, False),
+    "spectrum.n": (10, 1000, True),
+}
+# what a key begins with when it is set on the page; others begin in the middle of their range
+_STARTS: dict[str, float | list[float] | str | bool] = {
+    "wall.h": 2.0,
+    "wall.b": 0.5,
+    "wall.m_w": 20000.0,
+    "frame.T_s": 1.0,
+    "frame.gamma": 5.0,
+    "frame.xi_s": 0.05,
+    "storeys.m_over_m_w": [1.0, 1.0, 1.0],
+    "storeys.k_over_m_w": [200.0, 200.0, 200.0],
+    "storeys.height": [3.0, 3.0, 3.0],
+    "link.L": 8.0,
+    "damper.c_over_m_w": 2.0,
+    "inerter.inertance_over_m_w": 0.5,
+    "fuse.eta_y": 0.3,
+    "fuse.stroke_y": 0.005,
+    "yielding.u_y": 0.05,
+    "yielding.f_y_over_m_s_g": 0.2,
+    "yielding.storey_u_y": [0.01],
+    "yielding.ultimate": 10.0,
+    "yielding.cap": 4.0,
+    "yielding.post_cap": 4.0,
+    "yielding.lambda": [30.0],
+    "p_delta.h_f": 4.0,
+    "cable.eta_0": 1.0,
+    "cable.eta_y": 3.0,
+    "cable.rupture_strain": 0.03,
+    "impact.e": 0.9,
+    "impact.r": 0.81,
+    "impact.table_theta_dot": [0.0, 1.0],
+    "impact.table_e": [0.95, 0.8],
+    "motion.kind": "one_sine",
+    "motion.a_max_g": 0.4,
+    "motion.v_p": 0.6,
+    "motion.T_p": 1.0,
+    "motion.omega_p": 6.283,
+    "motion.gamma_p": 2.0,
+    "motion.unit": "g",
+    "vertical.ratio": 0.5,
+    "initial.theta_over_alpha": 0.5,
+    "solver.t_end": 10.0,
+    "output.dt": 0.01,
+    "output.friction_limit": 0.5,
+    "spectrum.T_s": [0.5, 1.0, 2.0],
+    "spectrum.T_s_min": 0.05,
+    "spectrum.T_s_max": 3.0,
+    "spectrum.n": 200,
+    "spectrum.gamma": [5.0],
+    "spectrum.b": [0.5],
+    "spectrum.quantities": ["u_s_max_m"],
+}
+# ways to say the same: setting one takes the others out
+_ALTERNATIVES = (
+    ("motion.a_max_g", "motion.v_p"),
+    ("motion.omega_p", "motion.T_p"),
+    ("impact.e", "impact.r"),
+    ("yielding.u_y", "yielding.f_y_over_m_s_g", "yielding.storey_u_y"),
+    ("spectrum.T_s", "spectrum.n"),
+    ("spectrum.T_s", "spectrum.T_s_min"),
+    ("spectrum.T_s", "spectrum.T_s_max"),
+    ("solver.accuracy", "solver.rtol"),
+)
+_PULSE = {"a_max_g|v_p": True, "T_p|omega_p": True, "t_0": False}
+_LOSING = {"cap": True, "post_cap": True, "residual": False, "lambda": False,
+           "lambda_exponent": False}  # fmt: skip
+# keys that belong to some values of a choice only, with whether that value needs them; any other
+# value takes them out. 'a|b' is one of two.
+_BELONGING: dict[str, dict[str, dict[str, bool]]] = {
+    "motion.kind": {
+        "none": {},
+        "one_sine": _PULSE,
+        "one_cosine": _PULSE,
+        "sine": _PULSE | {"cycles": False},
+        "type_c": _PULSE | {"n_pulses": False},
+        "mavroeidis_papageorgiou": _PULSE | {"gamma_p": True, "nu": False},
+        "ricker": {"a_max_g": True, "T_p|omega_p": True, "t_0": False},
+        "ricker_antisymmetric": {"a_max_g": True, "T_p|omega_p": True, "t_0": False},
+        "record": {"dt": False, "unit": False, "scale": False},
+    },
+    "impact.rule": {
+        "constant": {"e|r": True},
+        "housner": {},
+        "coupled": {},
+        "table": {"table_theta_dot": True, "table_e": True},
+    },
+    "fuse.law": {
+        "elastic_plastic": {},
+        "friction": {"breakaway": False},
+        "flag": {"flag_height": False},
+    },
+    "yielding.law": {
+        "elastic_plastic": {},
+        "friction": {"breakaway": False},
+        "flag": {"flag_height": False},
+        "bouc_wen": {"exponent": False, "beta": False},
+        "peak_oriented": _LOSING,
+        "pinched": _LOSING | {"pinch_force": False, "pinch_displacement": False},
+    },
+}
+# what a group needs beyond its required keys when it is put into a case
+_NEEDED_TOO = {
+    "frame": ("T_s",),
+    "yielding": ("u_y",),
+    "vertical": ("ratio",),
+    "motion": ("a_max_g", "T_p"),
+    "solver": ("t_end",),
+    "spectrum": ("T_s_min", "T_s_max", "n"),
+    "initial": ("theta_over_alpha",),
+}
+# keys that a case has only beside a group, with whether it needs them there
+_ONLY_WITH = {
+    "frame.gamma": ("wall", True),
+    "spectrum.gamma": ("wall", False),
+    "spectrum.b": ("wall", False),
+}
+# keys that a group takes out, because it says the same in another way
+_INSTEAD_OF = {"storeys": ("frame.T_s", "frame.gamma", "p_delta.h_f")}
+_TITLES = {
+    "wall": "Wall",
+    "frame": "Frame",
+    "storeys": "Storeys",
+    "link": "Link",
+    "damper": "Dampers at the base",
+    "inerter": "Inerters at the base",
+    "fuse": "Fuses at the base",
+    "yielding": "Yielding of the frame",
+    "p_delta": "P-Delta",
+    "cable": "Cable",
+    "impact": "Impact",
+    "motion": "Ground motion",
+    "vertical": "Vertical ground motion",
+    "initial": "Initial state",
+    "model": "Model",
+    "solver": "Solver",
+    "output": "Output of runs",
+    "spectrum": "Spectrum of runs",
+}
+# names of files are not the page's to give: an uploaded record is known by its number
+_NOT_EDITABLE = {("motion", "file"), ("vertical", "file")}
+
+_INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
+
+
+def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
+    """Keys that the page may set.
+
+    Returns
+    -------
+    dict
+        Type and, of a choice, its words, by group and key.
+    """
+    return {
+        (group, key): (kind, tuple(allowed.split()) if kind == "choice" else ())
+        for group, key, kind, _, _, allowed, _ in _library.schema()
+        if (group, key) not in _NOT_EDITABLE
+    }
+
+
+def describe() -> dict[str, Any]:
+    """Describe groups and keys for the page.
+
+    Returns
+    -------
+    dict
+        ``groups`` (name, title, needs, needed_too, keys), and what excludes or needs each other.
+    """
+    keys: dict[str, list[dict[str, Any]]] = {}
+    for row in _library.schema():
+        if (row[0], row[1]) not in _NOT_EDITABLE:
+            keys.setdefault(row[0], []).append(_describe_key(*row))
+    needs = _library.needs_of_groups()
+    return {
+        "groups": [
+            {
+                "name": name,
+                "title": _TITLES.get(name, name.replace("_", " ").capitalize()),
+                "needs": needs.get(name, []),
+                "needed_too": _NEEDED_TOO.get(name, ()),
+                "keys": found,
+            }
+            for name, found in keys.items()
+        ],
+        "alternatives": _ALTERNATIVES,
+        "belonging": _BELONGING,
+        "only_with": _ONLY_WITH,
+        "instead_of": _INSTEAD_OF,
+    }
+
+
+def _describe_key(
+    group: str, key: str, kind: str, unit: str, default: str, allowed: str, meaning: str
+) -> dict[str, Any]:
+    """One key: what the kernel says, and the range of its slider."""
+    name = f"{group}.{key}"
+    found: dict[str, Any] = {
+        "key": key,
+        "kind": kind,
+        "unit": unit.strip("-"),
+        "default": default,
+        "allowed": allowed,
+        "help": meaning,
+    }
+    if kind == "choice":
+        words = allowed.split()
+        start: object = default if default in words else words[0]
+        found |= {"words": words, "start": _STARTS.get(name, start)}
+    elif kind in ("real", "integer"):
+        low, high, log = _RANGES.get(name) or _range(default, allowed)
+        middle = math.sqrt(low * high) if log else 0.5 * (low + high)
+        own = _number(default)
+        start = _STARTS.get(name, middle if own is None else own)
+        found |= {"low": low, "high": high, "log": log, "start": start}
+        if kind == "integer":
+            found["start"] = round(float(str(start)))
+    elif kind == "logical":
+        # what is set is what differs from the default
+        found["start"] = default != ".true."
+    else:
+        # a list holds at least one number, or one word
+        found["start"] = _STARTS.get(name, ["u_s_max_m"] if kind == "text list" else [1.0])
+    return found
+
+
+def _range(default: str, allowed: str) -> tuple[float, float, bool]:
+    """Range of a slider from the bounds of its key."""
+    own = _number(default)
+    interval = _INTERVAL.fullmatch(allowed)
+    if interval:
+        low, high = _number(interval[2]), _number(interval[3])
+        if low is not None and high is not None:
+            # a value on an end that does not belong to the interval would be refused
+            open_low, open_high = interval[1] == "(", allowed.endswith(")")
+            inset = 1e-3 * (high - low)
+            return low + inset * open_low, high - inset * open_high, low > 0 and high > 100 * low
+    bound = re.fullmatch(r"(>=?) (\S+)", allowed)
+    lowest = _number(bound[2]) if bound else None
+    if lowest is not None and lowest == 0.0 and bound is not None and bound[1] == ">":
+        middle = own or 1.0
+        return 0.01 * middle, 100.0 * middle, True
+    if lowest is not None and bound is not None:
+        inset = 0.01 if bound[1] == ">" else 0.0
+        return lowest + inset, max(10.0 * abs(lowest), 4.0 * (own or 0.0), lowest + 10.0), False
+    reach = max(4.0 * abs(own or 0.0), 2.0)
+    return -reach, reach, False
+
+
+def _number(text: str) -> float | None:
+    """Read a number of the kernel's table; None for a word."""
+    if text in ("pi", "pi/2"):
+        return math.pi / (2.0 if text.endswith("2") else 1.0)
+    try:
+        return float(text)
+    except ValueError:
+        return None

@@ -1,0 +1,475 @@
+"""What the page shows, from the kernel: answers to its questions as texts, numbers and arrays.
+
+Nothing here knows HTTP. Arrays are sent as bytes of 32-bit floats in base64, which a browser reads a
+hundred times faster than numbers as text; the key numbers are texts of all their digits.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import os
+import re
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import _library, loops
+from rwmf._explore.controls import describe
+from rwmf._explore.questions import BadQuestionError, Question, case_of, given
+from rwmf._explore.turns import Turns
+from rwmf.case import Case
+from rwmf.errors import InputError, NumericalError, RwmfError
+from rwmf.plotting.animation import ground_displacement
+from rwmf.quantities import find
+
+__all__ = ["Model"]
+
+Watch = Callable[[int], None]
+Array = npt.NDArray[np.float64]
+
+# rows of a history: more than a screen has columns, few enough to be drawn at once
+_ROWS = 1500
+# a period axis that contains the case's own, where the case has none [s]
+_PERIODS = (0.05, 3.0)
+# curves of the frame alone that are kept
+_KEPT = 32
+# columns of a history that the page draws
+_SHOWN = re.compile(r"time$|theta$|u_s$|energy_|floor_\d+$|storey_\d+_drift$")
+# groups that a frame without a wall does not have, whatever they need
+_NOT_BARE = ("output", "spectrum", "cable", "impact", "initial")
+# work of a run that depends on what else is asked for, or on the machine
+_NOT_KEY_NUMBERS = ("warnings", "effects", "method", "rtol", "seconds", "rhs_evaluations")
+
+
+class _Record(NamedTuple):
+    """A record that the page has sent."""
+
+    path: Path
+    name: str
+    base: Case
+
+
+class Model:
+    """Answers to the questions of any number of pages about one case and its variants.
+
+    Parameters
+    ----------
+    case : Case
+        What the pages begin with.
+    folder : Path
+        Where uploaded records are kept.
+    """
+
+    def __init__(self, case: Case, folder: Path) -> None:
+        self.turns = Turns()
+        self._folder = folder
+        if case.motions:
+            # a record that the namelist can name, and that is saved with it
+            path = folder / "case.nml"
+            case.to_namelist(path)
+            case = Case.from_namelist(path)
+        self._case = case
+        self._records: dict[str, _Record] = {}
+        self._alone: OrderedDict[str, str] = OrderedDict()
+        # one for the browser, which draws while the next question is computed
+        self._threads = max(1, (os.cpu_count() or 2) - 1)
+
+    def start(self) -> dict[str, Any]:
+        """Describe keys, and the case to begin with.
+
+        Returns
+        -------
+        dict
+            As `controls.describe`, with ``name``, ``version``, ``state``, ``record``.
+        """
+        motion = self._case.groups.get("motion", {})
+        return describe() | {
+            "name": Path(self._case.source or "in memory").name,
+            "version": _library.version(),
+            "state": given(self._case),
+            "record": Path(str(motion["file"])).name if motion.get("file") else "",
+        }
+
+    def history(self, question: Question, watch: Watch) -> dict[str, Any]:
+        """Run a case.
+
+        Parameters
+        ----------
+        question : Question
+            Which case.
+        watch : callable
+            Called about 20 times a second; what it raises stops the kernel.
+
+        Returns
+        -------
+        dict
+            Columns over time, instants of impacts, loops, key numbers, warnings, namelist.
+
+        Raises
+        ------
+        InputError, NumericalError
+            As the kernel reports them.
+        BadQuestionError
+            When there is no such record.
+        """
+        case = self._case_of(question)
+        t_end = float(case.solver.t_end)
+        shown = case.replace(
+            output={"dt": t_end / _ROWS if t_end > 0 else 1.0, "energy": True, "reactions": True}
+        )
+        begun = time.perf_counter()
+        with _library.start_simulation(shown.kernel, "", watch) as run:
+            seconds = time.perf_counter() - begun
+            names, values = run.history()
+            summary, events = run.summary(), run.events()
+            columns = dict(zip((find(name).names("history")[0] for name in names), values,
+                               strict=True))  # fmt: skip
+            answer = {
+                "columns": {
+                    name: _pack(column) for name, column in columns.items() if _SHOWN.match(name)
+                },
+                "impacts": _pack(events["t"][events["kind"] == "impact"]),
+                "loops": _loops_of(columns, case),
+            }
+        if "u_g_ddot" in columns:
+            ground = ground_displacement(columns["time"], np.nan_to_num(columns["u_g_ddot"]))
+            answer["ground"] = _pack(ground)
+        return answer | {
+            "numbers": _key_numbers(summary),
+            "effects": summary["effects"],
+            "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
+            "warnings": summary["warnings"],
+            "namelist": self._namelist(case, question.record),
+            "scene": _scene_of(case),
+            "kernel_seconds": seconds,
+        }
+
+    def spectrum(self, question: Question, watch: Watch) -> dict[str, Any]:
+        """Compute a spectrum of a case over periods, and that of its frame alone.
+
+        Parameters
+        ----------
+        question : Question
+            Which case, how many periods, which quantity.
+        watch : callable
+            As in `history`.
+
+        Returns
+        -------
+        dict
+            ``T``, ``values``, ``alone`` (None without one), ``failed`` (how many of each status),
+            ``overturned`` (periods), what the quantity is, and which others the scene has.
+
+        Raises
+        ------
+        InputError, NumericalError
+            As the kernel reports them.
+        BadQuestionError
+            When there is no such record.
+        """
+        case = self._case_of(question)
+        if "T_s" not in case.kernel.axes():
+            raise InputError("the scene has no period to vary: it has no spectrum")
+        key = question.quantity or case.kernel.default_quantity()
+        periods = _grid(case, question.points)
+        begun = time.perf_counter()
+        values, status = self._row_of(case, periods, key, watch)
+        seconds = time.perf_counter() - begun
+        # status names of what is no number
+        names, counts = np.unique(status[status != "ok"], return_counts=True)
+        quantity = find(key)
+        return {
+            "T": _pack(periods),
+            "values": _pack(values),
+            "alone": self._frame_alone(question, case, periods, key, watch),
+            "failed": dict(zip(names.tolist(), counts.tolist(), strict=True)),
+            "overturned": _pack(periods[np.isin(status, ("overturned", "collapsed"))]),
+            "quantity": {"key": key, "unit": quantity.unit, "help": quantity.meaning},
+            "quantities": [[name, find(name).meaning] for name in case.kernel.applicable()],
+            "kernel_seconds": seconds,
+        }
+
+    def namelist(self, question: Question) -> str:
+        """Write the case that a question means.
+
+        Parameters
+        ----------
+        question : Question
+            Which case.
+
+        Returns
+        -------
+        str
+            Namelist text; that of an uploaded record names it as its owner does.
+        """
+        return self._namelist(self._case_of(question), question.record)
+
+    def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
+        """Measure what accuracy costs; other questions take their turns between the runs.
+
+        Parameters
+        ----------
+        question : Question
+            Which case.
+        report : callable
+            Called with the number of finished units of work and of all; what it raises ends it.
+
+        Returns
+        -------
+        dict
+            As ``rwmf cost --json``; what is not finite is None.
+
+        Raises
+        ------
+        InputError, NumericalError
+            As the kernel reports them.
+        """
+        # quadruple precision is in a library of its own, which is loaded when it is needed
+        from rwmf._cost import cost
+
+        case = self._case_of(question)
+        turn = _TurnOfRuns(self.turns)
+
+        def reported(done: int, total: int) -> None:
+            # nobody times the reference, which takes long: it has no turn
+            turn.renew(has_one=0 < done < total)
+            report(done, total)
+
+        try:
+            found = cost(case, progress=reported)
+        finally:
+            turn.renew(has_one=False)
+        return dict(_plain(found.to_dict()))
+
+    def add_record(
+        self, content: bytes, name: str, unit: str | None, dt: float | None
+    ) -> dict[str, Any]:
+        """Keep a record that the page has sent.
+
+        Parameters
+        ----------
+        content : bytes
+            The file: AT2, or one or two columns.
+        name : str
+            Its name, for the namelist.
+        unit : str, optional
+            Of its accelerations, unless the file says it.
+        dt : float, optional
+            Interval of its samples [s], where the file has one column.
+
+        Returns
+        -------
+        dict
+            ``record`` (its number), ``name``, ``motion`` (keys of the group), ``facts``.
+
+        Raises
+        ------
+        InputError
+            When the kernel does not accept the record; the message names the file as its owner
+            does.
+        BadQuestionError
+            When the name is none of a file.
+        """
+        plain = Path(name.replace("\\", "/")).name
+        if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
+            raise BadQuestionError("the name of the record is no name of a file")
+        number = str(len(self._records) + 1)
+        folder = self._folder / number
+        folder.mkdir()
+        path = folder / plain
+        path.write_bytes(content)
+        base = self._with_record(path, unit, dt)
+        self._records[number] = _Record(path, plain, base)
+        end = base.kernel.end_of_motion()
+        facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
+        return {"record": number, "name": plain, "motion": given(base)["motion"], "facts": facts}
+
+    def plainly(self, error: RwmfError) -> str:
+        """Say what is wrong without file and lines of a namelist, which the page does not have.
+
+        Parameters
+        ----------
+        error : RwmfError
+            Of a question.
+
+        Returns
+        -------
+        str
+            The message.
+        """
+        text = re.sub(r" \(line \d+\)", "", str(error))
+        for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
+            text = text.removeprefix(label)
+        # an uploaded record has the name that its owner gave it
+        return text.replace(f"{self._folder}{os.sep}", "")
+
+    def _with_record(self, path: Path, unit: str | None, dt: float | None) -> Case:
+        """Put a record into the case; which keys it takes is seen from the file by the kernel."""
+        own = {"kind": "record", "file": str(path), "scale": 1.0}
+        # AT2 has unit and interval, two columns have times
+        tries = [own, own | {"unit": unit}, own | {"unit": unit, "dt": dt}]
+        problem: InputError | None = None
+        for keys in tries[: 1 + (unit is not None) + (unit is not None and dt is not None)]:
+            scene = self._case.replace(vertical=None, motion=None)
+            try:
+                return scene.replace(motion=keys)
+            except InputError as error:
+                problem = error
+        raise InputError(str(problem).rpartition(f"{path}: ")[2])
+
+    def _case_of(self, question: Question) -> Case:
+        if not question.record:
+            return case_of(question, self._case)
+        if question.record not in self._records:
+            raise BadQuestionError("there is no such record: upload it again")
+        return case_of(question, self._records[question.record].base)
+
+    def _namelist(self, case: Case, record: str) -> str:
+        text = case.to_namelist()
+        if record:
+            kept = self._records[record]
+            text = text.replace(str(kept.path), kept.name)
+        return text
+
+    def _row_of(
+        self, case: Case, periods: Array, key: str, watch: Watch
+    ) -> tuple[Array, npt.NDArray[np.str_]]:
+        """Return a quantity and the status over periods."""
+        with _library.start_rows(
+            case.kernel, "", ["T_s"], periods[:, None], [key], self._threads, watch
+        ) as found:
+            values = found.values()
+            return values[key].ravel().astype(np.float64), values["status"].ravel()
+
+    def _frame_alone(
+        self, question: Question, case: Case, periods: Array, key: str, watch: Watch
+    ) -> str | None:
+        """Return the curve of the frame without a wall, packed; it depends on few of the keys."""
+        if "wall" not in question.groups or "frame" not in question.groups:
+            return None
+        gone = [name for name, needs in _library.needs_of_groups().items()
+                if name in _NOT_BARE or "wall" in needs or name == "wall"]  # fmt: skip
+        changes: dict[str, dict[str, Any] | None] = dict.fromkeys(gone)
+        left = {name: keys for name, keys in question.groups.items() if name not in gone}
+        changes["frame"] = {"gamma": None}
+        if "p_delta" in left and "storeys" not in left and "h_f" not in left["p_delta"]:
+            changes["p_delta"] = {"h_f": 2.0 * float(case.wall.h)}
+        same = [left, {"gamma": 0}, changes.get("p_delta"), periods.tolist(), key, question.record]
+        left["frame"] = {name: x for name, x in left["frame"].items() if name not in
+                         ("gamma", "T_s")}  # fmt: skip
+        name = json.dumps(same)
+        if name in self._alone:
+            self._alone.move_to_end(name)
+            return self._alone[name]
+        try:
+            bare = case.replace(**changes)
+            values, _ = self._row_of(bare, periods, key, watch)
+        except (InputError, NumericalError):
+            # a quantity of the wall, or storeys that no wall holds up
+            return None
+        self._alone[name] = _pack(values)
+        if len(self._alone) > _KEPT:
+            self._alone.popitem(last=False)
+        return self._alone[name]
+
+
+class _TurnOfRuns:
+    """The turn of a computation that lets others in between its runs."""
+
+    def __init__(self, turns: Turns) -> None:
+        self._turns = turns
+        self._mine = False
+
+    def renew(self, has_one: bool) -> None:
+        """Hand the turn over, and take the next one where one is needed."""
+        if self._mine:
+            self._turns.give()
+        self._mine = has_one and self._turns.take()
+
+
+def _pack(values: npt.ArrayLike) -> str:
+    """Write an array as base64 of little-endian 32-bit floats."""
+    with np.errstate(over="ignore"):
+        return base64.b64encode(np.asarray(values).astype("<f4").tobytes()).decode()
+
+
+def _key_numbers(summary: dict[str, Any]) -> list[list[str]]:
+    """Key, text with all digits, unit and meaning of each named scalar."""
+    return [
+        [key, _text(value), find(key).unit, find(key).meaning]
+        for key, value in summary.items()
+        if key not in _NOT_KEY_NUMBERS
+    ]
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return repr(value) if isinstance(value, int | float) else str(value)
+
+
+def _loops_of(columns: dict[str, Array], case: Case) -> list[dict[str, str]]:
+    return [
+        {"spring": loop.spring, "displacement": _pack(loop.displacement), "force": _pack(loop.force),
+         "label": _FORCES[loop.spring.split()[-1]]}
+        for loop in loops.springs_of(columns, case)
+    ]  # fmt: skip
+
+
+_FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
+
+
+def _scene_of(case: Case) -> dict[str, Any]:
+    """Measures that the picture of the wall and the marker in the spectrum need."""
+    found: dict[str, Any] = {name: True for name in case.groups}
+    if case.wall is not None:
+        h, b = float(case.wall.h), float(case.wall.b)
+        found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
+    if case.storeys is not None:
+        found["heights"] = list(case.storeys.height)
+        found["coupling"] = case.storeys.coupling
+    found["formulation"] = case.model.formulation
+    found["T"] = _period_of(case)
+    return found
+
+
+def _period_of(case: Case) -> float | None:
+    """Return where the case stands on the axis of its spectrum [s]."""
+    axis = case.kernel.axes().get("T_s")
+    return None if axis is None else axis.value
+
+
+def _grid(case: Case, points: int) -> Array:
+    """Periods of the spectrum: those of the case's own range, with its own period in it."""
+    low, high = _PERIODS
+    group = case.groups.get("spectrum", {})
+    if group.get("T_s"):
+        low, high = min(group["T_s"]), max(group["T_s"])
+    elif group.get("T_s_min") and group.get("T_s_max"):
+        low, high = group["T_s_min"], group["T_s_max"]
+    own = _period_of(case)
+    if own:
+        low, high = min(low, own), max(high, own)
+    if not high > low:
+        low, high = 0.5 * low, 2.0 * high
+    if group.get("spacing") == "log":
+        return np.geomspace(low, high, points)
+    return np.linspace(low, high, points)
+
+
+def _plain(value: object) -> Any:  # noqa: ANN401 (JSON has several types)
+    """Make what JSON can hold: what is not finite becomes None."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,231 @@
+// Spectrum and histories, drawn by uPlot; one clock, shown as a line in all of them.
+
+import { unpack } from "./bridge.js";
+import { byId, element, short } from "./format.js";
+
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const line = (label, name, more = {}) => ({ label, stroke: () => colour(name), width: 1.6, points: { show: false },
+  value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
+
+// A range that is never empty: axis marks of an empty one have no end.
+function padded(_, low, high) {
+  if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
+  const size = Math.max(Math.abs(low), Math.abs(high)) || 1;
+  const pad = Math.max(0.06 * (high - low), 1e-6 * size, 1e-12);
+  return [low === 0 ? 0 : low - pad, high + pad];
+}
+
+function exact(_, low, high) {
+  return low === null || !(high > low) ? [low ?? 0, (low ?? 0) + 1] : [low, high];
+}
+
+class Chart {
+  constructor(place, height, labels, hooks = {}, sync = undefined) {
+    Object.assign(this, { place, height, labels, hooks, sync, shape: "", plot: null });
+    new ResizeObserver(() => this.resize()).observe(place);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw());
+  }
+
+  resize() {
+    const width = this.place.clientWidth;
+    if (this.plot && width > 0 && Math.abs(this.plot.width - width) > 1) {
+      this.plot.setSize({ width, height: this.height });
+      this.onresize?.();
+    }
+  }
+
+  // Put data in; the plot is made anew only when there are other lines.
+  draw(series, data, bands = []) {
+    const shape = JSON.stringify([series.map((item) => item.label), this.labels]);
+    if (shape !== this.shape) this.make(series, data, bands, shape);
+    else this.plot.setData(data);
+  }
+
+  make(series, data, bands, shape) {
+    this.plot?.destroy();
+    this.shape = shape;
+    // an empty place is not shown, and has no width
+    this.place.replaceChildren(element("span"));
+    const axis = { stroke: () => colour("soft"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif",
+      grid: { stroke: () => colour("line"), width: 1 }, ticks: { stroke: () => colour("line"), width: 1 } };
+    const options = {
+      width: Math.max(this.place.clientWidth, 200), height: this.height, bands,
+      series: [{ label: this.labels[0], value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)) }, ...series],
+      axes: [{ ...axis, label: this.labels[0], labelSize: 18, size: 34 },
+        { ...axis, label: this.labels[1], labelSize: 18, size: 62, values: (_, all) => all.map((x) => short(x, 5)) }],
+      scales: { x: { time: false, range: exact }, y: { range: padded } },
+      cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 6 }, ...(this.sync ? { sync: { key: this.sync } } : {}) },
+      hooks: this.hooks,
+    };
+    this.place.replaceChildren();
+    this.plot = new uPlot(options, data, this.place);
+    this.plot.over.addEventListener("click", () => {
+      if (this.plot.cursor.left >= 0) this.onpick?.(this.plot.posToVal(this.plot.cursor.left, "x"));
+    });
+    this.now = null;
+    this.onmake?.();
+  }
+
+  clear() {
+    this.plot?.destroy();
+    this.plot = null;
+    this.shape = "";
+    this.place.replaceChildren();
+  }
+
+  // The line of the clock: an element above the canvas, so that moving it draws nothing.
+  mark(t) {
+    if (!this.plot) return;
+    if (!this.now) {
+      this.now = element("div", { class: "now-line" });
+      this.plot.over.append(this.now);
+    }
+    const x = this.plot.valToPos(t, "x");
+    this.now.style.transform = `translateX(${x - 1}px)`;
+  }
+}
+
+const NAMES = { input: "input", kinetic: "kinetic", strain: "frame springs", gravity: "gravity", cable: "cable",
+  effects: "fuses, others", viscous: "viscous", hysteretic: "yielding", impact: "impacts" };
+
+export class Pictures {
+  constructor(onTime, onPeriod) {
+    this.impacts = [];
+    this.marker = null;
+    this.overturned = [];
+    this.spectrum = new Chart(byId("spectrum"), 300, ["period [s]", ""], { draw: [(u) => this.drawMarker(u)] });
+    this.spectrum.onpick = onPeriod;
+    const ticks = { draw: [(u) => this.drawImpacts(u)] };
+    this.charts = {
+      u_s: new Chart(byId("u_s"), 190, ["t [s]", "u_s [m]"], {}, "time"),
+      theta: new Chart(byId("theta"), 190, ["t [s]", "θ [rad]"], ticks, "time"),
+      drifts: new Chart(byId("drifts"), 190, ["t [s]", "storey drift [-]"], {}, "time"),
+      energies: new Chart(byId("energies"), 210, ["t [s]", "energy [J/kg]"], {}, "time"),
+    };
+    for (const chart of Object.values(this.charts)) {
+      chart.onpick = onTime;
+      chart.onmake = chart.onresize = () => chart.mark(this.t ?? 0);
+    }
+  }
+
+  mark(t) {
+    this.t = t;
+    for (const chart of Object.values(this.charts)) chart.mark(t);
+  }
+
+  // `other`: the answer in the other formulation, or null.
+  drawHistory(answer, other) {
+    const columns = this.columns = mapValues(answer.columns, unpack);
+    const others = other ? mapValues(other.columns, unpack) : null;
+    this.impacts = unpack(answer.impacts);
+    this.compared = other ? [answer.scene.formulation, other.scene.formulation] : null;
+    this.lines("u_s", columns, others, ["u_s"]);
+    this.lines("theta", columns, others, ["theta"]);
+    const drifts = Object.keys(columns).filter((name) => /^storey_\d+_drift$/.test(name));
+    if (drifts.length) {
+      this.charts.drifts.draw(drifts.map((name, i) => line(`storey ${i + 1}`, `c${i % 6}`)),
+        [columns.time, ...drifts.map((name) => columns[name])]);
+    } else this.charts.drifts.clear();
+    this.energies(columns);
+  }
+
+  lines(chart, columns, others, names) {
+    const here = names.filter((name) => name in columns);
+    if (!here.length) return this.charts[chart].clear();
+    const own = here.map((name, i) => line(this.compared ? this.compared[0] : name === "theta" ? "θ" : name, `c${i}`));
+    const second = others ? here.map(() => line(this.compared[1], "c1", { dash: [6, 4] })) : [];
+    // both runs have the same rows: their number, not their interval, is fixed
+    this.charts[chart].draw([...own, ...second],
+      [columns.time, ...here.map((name) => columns[name]), ...(others ? here.map((name) => others[name]) : [])]);
+  }
+
+  // Parts one upon the other; their sum is what the ground has put in.
+  energies(columns) {
+    const parts = Object.keys(columns).filter((name) => name.startsWith("energy_") && name !== "energy_input");
+    if (!parts.length) return this.charts.energies.clear();
+    const sums = [];
+    for (const name of parts) {
+      const below = sums.at(-1);
+      sums.push(Array.from(columns[name], (x, i) => (x === null ? null : x + (below ? below[i] : 0))));
+    }
+    const labels = parts.map((name) => NAMES[name.slice(7)] ?? name.slice(7));
+    const own = (i) => (_, x, __, row) => (row === null || row === undefined ? "–" : short(columns[parts[i]]?.[row] ?? null, 3));
+    const series = labels.map((label, i) => line(label, `c${i % 6}`, { width: 1, value: own(i) }));
+    const bands = series.slice(1).map((_, i) => ({ series: [i + 2, i + 1], fill: alpha(`c${(i + 1) % 6}`) }));
+    series[0].fill = alpha("c0");
+    this.charts.energies.draw([...series, line("input", "ink", { dash: [2, 3], width: 1.2 })],
+      [columns.time, ...sums, columns.energy_input], bands);
+  }
+
+  drawSpectrum(answer, other, marker) {
+    const series = [line(other ? this.compared?.[0] ?? "this" : "wall and frame", "c0", { width: 2 })];
+    const data = [unpack(answer.T), unpack(answer.values)];
+    if (answer.alone) {
+      series.push(line("frame alone", "alone", { dash: [3, 3] }));
+      data.push(unpack(answer.alone));
+    }
+    if (other) {
+      series.push(line(this.compared?.[1] ?? "other", "c1", { dash: [6, 4] }));
+      data.push(unpack(other.values));
+    }
+    this.marker = marker;
+    this.overturned = unpack(answer.overturned);
+    const { key, unit } = answer.quantity;
+    this.spectrum.labels = ["period T_s [s]", `${bare(key)} [${unit === "1" ? "-" : unit}]`];
+    this.spectrum.draw(series, data);
+    this.spectrumAnswer = answer;
+  }
+
+  drawMarker(u) {
+    const { ctx } = u;
+    const ratio = devicePixelRatio;
+    ctx.save();
+    ctx.strokeStyle = colour("bad");
+    ctx.lineWidth = 2 * ratio;
+    for (const period of this.overturned) {
+      const x = u.valToPos(period, "x", true);
+      ctx.beginPath();
+      ctx.moveTo(x, u.bbox.top + u.bbox.height);
+      ctx.lineTo(x, u.bbox.top + u.bbox.height - 8 * ratio);
+      ctx.stroke();
+    }
+    if (this.marker?.T) {
+      const x = u.valToPos(this.marker.T, "x", true);
+      ctx.strokeStyle = ctx.fillStyle = colour("c1");
+      ctx.setLineDash([3 * ratio, 3 * ratio]);
+      ctx.lineWidth = ratio;
+      ctx.beginPath();
+      ctx.moveTo(x, u.bbox.top);
+      ctx.lineTo(x, u.bbox.top + u.bbox.height);
+      ctx.stroke();
+      if (Number.isFinite(this.marker.value)) {
+        ctx.beginPath();
+        ctx.arc(x, u.valToPos(this.marker.value, "y", true), 5 * ratio, 0, 2 * Math.PI);
+        ctx.fill();
+      }
+    }
+    ctx.restore();
+  }
+
+  drawImpacts(u) {
+    const { ctx } = u;
+    const level = u.valToPos(0, "y", true);
+    ctx.save();
+    ctx.strokeStyle = colour("c1");
+    ctx.lineWidth = devicePixelRatio;
+    ctx.beginPath();
+    for (const t of this.impacts) {
+      const x = u.valToPos(t, "x", true);
+      ctx.moveTo(x, level - 5 * devicePixelRatio);
+      ctx.lineTo(x, level + 5 * devicePixelRatio);
+    }
+    ctx.stroke();
+    ctx.restore();
+  }
+}
+
+export const bare = (key) => key.replace(/_(m|s|rad_s|rad|J_per_kg|N)$/, "");
+
+const alpha = (name) => () => colour(name) + "40";
+
+const mapValues = (object, change) => Object.fromEntries(Object.entries(object).map(([key, x]) => [key, change(x)]));

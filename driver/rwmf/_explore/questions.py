@@ -1,0 +1,190 @@
+"""Questions of the page: what may stand in them, and the case that they mean."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rwmf._explore.controls import editable
+from rwmf.case import Case
+
+__all__ = ["BadQuestionError", "Question", "case_of", "given", "read"]
+
+_MOST_POINTS = 2000
+_WORD = re.compile(r"\w{1,60}", re.ASCII)
+
+
+class BadQuestionError(ValueError):
+    """The page, or whoever speaks in its place, says what no question can be."""
+
+
+class Question(NamedTuple):
+    """What the page asks about.
+
+    Attributes
+    ----------
+    groups : dict
+        Keys and values of each group.
+    record : str
+        Number of an uploaded record, '' for the case's own.
+    points : int
+        Periods of the spectrum.
+    quantity : str
+        Key of what the spectrum shows, '' for the scene's own.
+    """
+
+    groups: dict[str, dict[str, Any]]
+    record: str
+    points: int
+    quantity: str
+
+
+def given(case: Case) -> dict[str, dict[str, Any]]:
+    """List what a case gives, as the page gives it back.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    dict
+        Keys and values of each group, without files.
+    """
+    pairs = editable()
+    return {
+        name: {
+            key: list(value) if isinstance(value := group[key], tuple) else value
+            for key in group
+            if key in group.given and (name, key) in pairs
+        }
+        for name, group in case.groups.items()
+    }
+
+
+def read(body: object) -> Question:
+    """Check a question.
+
+    Parameters
+    ----------
+    body : object
+        What the JSON of the page says.
+
+    Returns
+    -------
+    Question
+        The same, with the types of the keys.
+
+    Raises
+    ------
+    BadQuestionError
+        When it is no question: a group or key that the page does not set, a value of another type.
+    """
+    if not isinstance(body, dict):
+        raise BadQuestionError("a question is an object")
+    unknown = body.keys() - {"groups", "record", "points", "quantity"}
+    if unknown:
+        raise BadQuestionError(f"a question has no {min(map(str, unknown))!r}")
+    groups = body.get("groups")
+    if not isinstance(groups, dict):
+        raise BadQuestionError("a question has groups")
+    pairs = editable()
+    known = {group for group, _ in pairs}
+    for name, keys in groups.items():
+        if name not in known or not isinstance(keys, dict):
+            raise BadQuestionError(f"{name[:40]!r} is no group, or has no keys")
+        for key in keys:
+            if (name, key) not in pairs:
+                raise BadQuestionError(f"&{name} has no key {key[:40]!r} that the page sets")
+    record, points = body.get("record", ""), body.get("points", 200)
+    quantity = body.get("quantity", "")
+    if not isinstance(record, str) or not isinstance(quantity, str):
+        raise BadQuestionError("record and quantity are texts")
+    if type(points) is not int or not 2 <= points <= _MOST_POINTS:
+        raise BadQuestionError(f"points: must be a whole number in [2, {_MOST_POINTS}]")
+    values = {
+        name: {key: _typed(f"{name}.{key}", keys[key], *pairs[name, key]) for key in keys}
+        for name, keys in groups.items()
+    }
+    return Question(values, record, points, quantity)
+
+
+def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any:  # noqa: ANN401
+    """Return a value with the type of its key."""
+    if kind == "real":
+        return _real(name, value)
+    if kind == "integer":
+        number = _real(name, value)
+        if number != math.floor(number) or abs(number) > 2**31:
+            raise BadQuestionError(f"{name}: must be a whole number")
+        return int(number)
+    if kind == "logical":
+        if not isinstance(value, bool):
+            raise BadQuestionError(f"{name}: must be true or false")
+        return value
+    if kind == "choice":
+        if value not in words:
+            raise BadQuestionError(f"{name}: must be one of {', '.join(words)}")
+        return value
+    if not isinstance(value, list) or not value:
+        raise BadQuestionError(f"{name}: must be a list")
+    if kind == "real list":
+        return [_real(name, item) for item in value]
+    if not all(isinstance(item, str) and _WORD.fullmatch(item) for item in value):
+        raise BadQuestionError(f"{name}: must be words")
+    return value
+
+
+def _real(name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise BadQuestionError(f"{name}: must be a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise BadQuestionError(f"{name}: must be a finite number")
+    return number
+
+
+def case_of(question: Question, base: Case) -> Case:
+    """Make the case that a question means.
+
+    Parameters
+    ----------
+    question : Question
+        From `read`.
+    base : Case
+        A case with the records that it means.
+
+    Returns
+    -------
+    Case
+        The case; other numbers in the same keys cost microseconds.
+
+    Raises
+    ------
+    InputError
+        When the kernel does not accept the case.
+    """
+    changes: dict[str, Mapping[str, object] | None] = {}
+    before = given(base)
+    for name in before.keys() - question.groups.keys():
+        changes[name] = None
+    for name, keys in question.groups.items():
+        old = before.get(name, {})
+        new: dict[str, object] = dict.fromkeys(old.keys() - keys.keys())
+        new |= {key: value for key, value in keys.items() if key not in old or old[key] != value}
+        # the name of a record's file is not the page's to give, but it may be left out
+        if base.groups.get(name, {}).get("file") and not _has_record(name, keys):
+            new["file"] = None
+        if new or name not in before:
+            changes[name] = new
+    return base.replace(**changes) if changes else base
+
+
+def _has_record(name: str, keys: Mapping[str, object]) -> bool:
+    return keys.get("kind") == "record" if name == "motion" else "ratio" not in keys

@@ -1,0 +1,31 @@
+"""What ``rwmf explore`` does."""
+
+from __future__ import annotations
+
+import argparse
+
+from rwmf._explore import explore
+
+__all__ = ["run"]
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show a case in the browser.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `rwmf.explore`.
+    """
+    explore(options.case, options.port, not options.no_browser)
+    return 0

@@ -1,0 +1,454 @@
+"""The server of `rwmf explore`: who may ask what, and what it answers."""
+
+from __future__ import annotations
+
+import base64
+import json
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rwmf
+from checkout import ROOT, Runner
+from page_client import Client, served
+from rwmf import Case
+from rwmf._explore.server import PageServer
+
+FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
+# a run that takes minutes: what is not wanted must be stopped
+ENDLESS = {"solver": {"t_end": 1e7, "method": "dop853"}, "impact": {"e": 1.0, "rule": "constant"},
+           "frame": {"T_s": 0.05, "gamma": 5.0, "xi_s": 0.0}}  # fmt: skip
+# the kernel is asked to stop every 0.05 s, and looks between its steps [s]
+SOON = 2.0
+
+
+@pytest.fixture(scope="module")
+def both() -> Iterator[tuple[PageServer, Client]]:
+    with served(Case.from_namelist(FIG12)) as found:
+        yield found
+
+
+@pytest.fixture
+def client(both: tuple[PageServer, Client]) -> Client:
+    return both[1]
+
+
+@pytest.fixture(scope="module")
+def start(both: tuple[PageServer, Client]) -> dict[str, Any]:
+    found: dict[str, Any] = both[1].ask("/api/start", {})
+    return found
+
+
+def _with(start: dict[str, Any], **groups: dict[str, Any] | None) -> dict[str, Any]:
+    """Build a question about the case with other keys."""
+    state = {name: dict(keys) for name, keys in start["state"].items()}
+    for name, keys in groups.items():
+        if keys is None:
+            state.pop(name)
+        else:
+            state.setdefault(name, {}).update(keys)
+    return {"groups": state}
+
+
+def _floats(text: str) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(text), dtype="<f4")
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({}, 200),
+        ({"X_Token": None}, 403),
+        ({"X_Token": "x" * 32}, 403),
+        ({"X_Token": "\xe9"}, 403),
+        ({"Host": "rocking.example:80"}, 403),
+        ({"Host": None}, 403),
+        ({"Origin": "http://rocking.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Sec_Fetch_Site": "cross-site"}, 403),
+        ({"Sec_Fetch_Site": "same-site"}, 403),
+        ({"Sec_Fetch_Site": "same-origin"}, 200),
+        ({"Content_Length": "70000"}, 413),
+        ({"Content_Length": "-1"}, 411),
+        ({"Content_Length": None}, 411),
+        ({"Transfer_Encoding": "chunked"}, 411),
+    ],
+)
+def test_only_the_page_itself_is_answered(
+    client: Client, headers: dict[str, str | None], status: int
+) -> None:
+    assert client.post("/api/start", b"{}", **headers)[0] == status
+
+
+def test_own_origin_is_answered(client: Client) -> None:
+    for host in ("127.0.0.1", "localhost"):
+        origin = f"http://{host}:{client.port}"
+        assert client.post("/api/start", b"{}", Origin=origin)[0] == 200
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/../server.py", "/%2e%2e/server.py", "/vendor/../../server.py", "//etc/passwd", "/vendor",
+     "/start.nml", "/index.html/", "/\\..\\server.py", "/api/start", "/%00"],
+)  # fmt: skip
+def test_files_of_the_page_and_no_others(client: Client, path: str) -> None:
+    assert client.request("GET", path, None, {})[0] == 404
+
+
+def test_files_need_the_right_host(client: Client) -> None:
+    assert client.request("GET", "/", None, {"Host": "rocking.example"})[0] == 403
+    for path in ("/", "/index.html", "/main.js", "/vendor/uPlot.iife.js", "/app.css?x=1"):
+        assert client.request("GET", path, None, {})[0] == 200
+
+
+def test_other_methods_are_not_there(client: Client) -> None:
+    for method in ("PUT", "DELETE", "OPTIONS", "HEAD", "TRACE"):
+        assert client.request(method, "/", None, {})[0] == 501
+
+
+def test_headers_forbid_everything_foreign(both: tuple[PageServer, Client]) -> None:
+    with socket.create_connection(("127.0.0.1", both[1].port), 10) as raw:
+        host = f"127.0.0.1:{both[1].port}"
+        raw.sendall(f"GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n".encode())
+        text = b"".join(iter(lambda: raw.recv(65536), b"")).decode()
+    head, _, body = text.partition("\r\n\r\n")
+    for word in ("default-src 'none'", "frame-ancestors 'none'", "nosniff", "no-referrer",
+                 "Cross-Origin-Resource-Policy: same-origin"):  # fmt: skip
+        assert word in head
+    assert "unsafe" not in head
+    # the token is in the address of the page and nowhere in what is served
+    assert both[1].token not in text
+    assert "http" not in body.replace("http-equiv", "")
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (b"", "JSON"),
+        (b"\xff\xfe", "JSON"),
+        (b"[" * 30000, "JSON"),
+        (b'{"groups": {"frame": {"T_s": NaN}}}', "JSON"),
+        (b"[]", "object"),
+        (b"{}", "groups"),
+        (b'{"groups": {}, "script": 1}', "script"),
+        (b'{"groups": {"frames": {}}}', "no group"),
+        (b'{"groups": {"frame": 1}}', "no group"),
+        (b'{"groups": {"motion": {"file": "/etc/passwd"}}}', "'file'"),
+        (b'{"groups": {"vertical": {"file": "/etc/passwd"}}}', "'file'"),
+        (b'{"groups": {"frame": {"b": 1}}}', "'b'"),
+        (b'{"groups": {"frame": {"T_s": "1"}}}', "frame.T_s"),
+        (b'{"groups": {"frame": {"T_s": true}}}', "frame.T_s"),
+        (b'{"groups": {"frame": {"T_s": 1e999}}}', "frame.T_s"),
+        (b'{"groups": {"frame": {"T_s": [1]}}}', "frame.T_s"),
+        (b'{"groups": {"output": {"energy": 1}}}', "output.energy"),
+        (b'{"groups": {"solver": {"max_steps": 1.5}}}', "solver.max_steps"),
+        (b'{"groups": {"model": {"formulation": "wrong"}}}', "model.formulation"),
+        (b'{"groups": {"spectrum": {"T_s": []}}}', "spectrum.T_s"),
+        (b'{"groups": {"spectrum": {"quantities": ["a\'/ &wall"]}}}', "spectrum.quantities"),
+        (b'{"groups": {}, "points": 100000}', "points"),
+        (b'{"groups": {}, "record": "9"}', "record"),
+        (b'{"groups": {}, "record": "../1"}', "record"),
+    ],
+)
+def test_garbage_is_refused(client: Client, body: bytes, words: str) -> None:
+    status, content = client.post("/api/history", body)
+    assert status == 400
+    assert words in json.loads(content)["error"]
+
+
+@pytest.mark.parametrize(
+    ("groups", "words"),
+    [
+        ({"frame": {"T_s": -1.0}}, "&frame: T_s = -1.0: must be"),
+        ({"link": {"L": 1.0}}, "&link: must not be given"),
+        ({"frame": None}, "&"),
+        ({"motion": {"kind": "record"}}, "&motion"),
+    ],
+)
+def test_what_the_kernel_refuses_is_said_in_its_words(
+    client: Client, start: dict[str, Any], groups: dict[str, Any], words: str
+) -> None:
+    status, message = client.problem("/api/history", _with(start, **groups))
+    assert status == 422
+    assert message.startswith(words)
+    assert "line" not in message
+    assert "fig12" not in message
+
+
+def test_a_quantity_that_is_none_is_refused(client: Client, start: dict[str, Any]) -> None:
+    status, message = client.problem("/api/spectrum", _with(start) | {"quantity": "x'y"})
+    assert (status, "x'y" in message) == (422, True)
+
+
+CASES = ("fig12_one_sine", "fig13_elcentro_slender_wall", "storeys_full", "study_block",
+         "fig06_mild_frame_alone_one_sine", "which_spring_takes_the_energy",
+         "p_delta_collapse", "effect_impact_table")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_numbers_are_those_of_a_run(
+    name: str, command: Runner, tmp_path: Path, record_folder: Path
+) -> None:
+    """The namelist that is saved gives `rwmf run` the same digits."""
+    del record_folder
+    with served(Case.from_namelist(ROOT / "inputs" / f"{name}.nml")) as (_, client):
+        state = client.ask("/api/start", {})["state"]
+        if "frame" in state and "T_s" in state["frame"]:
+            state["frame"]["T_s"] = 0.83
+        found = client.ask("/api/history", {"groups": state})
+        spectrum = client.ask("/api/spectrum", {"groups": state, "points": 20})
+    path = tmp_path / "explored.nml"
+    path.write_text(found["namelist"], encoding="utf-8")
+    done = command("run", path, "--json")
+    assert done.returncode == 0, done.stderr
+    expected = json.loads(done.stdout)
+    shown = {key: text for key, text, *_ in found["numbers"]}
+    same = [key for key in shown if key in expected]
+    assert len(same) >= 3
+    for key in same:
+        value = expected[key]
+        text = ("yes" if value else "no") if isinstance(value, bool) else repr(value)
+        assert shown[key] == text, key
+    assert np.isfinite(_floats(found["columns"]["time"])).all()
+    assert _floats(spectrum["T"]).size == _floats(spectrum["values"]).size == 20
+
+
+def test_spectrum_is_that_of_the_package(client: Client, start: dict[str, Any]) -> None:
+    found = client.ask("/api/spectrum", _with(start) | {"points": 40})
+    case = Case.from_namelist(FIG12)
+    periods = np.linspace(0.05, 3.0, 40)
+    expected = rwmf.spectrum(case, T_s=periods, gamma=5.0)["u_s_max"].values.ravel()
+    np.testing.assert_array_equal(_floats(found["values"]), expected.astype(np.float32))
+    bare = case.replace(wall=None, cable=None, impact=None, spectrum=None, frame={"gamma": None})
+    alone = rwmf.spectrum(bare, T_s=periods)["u_s_max"].values
+    np.testing.assert_array_equal(_floats(found["alone"]), alone.astype(np.float32))
+    # the frame alone is kept, and does not depend on the wall
+    again = client.ask("/api/spectrum", _with(start, wall={"b": 0.7}) | {"points": 40})
+    assert again["alone"] == found["alone"]
+    other = client.ask("/api/spectrum", _with(start, frame={"xi_s": 0.1}) | {"points": 40})
+    assert other["alone"] != found["alone"]
+
+
+def test_two_pages_at_once(client: Client, start: dict[str, Any]) -> None:
+    """Each gets the answer to its own question."""
+    periods = np.linspace(0.3, 2.0, 8)
+    alone = [client.ask("/api/history", _with(start, frame={"T_s": T}))["numbers"] for T in periods]
+    found: dict[int, Any] = {}
+
+    def page(i: int) -> None:
+        found[i] = [client.ask("/api/history", _with(start, frame={"T_s": T}))["numbers"]
+                    for T in periods[i::2]]  # fmt: skip
+
+    threads = [threading.Thread(target=page, args=(i,)) for i in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert [found[0], found[1]] == [alone[::2], alone[1::2]]
+
+
+def _leave(client: Client, path: str, question: object) -> None:
+    """Ask, and close the connection before the answer."""
+    body = json.dumps(question).encode()
+    with socket.create_connection(("127.0.0.1", client.port), 10) as raw:
+        raw.sendall(
+            f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1:{client.port}\r\nX-Token: {client.token}\r\n"
+            f"Content-Length: {len(body)}\r\n\r\n".encode() + body
+        )
+        time.sleep(0.4)
+
+
+@pytest.mark.parametrize("path", ["/api/history", "/api/spectrum", "/api/cost"])
+def test_a_page_that_is_closed_stops_its_run(
+    client: Client, start: dict[str, Any], path: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    _leave(client, path, _with(start, **ENDLESS))
+    begun = time.perf_counter()
+    client.ask("/api/history", _with(start))
+    assert time.perf_counter() - begun < SOON
+    assert capfd.readouterr().err == ""
+
+
+def test_what_accuracy_costs_lets_others_in(client: Client, start: dict[str, Any]) -> None:
+    question = json.dumps(_with(start, solver={"t_end": 2.0})).encode()
+    content: list[bytes] = []
+    thread = threading.Thread(
+        target=lambda: content.append(client.post("/api/cost", question)[1])
+    )
+    thread.start()
+    answered = 0
+    while thread.is_alive() and answered < 1000:
+        client.ask("/api/history", _with(start))
+        answered += 1
+    thread.join()
+    lines = [json.loads(line) for line in content[0].splitlines()]
+    result = lines[-1]["result"]
+    assert answered > 5
+    assert lines[-2] == {"done": lines[0]["total"], "total": lines[0]["total"]}
+    assert result["reference"]["peak"] == "u_s_max_m"
+    assert min(row["relative_error"] for row in result["rows"] if row["status"] == "ok") < 1e-10
+
+
+def _at2(values: np.ndarray[Any, Any], dt: float) -> bytes:
+    lines = ["PEER STRONG MOTION", "TEST", "ACCELERATION TIME SERIES IN UNITS OF G",
+             f"NPTS= {values.size:6d}, DT= {dt:8.5f} SEC"]  # fmt: skip
+    words = [f"{value:15.7E}" for value in values]
+    lines += ["".join(words[i : i + 5]) for i in range(0, len(words), 5)]
+    return "\n".join(lines).encode() + b"\n"
+
+
+def _pulse(n: int, dt: float) -> np.ndarray[Any, Any]:
+    return 0.4 * np.sin(2 * np.pi * np.arange(n) * dt) * (np.arange(n) * dt < 1.0)
+
+
+@pytest.mark.parametrize(
+    ("content", "query"),
+    [
+        (_at2(_pulse(200, 0.01), 0.01), "name=own.AT2&unit=g"),
+        (b"\n".join(b"%.9g" % x for x in _pulse(200, 0.01)), "name=own.csv&unit=g&dt=0.01"),
+        (b"t,a\n" + b"\n".join(b"%.9g,%.9g" % (0.01 * i, x) for i, x in enumerate(_pulse(200, 0.01))),
+         "name=own.csv&unit=g"),
+    ],
+)  # fmt: skip
+def test_an_own_record(
+    client: Client, start: dict[str, Any], content: bytes, query: str, command: Runner, tmp_path: Path
+) -> None:
+    status, answer = client.post(f"/api/record?{query}", content)
+    assert status == 200, answer
+    sent = json.loads(answer)
+    question = _with(start, motion=None) | {"record": sent["record"]}
+    question["groups"]["motion"] = sent["motion"]
+    found = client.ask("/api/history", question)
+    # the namelist names the record as its owner does, and lies beside it
+    (tmp_path / sent["name"]).write_bytes(content)
+    path = tmp_path / "explored.nml"
+    path.write_text(found["namelist"], encoding="utf-8")
+    expected = json.loads(command("run", path, "--json").stdout)
+    shown = dict(row[:2] for row in found["numbers"])
+    assert shown["u_s_max_m"] == repr(expected["u_s_max_m"])
+
+
+@pytest.mark.parametrize(
+    ("content", "query", "status", "words"),
+    [
+        (b"", "name=own.csv&unit=g", 422, "own.csv"),
+        (b"1 2 3\n4 5 6\n", "name=own.csv&unit=g", 422, "own.csv"),
+        (b"0 1\n0 2\n", "name=own.csv&unit=g", 422, "own.csv"),
+        (b"0 1\n1 nan\n", "name=own.csv&unit=g", 422, "own.csv"),
+        (b"0.1\n0.2\n", "name=own.csv&unit=g", 422, "dt"),
+        (b"0.1\n0.2\n", "name=own.csv&dt=0.01", 422, "unit"),
+        (_at2(_pulse(50, 0.01), 0.01).replace(b"NPTS=     50", b"NPTS=     90"), "name=o.AT2&unit=g", 422, "90"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00", "name=picture.png&unit=g", 422, "picture.png"),
+        (b"0 1\n1 2\n", "name=own.csv&unit=furlong", 422, "unit"),
+        (b"0.1\n0.2\n", "name=own.csv&unit=g&dt=soon", 400, "dt"),
+        (b"0.1\n0.2\n", "name=own.csv&unit=g&dt=-1", 422, "dt"),
+        (b"0 1\n1 2\n", "name=..&unit=g", 400, "name"),
+        (b"0 1\n1 2\n", "unit=g", 400, "name"),
+    ],
+)  # fmt: skip
+def test_a_damaged_record(
+    client: Client, content: bytes, query: str, status: int, words: str
+) -> None:
+    found, answer = client.post(f"/api/record?{query}", content)
+    message = json.loads(answer)["error"]
+    assert (found, words in message) == (status, True), message
+    assert "/tmp" not in message
+
+
+def test_a_record_stays_in_its_folder(both: tuple[PageServer, Client]) -> None:
+    server, client = both
+    status, answer = client.post("/api/record?name=../../own.csv&unit=g", b"0 1\n1 0\n")
+    assert (status, json.loads(answer)["name"]) == (200, "own.csv")
+    assert not Path(server.folder.name, "..", "own.csv").exists()
+
+
+def test_a_record_has_a_limit(client: Client) -> None:
+    too_long = str(33 * 1024 * 1024)
+    status, answer = client.post("/api/record?name=a.csv", b"", Content_Length=too_long)
+    assert (status, "32768 KiB" in json.loads(answer)["error"]) == (413, True)
+
+
+def test_a_record_of_200_000_samples(client: Client, start: dict[str, Any]) -> None:
+    """Its samples are read once: the questions after it are those of any record."""
+    n, dt = 200_000, 0.005
+    content = b"\n".join(b"%.6g" % x for x in _pulse(n, dt))
+    sent = json.loads(client.post(f"/api/record?name=long.csv&unit=g&dt={dt}", content)[1])
+    question = _with(start, motion=None, solver={"t_end": 5.0}) | {"record": sent["record"]}
+    question["groups"]["motion"] = sent["motion"]
+    client.ask("/api/history", question)
+    begun = time.perf_counter()
+    question["groups"]["frame"]["T_s"] = 0.7
+    found = client.ask("/api/history", question)
+    assert time.perf_counter() - begun < 1.0
+    assert len(found["columns"]["time"]) < 20_000
+
+
+def test_a_motion_from_arrays(tmp_path: Path) -> None:
+    quake = rwmf.Motion(_pulse(200, 0.01), dt=0.01, unit="g", name="made here")
+    case = Case.from_namelist(FIG12).replace(motion=quake)
+    with served(case) as (_, client):
+        state = client.ask("/api/start", {})["state"]
+        found = client.ask("/api/history", {"groups": state})
+    shown = dict(row[:2] for row in found["numbers"])
+    assert shown["u_s_max_m"] == repr(float(rwmf.simulate(case)["u_s_max"]))
+
+
+def test_the_case_of_the_package_is_the_one_of_inputs() -> None:
+    package = ROOT / "driver" / "rwmf" / "_explore" / "start.nml"
+    assert package.read_bytes() == FIG12.read_bytes()
+
+
+def _command(tmp_path: Path, *words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "rwmf", "explore", *words, "--no-browser"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_interrupt_ends_it_even_in_mid_run(tmp_path: Path) -> None:
+    process = _command(tmp_path)
+    assert process.stdout is not None
+    address = process.stdout.readline().strip()
+    port, token = address.removeprefix("http://127.0.0.1:").split("/#")
+    client = Client(int(port), token)
+    question = _with(client.ask("/api/start", {}), **ENDLESS)
+    thread = threading.Thread(target=_leave, args=(client, "/api/history", question))
+    thread.start()
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    out, error = process.communicate(timeout=10)
+    thread.join()
+    assert (process.returncode, error) == (0, "")
+    assert out.splitlines() == ["Ctrl-C ends it", "ended"]
+
+
+def test_a_port_in_use(tmp_path: Path, both: tuple[PageServer, Client]) -> None:
+    process = _command(tmp_path, str(FIG12), "--port", str(both[0].server_port))
+    _, error = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert error.startswith(f"rwmf: port {both[0].server_port} cannot be used")
+    assert "--port 0" in error
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["nowhere.nml"], "nowhere.nml: the file does not exist"),
+        (["--port", "70000"], "[0, 65535]"),
+    ],
+)
+def test_wrong_words(tmp_path: Path, words: list[str], part: str) -> None:
+    process = _command(tmp_path, *words)
+    _, error = process.communicate(timeout=30)
+    assert (process.returncode, part in error) == (2, True)
