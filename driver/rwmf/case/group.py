@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NoReturn
 
+import numpy as np
+
 from rwmf.case.namelist import Value, format_value, parse_value
 
 __all__ = ["Group"]
@@ -17,6 +19,8 @@ class Group(Mapping[str, Any]):
     ----------
     given : frozenset of str
         The keys that the case gives; the others hold the kernel's defaults.
+    derived : frozenset of str
+        Ratios that follow from dimensional keys.
     units : mapping of str to str
         Units of the values as the kernel names them.
     in_si : mapping of str to (float or tuple of float, str)
@@ -33,8 +37,9 @@ class Group(Mapping[str, Any]):
         case gives where a rule makes the value of it, each '' where there is none.
     """
 
-    __slots__ = ("_given", "_in_si", "_name", "_raw", "_units", "_values")
+    __slots__ = ("_derived", "_given", "_in_si", "_name", "_raw", "_units", "_values")
 
+    _derived: frozenset[str]
     _given: frozenset[str]
     _in_si: dict[str, tuple[Value, str]]
     _name: str
@@ -48,6 +53,7 @@ class Group(Mapping[str, Any]):
         put("_values", {key: parse_value(kind, text) for key, kind, text, *_ in rows})
         put("_units", {key: unit for key, _, _, unit, *_ in rows})
         put("_given", frozenset(row[0] for row in rows if row[4] == "given"))
+        put("_derived", frozenset(row[0] for row in rows if row[4] == "derived"))
         both = [row for row in rows if len(row) > 5]
         si = {row[0]: (parse_value(row[1], row[5]), row[6]) for row in both if row[6]}
         put("_in_si", si)
@@ -57,6 +63,11 @@ class Group(Mapping[str, Any]):
     def given(self) -> frozenset[str]:
         """Keys that the case gives."""
         return self._given
+
+    @property
+    def derived(self) -> frozenset[str]:
+        """Keys that follow from dimensional ones."""
+        return self._derived
 
     @property
     def units(self) -> dict[str, str]:
@@ -120,13 +131,17 @@ class Group(Mapping[str, Any]):
         return given + ("  " if given and others else "") + (f"({others})" if others else "")
 
     def _show(self, key: str) -> str:
-        value = self._values[key]
-        text = format_value(value)
-        if isinstance(value, tuple) and len(value) > 8:
-            text = f"{value[0]!r}, ..., {value[-1]!r} ({len(value)} values)"
         unit = self._units[key]
-        shown = f"{key} = {text}" + (f" {unit}" if unit.strip("-") else "")
+        shown = f"{key} = {_shorten(self._values[key])}" + (f" {unit}" if unit.strip("-") else "")
         if key not in self._in_si:
             return shown
-        number, unit = self._in_si[key]
-        return f"{shown} [{format_value(number)} {unit}]"
+        numbers, unit = self._in_si[key]
+        rounded = np.vectorize(lambda number: float(f"{number:.6g}"))(numbers).tolist()
+        return f"{shown} [{_shorten(tuple(rounded) if np.ndim(numbers) else rounded)} {unit}]"
+
+
+def _shorten(value: Value) -> str:
+    """Text of a value, of a long list its ends."""
+    if isinstance(value, tuple) and len(value) > 8:
+        return f"{value[0]!r}, ..., {value[-1]!r} ({len(value)} values)"
+    return format_value(value)

@@ -114,6 +114,9 @@ contains
       else if (keys(place)%key == 'dt' .and. group /= 'output') then
          call fail(error, err_input, name//': says how a file is read: must be given where the ' &
             //'case is made')
+      else if (keys(place)%key == 'n' .and. group == 'storeys') then
+         call fail(error, err_input, name//': says what there is to move: must be given where ' &
+            //'the case is made')
       else if (.not. (values%groups(at)%is_given .or. is_of_method(group))) then
          call fail(error, err_input, name//': the case has no group &'//group)
       end if

@@ -88,6 +88,8 @@ contains
       integer :: i
 
       case%unit_mass = unit_mass(case%values)
+      case%follows_size = case%values%has_units .and. has_group(case%values, 'wall') &
+         .and. case%unit_mass > 0
       do i = 1, size(groups)
          if (.not. has_group(case%values, groups(i)%name)) then
             if (.not. any(groups(i)%name == ['model ', 'solver'])) cycle

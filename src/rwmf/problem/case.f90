@@ -289,6 +289,8 @@ module rwmf_problem_case
       real(wp) :: unit_mass = 0
       !! mass that masses and forces are over: of the wall, without one of the frame, of storeys in
       !! kg 1; 0 where the case gives none [kg]
+      logical :: follows_size = .false.
+      !! its ratios follow from masses and forces, and with them from the size of the wall
       type(effect_numbers_t), allocatable :: numbers(:)
       !! effects that need no type of their own (`keep_numbers`)
    end type structure_t

@@ -85,7 +85,7 @@ contains
       rows%b = [case%wall%b]
       if (allocated(case%spectrum%b)) rows%b = case%spectrum%b
       rows%n = rows%n*size(rows%b)
-      rows%is_sized = case%values%has_units .and. (allocated(case%spectrum%b) &
+      rows%is_sized = case%follows_size .and. (allocated(case%spectrum%b) &
          .or. .not. allocated(case%frame))
       if (rows%is_sized) call find_changes(case, sizes, rows%changes, error)
    end subroutine rows_of_grid
@@ -119,9 +119,8 @@ contains
          end if
          if (allocated(error)) return
       end do
-      rows%is_sized = case%values%has_units .and. allocated(case%wall) &
-         .and. (rows%axis_column(axis_width) > 0 .or. (rows%axis_column(axis_period) > 0 &
-         .and. .not. allocated(case%frame)))
+      rows%is_sized = case%follows_size .and. (rows%axis_column(axis_width) > 0 &
+         .or. (rows%axis_column(axis_period) > 0 .and. .not. allocated(case%frame)))
       if (rows%is_sized) then
          call find_sizes(case, columns, rows, error)
       else if (size(rows%key_columns) > 0) then
