@@ -383,28 +383,40 @@ contains
    end subroutine put_demands
 
    !> What the run has seen.
-   subroutine demand_extremes(recorder, equation, u_s_max, extremes)
+   subroutine demand_extremes(recorder, equation, u_s_max, t_u_s_max, extremes)
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: u_s_max
       !! largest |u_s| [m]
+      real(wp), intent(in) :: t_u_s_max
+      !! its time [s]
       type(demand_extremes_t), intent(out) :: extremes
       integer :: n
 
       associate (building => recorder%building, largest => recorder%largest, g => equation%p%g, &
-                 storeys => recorder%building%storeys)
+                 t => recorder%t_largest, storeys => recorder%building%storeys)
          n = size(largest)
          if (building%floors > 0) then
             extremes%acceleration_max = largest(2*storeys + 1:n - 3)/g
-            if (building%roof_height > 0) extremes%roof_drift_max = u_s_max/building%roof_height
+            extremes%t_acceleration_max = t(2*storeys + maxloc(extremes%acceleration_max, dim=1))
+            if (building%roof_height > 0) then
+               extremes%roof_drift_max = u_s_max/building%roof_height
+               extremes%t_roof_drift_max = t_u_s_max
+            end if
          end if
          if (storeys > 0) then
             extremes%drift_max = largest(:storeys)
-            if (equation%floors%n == 0) extremes%drift_max = u_s_max*abs(building%bend) &
-               /building%height
+            extremes%t_drift_max = t(maxloc(extremes%drift_max, dim=1))
+            if (equation%floors%n == 0) then
+               extremes%drift_max = u_s_max*abs(building%bend)/building%height
+               extremes%t_drift_max = t_u_s_max
+            end if
             extremes%shear_max = largest(storeys + 1:2*storeys)/g
          end if
-         if (building%roof_height > 0) extremes%overturning_max = largest(n - 2)
+         if (building%roof_height > 0) then
+            extremes%overturning_max = largest(n - 2)
+            extremes%t_overturning_max = t(n - 2)
+         end if
          if (.not. equation%has_wall) return
          extremes%wall_shear_max = largest(n - 1)/g
          extremes%wall_shear_height = recorder%z_shear
