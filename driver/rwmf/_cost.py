@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from rwmf._library import measure as _measure
 from rwmf._library.measure import Measurement, Reference
+from rwmf._sweep.quantities import find_quantities
 from rwmf.case import Case
 from rwmf.errors import InputError, NumericalError
 
@@ -60,8 +61,8 @@ class Row:
     rtol : float
         Relative tolerance [-], NaN for a procedure with fixed steps.
     relative_error : float
-        Of the peak: u_s_max, or theta_max without a frame [-]. 1 when only one of row and reference
-        overturns.
+        Of the peak: u_s_max, theta_max without a frame, or the quantity that was asked for [-]. 1
+        when only one of row and reference overturns; NaN where a procedure does not find it.
     seconds : float
         Fastest of all repeats [s].
     steps, rhs_evaluations, impacts : int
@@ -149,7 +150,12 @@ def count_tasks() -> int:
     return 2 * (len(METHODS) * len(TOLERANCES) + len(PRACTICES)) + 1
 
 
-def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> Cost:
+def cost(
+    case: Case,
+    target: float = 1e-6,
+    progress: Progress | None = None,
+    quantity: str | None = None,
+) -> Cost:
     """Measure what accuracy costs in time.
 
     Every method runs at tolerances from 1e-2 to 1e-13, and the procedures that practitioners use
@@ -165,6 +171,10 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
     progress : callable, optional
         Called with the number of finished units of work and of all, and about 20 times a second
         while the reference is computed; what it raises stops the kernel.
+    quantity : str, optional
+        Peak whose error is compared, by its key or its name in a dataset; otherwise the largest
+        displacement of the frame, without one the largest rotation. What it takes to find it is
+        part of the time.
 
     Returns
     -------
@@ -174,7 +184,7 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
     Raises
     ------
     InputError
-        When the case or the target is not acceptable.
+        When the case, the target or the quantity is not acceptable.
     NumericalError
         When no reference can be computed.
     Interrupted
@@ -182,6 +192,7 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
     """
     if not 0 < target < 1:
         raise InputError(f"target = {target}: must be in (0, 1)")
+    case = _asked(case, quantity)
     total = count_tasks()
     report = progress or (lambda done, total: None)
     report(0, total)
@@ -191,7 +202,7 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
     watch = _Stopwatch()
     rows: list[Row] = []
     for label, rtol, measure in tasks:
-        rows.append(_row(label, rtol, measure, watch.budget(), reference))
+        rows.append(_row((label, rtol, measure), watch.budget(), reference, facts["peak"]))
         report(len(rows) + 1, total)
     # the second round meets another load of the machine
     for i, (_, _, measure) in enumerate(tasks):
@@ -201,6 +212,16 @@ def cost(case: Case, target: float = 1e-6, progress: Progress | None = None) -> 
         report(len(rows) + i + 2, total)
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
     return Cost(_judge(facts, rows), rows, practices, target, cheapest(rows, target))
+
+
+def _asked(case: Case, quantity: str | None) -> Case:
+    """Return the case that is measured for a quantity."""
+    if quantity is None:
+        unasked = {"accuracy_of": None}
+        return case if _measure.peak_asked_of(case) is None else case.replace(solver=unasked)
+    (found,) = find_quantities((quantity,)).values()
+    # any accuracy: each row has its own tolerance
+    return case.replace(solver={"rtol": None, "accuracy": 1e-6, "accuracy_of": found.key})
 
 
 class _Stopwatch:
@@ -258,7 +279,7 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
         how = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
         tolerances = _DOUBLE
         found = _double_reference(case)
-    peak = _peak_name(found)
+    peak = _peak_name(case, found)
     facts = {
         "method": how,
         "rtol": tolerances[1],
@@ -288,20 +309,14 @@ def _judge(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
     return facts | {"good_enough": facts["relative_error"] * _DIGITS_BETTER <= best}
 
 
-def _row(
-    label: str,
-    rtol: float,
-    measure: Callable[[float], Measurement],
-    budget: float,
-    reference: Reference,
-) -> Row:
+def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:
     """Measure, and compare with the reference."""
+    label, rtol, measure = task
     try:
         found = measure(budget)
     except NumericalError as error:
         nan = math.nan
         return Row(label, rtol, nan, nan, 0, 0, 0, nan, nan, nan, False, str(error))
-    peak = _peak_name(reference)
     same_fate = found.overturned == reference.overturned
     return Row(
         method=label,
@@ -319,7 +334,10 @@ def _row(
     )
 
 
-def _peak_name(reference: Measurement) -> str:
+def _peak_name(case: Case, reference: Measurement) -> str:
+    asked = _measure.peak_asked_of(case)
+    if asked is not None:
+        return asked
     return "theta_max_rad" if math.isnan(reference.values["u_s_max_m"]) else "u_s_max_m"
 
 

@@ -16,6 +16,9 @@ program rwmf_batch
    use rwmf_text_strings, only: string_t
    implicit none
 
+   integer, parameter :: warning_length = 256
+   !! room for one
+
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
    integer :: status
@@ -176,23 +179,27 @@ contains
       integer, intent(inout) :: status
       !! unchanged when all went well
       type(error_t), allocatable :: error
+      character(warning_length), allocatable :: told(:)
+      !! warnings that the user has read
 
+      allocate (told(0))
       if (has_period(case) .and. command_line%parts == 1) then
-         call run_simulation(case, path, command_line%folder, control, status, error)
+         call run_simulation(case, path, command_line%folder, control, told, status, error)
       end if
       if (.not. allocated(error) .and. allocated(case%spectrum)) then
-         call run_spectrum(case, path, command_line, control, status, error)
+         call run_spectrum(case, path, command_line, control, told, status, error)
       end if
       if (allocated(error)) call add_context(error, path)
       call report(error, status)
    end subroutine run_case
 
    !> One simulation: summary and history.
-   subroutine run_simulation(case, path, folder, control, status, error)
+   subroutine run_simulation(case, path, folder, control, told, status, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
       character(*), intent(in) :: folder
       type(control_t), intent(in) :: control
+      character(warning_length), allocatable, intent(inout) :: told(:)
       integer, intent(inout) :: status
       !! unchanged when what is to be said was printed
       type(error_t), allocatable, intent(out) :: error
@@ -201,7 +208,7 @@ contains
 
       call simulate(case, result, error, control)
       if (allocated(error)) return
-      if (allocated(result%warnings)) call report_warnings(path, result%warnings)
+      if (allocated(result%warnings)) call report_warnings(path, result%warnings, told)
       call write_result(case, result, folder, case_name(path), error, path)
       if (allocated(error)) return
       write (seconds, '(f0.3)') result%seconds
@@ -210,11 +217,12 @@ contains
    end subroutine run_simulation
 
    !> The spectrum. Ordinates that fail are NaN with a reason; they do not stop the others.
-   subroutine run_spectrum(case, path, command_line, control, status, error)
+   subroutine run_spectrum(case, path, command_line, control, told, status, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
       type(command_line_t), intent(in) :: command_line
       type(control_t), intent(in) :: control
+      character(warning_length), allocatable, intent(inout) :: told(:)
       integer, intent(inout) :: status
       !! unchanged when what is to be said was printed
       type(error_t), allocatable, intent(out) :: error
@@ -225,7 +233,7 @@ contains
 
       call compute_spectrum(case, all_threads, spectrum, error, control)
       if (allocated(error)) return
-      call report_warnings(path, spectrum%warnings)
+      call report_warnings(path, spectrum%warnings, told)
       call save_spectrum(case, spectrum, path, command_line, error)
       if (allocated(error)) return
       associate (names => status_of(spectrum))
@@ -259,13 +267,17 @@ contains
       end if
    end subroutine save_spectrum
 
-   !> Tell the user what to keep in mind about a result.
-   subroutine report_warnings(path, warnings)
+   !> Tell the user what to keep in mind about a result, each of it once.
+   subroutine report_warnings(path, warnings, told)
       character(*), intent(in) :: path
       character(*), intent(in) :: warnings(:)
+      character(warning_length), allocatable, intent(inout) :: told(:)
+      !! gains them
       integer :: i
 
       do i = 1, size(warnings)
+         if (any(told == warnings(i))) cycle
+         told = [character(warning_length) :: told, warnings(i)]
          write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(warnings(i))
       end do
    end subroutine report_warnings

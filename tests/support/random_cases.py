@@ -35,6 +35,37 @@ def random_cases(n: int, seed: int, records: Path) -> Iterator[rwmf.Case]:
         yield rwmf.Case.from_text(text, source=source)
 
 
+def with_storeys(case: rwmf.Case, n: int) -> rwmf.Case:
+    """Put a frame of equal storeys and of the same first period in the place of a case's frame.
+
+    Parameters
+    ----------
+    case
+        With a wall, and a frame of one degree of freedom.
+    n
+        Number of storeys.
+
+    Returns
+    -------
+    rwmf.Case
+        All modes; the floors weigh together what the frame did, 20 walls at most.
+    """
+    mass = min(case.frame.gamma, 20.0) / n
+    # lowest frequency of a chain of equal masses and springs
+    lowest = 2 * math.sin(math.pi / (4 * n + 2))
+    stiffness = mass * (2 * math.pi / (case.frame.T_s * lowest)) ** 2
+    return case.replace(
+        frame={"T_s": None, "gamma": None},
+        storeys={
+            "m_over_m_w": [mass] * n,
+            "k_over_m_w": [stiffness] * n,
+            "height": [2 * case.wall.h / n] * n,
+            "coupling": "full",
+        },
+        model={"formulation": "exact"},
+    )
+
+
 def _random_text(generator: np.random.Generator, records: Path) -> tuple[str, Path]:
     x = [float(value) for value in generator.random(14)]
     h = 0.5 + 7.5 * x[0]

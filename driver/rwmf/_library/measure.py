@@ -19,7 +19,14 @@ if TYPE_CHECKING:
     from rwmf.case import Case
 
 
-__all__ = ["Measurement", "Reference", "measure_baseline", "measure_method", "solve_reference"]
+__all__ = [
+    "Measurement",
+    "Reference",
+    "measure_baseline",
+    "measure_method",
+    "peak_asked_of",
+    "solve_reference",
+]
 
 # impacts beyond are counted, their times left out: only chatter has so many
 _MOST_IMPACTS = 20000
@@ -32,7 +39,8 @@ class Measurement:
     Attributes
     ----------
     values : dict
-        Numbers by the kernel's names, unit included; NaN for what does not apply to the scene.
+        Numbers by the kernel's names, unit included, and that of the case's `accuracy_of`; NaN for
+        what does not apply to the scene or to the procedure.
     impact_times : numpy.ndarray, shape (impacts,)
         Times of the impacts [s].
     steps, rhs_evaluations, impacts : int
@@ -76,6 +84,23 @@ class Reference(Measurement):
     )
 
 
+def peak_asked_of(case: Case) -> str | None:
+    """Return what `accuracy` and `verify` of a case are about.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    str or None
+        As `&solver accuracy_of` has it, None where the case leaves it to the kernel.
+    """
+    asked: str | None = getattr(case.solver, "accuracy_of", None)
+    return asked
+
+
 def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
     """Run a case with a method and tolerance, repeatedly.
 
@@ -117,7 +142,7 @@ def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measu
         return {"seconds": seconds} | _counts(counts), status, n
 
     found, buffers = _run(call, case)
-    return Measurement(**buffers.content(found["impacts"]), **found)
+    return Measurement(**buffers.content(found["impacts"], case), **found)
 
 
 def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Measurement:
@@ -160,7 +185,7 @@ def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Me
         return {"seconds": seconds, "dt": dt} | _counts(counts), status, n
 
     found, buffers = _run(call, case)
-    return Measurement(**buffers.content(found["impacts"]), **found)
+    return Measurement(**buffers.content(found["impacts"], case), **found)
 
 
 def solve_reference(
@@ -218,9 +243,9 @@ def solve_reference(
 
     found, buffers = _run(call, case, progress)
     return Reference(
-        **buffers.content(found["impacts"]),
+        **buffers.content(found["impacts"], case),
         **found,
-        differences=_by_name(differences),
+        differences=_by_name(differences, case),
         impact_differences=impact_differences[: found["impacts"]].copy(),
     )
 
@@ -232,9 +257,9 @@ class _Buffers:
         self.values = np.full(_n_values(), np.nan)
         self.impact_times = np.zeros(_MOST_IMPACTS)
 
-    def content(self, impacts: int) -> dict[str, Any]:
+    def content(self, impacts: int, case: Case) -> dict[str, Any]:
         return {
-            "values": _by_name(self.values),
+            "values": _by_name(self.values, case),
             "impact_times": self.impact_times[:impacts].copy(),
         }
 
@@ -286,5 +311,10 @@ def _n_values() -> int:
     return len(_names())
 
 
-def _by_name(values: npt.NDArray[np.float64]) -> dict[str, float]:
-    return dict(zip(_names(), values.tolist(), strict=True))
+def _by_name(values: npt.NDArray[np.float64], case: Case) -> dict[str, float]:
+    named = dict(zip(_names(), values.tolist(), strict=True))
+    peak = named.pop("peak")
+    asked = peak_asked_of(case)
+    if asked is not None:
+        named[asked] = peak
+    return named

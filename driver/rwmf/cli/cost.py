@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
     files.check_outputs([options.plot], case.inputs)
     figures.check_formats(options.plot)
     with progress_bar(count_tasks()) as report:
-        found = cost(case, options.target, report)
+        found = cost(case, options.target, report, options.quantity)
     if options.plot:
         with new_figure(4.2) as figure:
             plot_cost.work_precision(found, figure.subplots())

@@ -134,6 +134,12 @@ def _add_cost(commands: Subcommands) -> None:
         default=1e-6,
         help="relative error of the peak that a setting is recommended for (1e-6)",
     )
+    parser.add_argument(
+        "--quantity",
+        metavar="KEY",
+        help="peak whose error is compared, such as storey_drift_max (u_s_max, without a frame "
+        "theta_max)",
+    )
 
 
 def _add_check(commands: Subcommands) -> None:

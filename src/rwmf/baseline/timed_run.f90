@@ -8,12 +8,14 @@ module rwmf_baseline_timed_run
    use rwmf_core_kinds, only: dp, i8, wp
    use rwmf_embedding_ranges, only: not_negative, positive, require_number
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: record_t
    use rwmf_problem_rules, only: fail_key
+   use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_result, only: event_impact, result_t
    use rwmf_simulation_run, only: run_once
+   use rwmf_simulation_simulate, only: check_peak
    implicit none
    private
 
@@ -21,7 +23,7 @@ module rwmf_baseline_timed_run
    public :: put_measured, put_differences, halve_intervals
    public :: repeat_baseline
 
-   integer, parameter :: n_values = 7
+   integer, parameter :: n_values = 8
    integer, parameter :: at_u_s_max = 1
    integer, parameter :: at_t_u_s_max = 2
    integer, parameter :: at_theta_max = 3
@@ -29,11 +31,12 @@ module rwmf_baseline_timed_run
    integer, parameter :: at_theta_end = 5
    integer, parameter :: at_theta_dot_end = 6
    integer, parameter :: at_t_end = 7
+   integer, parameter :: at_peak = 8
    character(1), parameter :: feed = new_line('a')
    character(*), parameter :: value_names = 'u_s_max_m'//feed//'t_u_s_max_s'//feed &
       //'theta_max_rad'//feed//'theta_dot_max_rad_s'//feed//'theta_end_rad'//feed &
-      //'theta_dot_end_rad_s'//feed//'t_end_s'//feed
-   !! one a line
+      //'theta_dot_end_rad_s'//feed//'t_end_s'//feed//'peak'//feed
+   !! one a line; the last one is what `&solver accuracy_of` names, in its unit
 
    !> One simulation in numbers.
    type :: timed_run_t
@@ -65,7 +68,7 @@ contains
 
    !> Run a case with another method and tolerance.
    !>
-   !> Errors: no duration, a tolerance that is none, and those of `run_once`.
+   !> Errors: no duration, a tolerance that is none, and those of `check_peak` and `run_once`.
    subroutine measure_method(case, method, rtol, budget, control, measured, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: method
@@ -87,15 +90,16 @@ contains
       call check_measurable(case, rtol, budget, error)
       if (allocated(error)) return
       motion = motion_from_case(case)
+      call check_peak(case, motion, error)
+      if (allocated(error)) return
       trial = plain_case(case, method, rtol)
       ! two rows of history: events are kept together with a history
-      allocate (trial%output)
+      if (.not. allocated(trial%output)) trial%output = output_t(energy=.false.)
       trial%output%dt = trial%solver%t_end
-      trial%output%energy = .false.
       call run_once(trial, motion, control, result, error)
       if (allocated(error)) return
-      call take_result(result, measured)
-      deallocate (trial%output)
+      call take_result(trial, result, measured)
+      trial = plain_case(case, method, rtol)
       spent = result%seconds
       do while (budget > 0 .and. measured%repeats < most_repeats)
          if (spent > budget .and. measured%repeats >= least_repeats) exit
@@ -145,9 +149,11 @@ contains
       if (allocated(plain%solver%accuracy)) deallocate (plain%solver%accuracy)
       if (allocated(plain%solver%atol)) deallocate (plain%solver%atol)
       if (allocated(plain%output)) deallocate (plain%output)
+      call ask_for_peak(plain)
    end function plain_case
 
-   subroutine take_result(result, measured)
+   subroutine take_result(case, result, measured)
+      type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       type(timed_run_t), intent(inout) :: measured
 
@@ -161,6 +167,7 @@ contains
          values(at_theta_end) = result%final_state(1)
          values(at_theta_dot_end) = result%final_state(2)
          values(at_t_end) = result%t_end
+         if (case%solver%accuracy_of /= '') values(at_peak) = peak_of(case, result)
       end associate
       measured%impact_times = pack(result%events%t, result%events%kind == event_impact)
       if (.not. result%has_impacts) measured%impact_times = [real(wp) ::]
@@ -174,7 +181,7 @@ contains
    pure subroutine put_measured(measured, values, counts, impact_times)
       type(timed_run_t), intent(in) :: measured
       real(dp), intent(inout) :: values(:)
-      !! in the order and the units of `value_names`; those beyond the seventh stay as they are
+      !! in the order and the units of `value_names`; those beyond the eighth stay as they are
       integer(i8), intent(out) :: counts(5)
       !! steps, right-hand sides, impacts, overturned, repeats
       real(dp), intent(inout) :: impact_times(:)

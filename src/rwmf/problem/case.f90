@@ -216,7 +216,9 @@ module rwmf_problem_case
       real(wp) :: rtol
       !! relative tolerance of the integrator [-]
       real(wp), allocatable :: accuracy
-      !! relative error asked of u_s_max (without a frame: of theta_max) [-]; then rtol is chosen
+      !! relative error asked of a peak [-]; then rtol is chosen
+      character(40) :: accuracy_of = ''
+      !! key of that peak, which `verify` is about as well; '': u_s_max (without a frame theta_max)
       logical :: verify
       !! estimate the error and the sensitivity by further runs
       real(wp), allocatable :: atol

@@ -9,13 +9,14 @@ module rwmf_simulation_error_control
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t, structure_t
+   use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_result, only: add_warning, ending_name, history_t, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: run_to_accuracy, verify_run, peak_of
+   public :: run_to_accuracy, verify_run
    public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, shake
    public :: relative_change, most_refinements, tightest, shake_step
 
@@ -58,7 +59,7 @@ contains
          call run_once(trial, motion, control, tight, error)
          if (allocated(error)) return
          spent = spent + tight%seconds
-         result%estimated_relative_error = relative_difference(result, tight)
+         result%estimated_relative_error = relative_difference(case, result, tight)
          if (is_close_enough(result%estimated_relative_error, case%solver%accuracy)) exit
          if (trial%solver%rtol <= tightest) exit
          ! the history is moved: it can be the largest array
@@ -145,28 +146,30 @@ contains
       trial%solver%rtol = verifying_tolerance(result%rtol)
       if (allocated(trial%solver%atol)) deallocate (trial%solver%atol)
       if (allocated(trial%output)) deallocate (trial%output)
+      call ask_for_peak(trial)
       call run_once(trial, motion, control, tight, error)
       if (allocated(error)) return
       if (.not. allocated(result%estimated_relative_error)) then
-         result%estimated_relative_error = relative_difference(result, tight)
+         result%estimated_relative_error = relative_difference(case, result, tight)
       end if
       shaken = scaled_motion(motion, 1 + shake_step)
       call shake(trial, 1 + shake_step)
       call run_once(trial, shaken, control, larger, error)
       if (allocated(error)) return
-      result%sensitivity = relative_difference(larger, tight)/shake_step
+      result%sensitivity = relative_difference(case, larger, tight)/shake_step
       if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
       result%estimate_seconds = result%estimate_seconds + tight%seconds + larger%seconds
    end subroutine verify_run
 
    !> Difference of two peaks over the second; 1 when they ended differently [-].
-   pure real(wp) function relative_difference(one, other) result(difference)
+   pure real(wp) function relative_difference(case, one, other) result(difference)
+      type(case_t), intent(in) :: case
       type(result_t), intent(in) :: one
       type(result_t), intent(in) :: other
 
       difference = 1
-      if (ending_name(one) == ending_name(other)) difference = relative_change(peak_of(one), &
-         peak_of(other))
+      if (ending_name(one) == ending_name(other)) difference = relative_change(peak_of(case, one), &
+         peak_of(case, other))
    end function relative_difference
 
    !> Difference of two peaks over the second [-].
@@ -179,16 +182,5 @@ contains
       change = abs(one - other)
       if (change > 0) change = change/max(abs(other), tiny(change))
    end function relative_change
-
-   !> The peak that accuracy is about: u_s_max [m], or |theta|_max [rad] without a frame.
-   pure real(wp) function peak_of(result) result(peak)
-      type(result_t), intent(in) :: result
-
-      if (allocated(result%u_s_max)) then
-         peak = result%u_s_max
-      else
-         peak = max(result%theta_max, -result%theta_min)
-      end if
-   end function peak_of
 
 end module rwmf_simulation_error_control

@@ -6,7 +6,7 @@ module rwmf_simulation_quantities
    implicit none
    private
 
-   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, is_demand
+   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, is_demand, is_peak
    public :: quantities_text
 
    !> One quantity.
@@ -153,7 +153,7 @@ module rwmf_simulation_quantities
       quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', 'wall', '', &
       '`base = ''rocking''`', 'number of times that the wall lifts off from rest'), &
       quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run ordinate cost', &
-      'wall', '', '`base = ''rocking''`', 'whether the wall overturned'), &
+      'wall', '', '', 'whether the wall overturned'), &
       quantity_t('collapsed', 'collapsed', '1', 'logical', 'whether', 'run ordinate', '', '', &
       'an effect that limits a drift', 'whether a drift passed the limit of the effect'), &
       quantity_t('t_collapse_s', 't_collapse', 's', 'real', 'time', 'run ordinate', '', '', &
@@ -230,7 +230,7 @@ module rwmf_simulation_quantities
       'its relative tolerance'), &
       quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run ordinate', '', '', &
       '`accuracy` or `verify` of `&solver`', &
-      'estimate for `u_s_max_m`, without a frame for the largest rotation'), &
+      'estimated error of the peak of `accuracy_of`, over it'), &
       quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', '', &
       '`accuracy` or `verify` of `&solver`', &
       'wall-clock time that the estimate took beyond `seconds`'), &
@@ -248,9 +248,14 @@ module rwmf_simulation_quantities
       'run ordinate', 'storeys', 'reactions', '', 'largest drift of storey {i} over its height'), &
       quantity_t('storey_drift_max', 'storey_drift_max', '1', 'real', 'peak', 'run ordinate', &
       'storeys', 'reactions', '', 'the largest of them'), &
+      quantity_t('t_storey_drift_max_s', 't_storey_drift_max', 's', 'real', 'time', &
+      'run ordinate', 'storeys', 'reactions', '', 'its time'), &
       quantity_t('roof_drift_max', 'roof_drift_max', '1', 'real', 'peak', 'run ordinate', 'frame', &
       'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
       'largest displacement of the roof over its height'), &
+      quantity_t('t_roof_drift_max_s', 't_roof_drift_max', 's', 'real', 'time', &
+      'run ordinate', 'frame', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'its time'), &
       quantity_t('storey_residual_drift_max', 'storey_residual_drift_max', '1', 'real', 'end', &
       'run ordinate', 'yielding', 'reactions', '`&storeys`', &
       'largest drift of a storey that unloading would leave in the end'), &
@@ -262,6 +267,8 @@ module rwmf_simulation_quantities
       'largest absolute acceleration of floor {i} over g'), &
       quantity_t('floor_acceleration_max_g', 'floor_acceleration_max_g', '1', 'real', 'peak', &
       'run ordinate', 'frame', 'reactions', '', 'the largest of them'), &
+      quantity_t('t_floor_acceleration_max_s', 't_floor_acceleration_max', 's', 'real', 'time', &
+      'run ordinate', 'frame', 'reactions', '', 'its time'), &
       quantity_t('storey_{i}_shear_max_over_m_w_g', 'storey_{i}_shear_max_over_m_w_g', '1', &
       'real', 'peak', 'run ordinate', 'storeys', 'reactions', '', &
       'largest shear of the columns of storey {i} over the weight that its mass is over'), &
@@ -269,6 +276,8 @@ module rwmf_simulation_quantities
       'm', 'real', 'peak', 'run ordinate', '', 'reactions', &
       'a height: `&wall`, `&storeys` or `h_f`', &
       'largest moment of all horizontal inertia about the ground over the weight'), &
+      quantity_t('t_overturning_moment_max_s', 't_overturning_moment_max', 's', 'real', 'time', &
+      'run ordinate', '', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', 'its time'), &
       quantity_t('wall_shear_max_over_m_w_g', 'wall_shear_max_over_m_w_g', '1', 'real', 'peak', &
       'run ordinate', 'wall', 'reactions', '', 'largest shear inside the wall over its weight'), &
       quantity_t('wall_shear_max_height_m', 'wall_shear_max_height', 'm', 'real', 'peak', &
@@ -378,14 +387,17 @@ contains
          .true., dim=1)
    end subroutine look_up
 
-   !> A key in the spelling of the outputs: a user's capitals do not matter. What the table does not
-   !> have comes back in small letters, as the keys that carry a number are.
+   !> A key in the spelling of the outputs: a user's capitals do not matter, nor that Python's names
+   !> have no units. What the table does not have comes back in small letters, as the keys that
+   !> carry a number are.
    elemental character(40) function spelled(key)
       character(*), intent(in) :: key
       !! as a user writes it
       integer :: place
 
       place = findloc(to_lower(all_quantities%key) == to_lower(key), .true., dim=1)
+      if (place == 0 .and. key /= '') place = findloc(to_lower(all_quantities%name) &
+         == to_lower(key), .true., dim=1)
       spelled = to_lower(key)
       if (place > 0) spelled = all_quantities(place)%key
    end function spelled
@@ -396,6 +408,15 @@ contains
 
       is_of_ordinate = index(quantity%outputs, 'ordinate') > 0
    end function is_of_ordinate
+
+   !> Is it a peak of a run that an accuracy may be asked of? Where a peak lies along the wall is
+   !> none.
+   elemental logical function is_peak(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      is_peak = quantity%found == 'peak' .and. index(quantity%outputs, 'run') > 0 &
+         .and. index(quantity%key, '_height_m') == 0
+   end function is_peak
 
    !> Is it one of the demands, which are followed only where they are asked for?
    pure logical function is_demand(place)

@@ -102,14 +102,22 @@ module rwmf_simulation_result
    type :: demand_extremes_t
       real(wp), allocatable :: drift_max(:)
       !! (storeys) over their heights [-]
+      real(wp), allocatable :: t_drift_max
+      !! time of the largest of them [s]
       real(wp), allocatable :: acceleration_max(:)
       !! (floors) absolute, over g [-]
+      real(wp), allocatable :: t_acceleration_max
+      !! time of the largest of them [s]
       real(wp), allocatable :: shear_max(:)
       !! (storeys) of columns without dampers, over g and the unit of the floors' masses [-]
       real(wp), allocatable :: roof_drift_max
       !! displacement of the roof over its height [-]; absent where that is unknown
+      real(wp), allocatable :: t_roof_drift_max
+      !! its time [s]
       real(wp), allocatable :: overturning_max
       !! moment of the horizontal forces of inertia about the ground over the weight [m]; likewise
+      real(wp), allocatable :: t_overturning_max
+      !! its time [s]
       real(wp), allocatable :: residual_drift(:)
       !! (storeys) what unloading would leave in the end over the height of each [-]; absent unless
       !! the frame yields

@@ -281,7 +281,8 @@ contains
       end if
       if (allocated(recorder%demands)) then
          if (.not. allocated(result%demands)) allocate (result%demands)
-         call demand_extremes(recorder%demands, equation, recorder%u_max, result%demands)
+         call demand_extremes(recorder%demands, equation, recorder%u_max, recorder%t_u_max, &
+            result%demands)
          if (allocated(case%yielding)) call fill_residuals(recorder%demands%building, result)
       end if
       if (recorder%keeps_history) then

@@ -1,16 +1,20 @@
 !> One simulation: from a valid case to its result, with the accuracy or the estimate asked for.
 module rwmf_simulation_simulate
    use rwmf_core_control, only: control_t
-   use rwmf_core_error, only: error_t
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_group_values, only: has_key
+   use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
+   use rwmf_simulation_peak, only: ask_for_peak, list_reported, reports_peak
+   use rwmf_simulation_quantities, only: all_quantities, is_peak
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: run_once
    implicit none
    private
 
-   public :: simulate, simulate_with_motion, simulate_instant
+   public :: simulate, simulate_with_motion, simulate_instant, check_peak
 
 contains
 
@@ -41,6 +45,26 @@ contains
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
       !! as `simulate`
+      type(case_t), allocatable :: asking
+
+      if (case%solver%accuracy_of == '') then
+         call run_as_asked(case, motion, control, result, error)
+      else
+         call check_peak(case, motion, error)
+         if (allocated(error)) return
+         asking = case
+         call ask_for_peak(asking)
+         call run_as_asked(asking, motion, control, result, error)
+      end if
+   end subroutine simulate_with_motion
+
+   !> Run a case that keeps all that its error is asked of.
+   subroutine run_as_asked(case, motion, control, result, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
 
       if (allocated(case%solver%accuracy)) then
          call run_to_accuracy(case, motion, control, result, error)
@@ -49,7 +73,40 @@ contains
       end if
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
-   end subroutine simulate_with_motion
+   end subroutine run_as_asked
+
+   !> Does the scene have the peak that accuracy is asked of? Errors: it has not; as `simulate`.
+   subroutine check_peak(case, motion, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(error_t), allocatable, intent(out) :: error
+      type(case_t) :: asking, instant
+      type(result_t) :: result
+      type(control_t) :: no_control
+      character(40), allocatable :: keys(:)
+      character(:), allocatable :: problem
+      integer :: i
+
+      if (case%solver%accuracy_of == '') return
+      asking%structure_t = case%structure_t
+      asking%solver = case%solver
+      asking%solver%method = 'dop853'
+      asking%output = output_t(energy=.false., reactions=.true., demands=.true.)
+      call begin_instant(asking, instant)
+      call run_once(instant, motion, no_control, result, error)
+      if (allocated(error)) return
+      if (reports_peak(instant, result)) return
+      call list_reported(instant, result, is_peak(all_quantities), keys)
+      problem = trim(case%solver%accuracy_of)//' does not apply to this scene; allowed:'
+      do i = 1, size(keys)
+         problem = problem//' '//trim(keys(i))
+      end do
+      if (has_key(case%values, 'solver', 'accuracy_of')) then
+         call fail_key(case%values, 'solver', 'accuracy_of', problem, error)
+      else
+         call fail(error, err_input, '&solver accuracy_of: '//problem)
+      end if
+   end subroutine check_peak
 
    !> What a case reports at the beginning: the result of the same case when it ends as it begins.
    !> Errors: as `simulate`.
@@ -62,6 +119,15 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(control_t) :: no_control
 
+      call begin_instant(case, instant)
+      call simulate_with_motion(instant, motion, no_control, result, error)
+   end subroutine simulate_instant
+
+   !> A case that ends as it begins.
+   subroutine begin_instant(case, instant)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(out) :: instant
+
       instant%structure_t = case%structure_t
       instant%solver = case%solver
       if (allocated(case%output)) instant%output = case%output
@@ -70,7 +136,6 @@ contains
          ! each period of a spectrum reports the same
          if (.not. allocated(instant%frame%T_s)) instant%frame%T_s = 1
       end if
-      call simulate_with_motion(instant, motion, no_control, result, error)
-   end subroutine simulate_instant
+   end subroutine begin_instant
 
 end module rwmf_simulation_simulate

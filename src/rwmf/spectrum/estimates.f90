@@ -7,7 +7,7 @@ module rwmf_spectrum_estimates
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
       next_tolerance, relative_change, shake_step, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
-   use rwmf_spectrum_quantities, only: asked_t
+   use rwmf_spectrum_quantities, only: asked_of
    implicit none
    private
 
@@ -99,7 +99,7 @@ contains
 
       silent%cancel => control%cancel
       trial = queue
-      trial%asked = asked_t(keys=[character(40) ::], place=[integer ::], storey=[integer ::])
+      trial%asked = asked_of(queue%rows%case, [character(40) ::])
       trial%verifies = .true.
       tight = ordinates
       where (tight%rtol <= 0) tight%rtol = queue%rows%case%solver%rtol

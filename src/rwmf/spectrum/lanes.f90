@@ -19,6 +19,7 @@ module rwmf_spectrum_lanes
    use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
       tabulate_lines, team_t
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
+   use rwmf_simulation_peak, only: peak_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
       most_passes, response_size
@@ -41,7 +42,7 @@ module rwmf_spectrum_lanes
       integer :: row = 0
       !! its number
       real(wp) :: peak = 0
-      !! u_s_max [m], without a frame the largest |theta| [rad]
+      !! u_s_max [m], without a frame the largest |theta| [rad], or what `accuracy_of` names
       logical :: overturned = .false.
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
@@ -382,6 +383,7 @@ contains
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))
       call take_values(asked, run%case, result, ordinate%values)
+      if (asked%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report
 
 end module rwmf_spectrum_lanes

@@ -7,12 +7,12 @@ module rwmf_spectrum_quantities
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_model_assembly, only: build_equation, enter_side, equation_t
    use rwmf_model_equation, only: frame_motion
-   use rwmf_model_history_row, only: numbered
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_hybrid_loop, only: hybrid_t
+   use rwmf_simulation_peak, only: list_reported
    use rwmf_simulation_quantities, only: all_quantities, is_demand, is_of_ordinate, look_up
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_result, only: result_t
@@ -45,6 +45,8 @@ module rwmf_spectrum_quantities
       !! some of them have peaks that no event tells: angular velocity, storeys, reactions
       logical :: has_sensitivity = .false.
       !! more runs have to be made for them, by `verify`
+      logical :: has_peak = .false.
+      !! their error is that of a peak which the case names
    end type asked_t
 
 contains
@@ -76,7 +78,7 @@ contains
       character(*), intent(in) :: keys(:)
       !! (quantities) keys that apply to its scene (`check_asked`)
       type(output_t) :: output
-      integer :: i
+      integer :: i, place, number
 
       output%energy = .false.
       asked%keys = keys
@@ -91,9 +93,17 @@ contains
          end if
          output%energy = output%energy .or. all_quantities(asked%place(i))%asked_by == 'energy'
       end do
-      asked%is_displacement = all(asked%keys == displacement)
+      call look_up(trim(case%solver%accuracy_of), place, number)
+      asked%has_peak = place > 0
+      if (asked%has_peak) then
+         output%demands = output%demands .or. is_demand(place)
+         output%reactions = output%reactions .or. (all_quantities(place)%asked_by == 'reactions' &
+            .and. .not. is_demand(place))
+      end if
+      asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
       asked%is_watched = any(asked%keys == 'theta_dot_max_rad_s' .or. asked%storey > 0) &
-         .or. output%reactions .or. output%demands
+         .or. output%reactions .or. output%demands .or. number > 0 &
+         .or. case%solver%accuracy_of == 'theta_dot_max_rad_s'
       asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
          .or. asked%keys == 'estimated_relative_error')
       if (.not. (output%reactions .or. output%demands .or. output%energy)) return
@@ -144,11 +154,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: asking, instant
       type(result_t) :: result
-      type(scalar_t) :: scalar
-      integer :: i, storey
 
       asking%structure_t = case%structure_t
       asking%solver = case%solver
+      asking%solver%accuracy_of = ''
       ! the cheapest to begin with
       asking%solver%method = 'dop853'
       asking%output = output_t(energy=.true., reactions=.true., demands=.true.)
@@ -161,18 +170,7 @@ contains
       if (allocated(result%collapsed)) result%t_collapse = 0
       if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
       if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
-      allocate (keys(0))
-      do i = 1, size(all_quantities)
-         if (.not. is_of_ordinate(all_quantities(i))) cycle
-         storey = 1
-         scalar = scalar_of(instant, result, trim(all_quantities(i)%key), storey)
-         do while (scalar%is_present)
-            keys = [keys, numbered(trim(all_quantities(i)%key), storey)]
-            if (index(all_quantities(i)%key, '{i}') == 0) exit
-            storey = storey + 1
-            scalar = scalar_of(instant, result, trim(all_quantities(i)%key), storey)
-         end do
-      end do
+      call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
    end subroutine list_applicable
 
    !> The numbers that were asked for; counts and yes (1) or no (0) as numbers; NaN for what there

@@ -13,7 +13,7 @@ module rwmf_spectrum_spectrum
    use rwmf_problem_scene_axes, only: set_axes
    use rwmf_simulation_quantities, only: spelled
    use rwmf_simulation_result, only: ending_name, result_t
-   use rwmf_simulation_simulate, only: simulate_with_motion
+   use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
    use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_fast_driver, only: begin_fast, exponential_t, run_fast
@@ -176,6 +176,7 @@ contains
          queue%motion => motion
       end if
       call check_asked(rows%case, queue%motion, keys, error)
+      if (.not. allocated(error)) call check_peak(rows%case, queue%motion, error)
       if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
       queue%rows => rows

@@ -262,6 +262,35 @@ def test_no_row_exceeds_what_is_located(coupling: str, rtol: float, tmp_path: Pa
             assert pairs >= (1 if not coupling else 10)
 
 
+_TIMES = {
+    "storey_drift_max": "storey_{}_drift",
+    "floor_acceleration_max_g": "floor_{}_acceleration_g",
+    "overturning_moment_max_over_weight": "overturning_moment_over_weight",
+    "roof_drift_max": "u_s",
+}
+
+
+@pytest.mark.parametrize("coupling", ["full", "every_floor"])
+def test_times_are_those_of_the_maxima(coupling: str) -> None:
+    """The column that has the maximum is closest to it in the row next to its time."""
+    m, k, height = STOREYS[2]
+    case = coupled(
+        wall={"h": sum(height) / 2, "b": 0.8},
+        frame={"T_s": None, "gamma": None},
+        storeys={"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": coupling},
+        solver={"t_end": 3.0},
+        output={"reactions": True},
+    )
+    run = rwmf.simulate(case, dt=1e-3)
+    for key, column in _TIMES.items():
+        columns = sorted({column.format(i) for i in range(1, len(m) + 1)} & set(run))
+        rows = np.max([np.abs(run[name].values) for name in columns], axis=0)
+        time = float(run[f"t_{key.removesuffix('_g').removesuffix('_over_weight')}"])
+        highest = float(run[key]) * (sum(height) if column == "u_s" else 1.0)
+        assert rows[np.argmin(np.abs(run.time.values - time))] == pytest.approx(highest, rel=1e-3)
+        assert abs(run.time.values[np.argmax(rows)] - time) < 2e-3, key
+
+
 _METHODS = ("adams", "bdf", "erk54", "extrapolation")
 
 

@@ -227,3 +227,12 @@ def test_short_link_with_a_yielding_frame_up_to_the_rotation_that_it_allows() ->
         _case().replace(**strong, model={"formulation": "symmetric", "overturning_angle": limit})
     )
     assert abs(float(run["energy_balance_relative"])) < 1e-9
+
+
+@pytest.mark.parametrize(("frame", "falls"), [(None, True), ({"T_s": T_S, "gamma": GAMMA}, False)])
+def test_a_run_says_whether_it_lies_on_its_side(
+    frame: dict[str, object] | None, falls: bool
+) -> None:
+    """Nothing but a frame holds a hinged wall up."""
+    run = rwmf.simulate(_case().replace(frame=frame))
+    assert bool(run["overturned"]) is falls

@@ -104,6 +104,26 @@ def test_a_frame_alone_has_no_impacts() -> None:
     assert tight[0].relative_error < 1e-13
 
 
+def test_of_a_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Rows of methods have its error, procedures of today do not find it."""
+    path = tmp_path / "pulse.nml"
+    path.write_text(PULSE, encoding="utf-8")
+    key = "floor_acceleration_max_g"
+    assert cli.main(["cost", str(path), "--quantity", key, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    reference = found["reference"]
+    assert reference["peak"] == key
+    case = rwmf.Case.from_text(PULSE).replace(solver={"rtol": 1e-12}, output={"reactions": True})
+    assert reference[key] == pytest.approx(float(rwmf.simulate(case)[key]), rel=1e-9)
+    assert reference["relative_error"] < 1e-15
+    rows = {row["rtol"]: row for row in found["rows"] if row["method"] == "dop853"}
+    assert rows[1e-2]["relative_error"] > rows[1e-12]["relative_error"]
+    assert rows[1e-12]["relative_error"] < 1e-9
+    assert all(row["relative_error"] is None for row in found["practices"])
+    with pytest.raises(rwmf.InputError, match="does not apply"):
+        rwmf.cost(rwmf.Case.from_text(PULSE), quantity="storey_drift_max")
+
+
 def test_twice_the_intervals_are_the_same_motion() -> None:
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "accuracy_elcentro_2s.nml")
     reference = _measure.solve_reference(case, 1e-15, 1e-16)

@@ -140,6 +140,33 @@ def test_sweeps_take_them_from_one_call(folder: Path, monkeypatch: pytest.Monkey
     assert found["friction_demand_max"].notnull().all()
 
 
+def test_accuracy_of_a_demand_in_ordinates_and_rows(folder: Path) -> None:
+    """The bound is kept of what is named, whether or not it is among the quantities."""
+    name = "floor_acceleration_max_g"
+    solver = {"rtol": None, "accuracy": 1e-8, "accuracy_of": name, "verify": True}
+    case = _case("`exact`", folder)
+    asked = case.replace(solver=solver)
+    tight = case.replace(
+        solver={"method": "dop853", "rtol": 1e-13}, spectrum=None, output={"reactions": True}
+    )
+    estimates = {}
+    for names in (["u_s_max", name, "sensitivity"], ["u_s_max", "estimated_relative_error"]):
+        found = rwmf.spectrum(asked, quantities=names).squeeze(drop=True)
+        estimates |= {key: found[key] for key in names}
+    grid = {"T_s": list(_PERIODS)}
+    rows = rwmf.sweep(asked.replace(spectrum=None), grid, quantities=(name,)).squeeze(drop=True)
+    for T_s in _PERIODS:
+        expected = float(rwmf.simulate(tight.replace(frame={"T_s": T_s}))[name])
+        one = float(estimates[name].sel(T_s=T_s))
+        assert one == pytest.approx(expected, rel=1e-8)
+        assert float(rows[name].sel(T_s=T_s)) == one
+        assert float(estimates["estimated_relative_error"].sel(T_s=T_s)) <= 1e-8
+        run = rwmf.simulate(asked.replace(frame={"T_s": T_s}, spectrum=None))
+        assert float(run[name]) == pytest.approx(expected, rel=1e-8)
+        sensitivity = float(estimates["sensitivity"].sel(T_s=T_s))
+        assert sensitivity == pytest.approx(run.attrs["sensitivity"], rel=1e-4)
+
+
 def test_estimates_of_ordinates_are_those_of_runs(folder: Path) -> None:
     """`accuracy` and `verify` in lanes: the bound is kept, the sensitivity is that of the run."""
     case = _case("`exact`", folder)

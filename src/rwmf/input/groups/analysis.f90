@@ -7,6 +7,8 @@ module rwmf_input_groups_analysis
       logical_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive
    use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_simulation_quantities, only: all_quantities, is_peak, look_up, spelled
+   use rwmf_text_strings, only: nearest_name
    implicit none
    private
 
@@ -48,7 +50,10 @@ contains
             'integrator; auto: fast for the ordinates of a spectrum, dop853 for other runs'), &
          optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '(0, 0.1]', 'relative tolerance'), &
          optional_key('solver', 'accuracy', 'real', '-', '', '(0, 0.1]', &
-            'relative error of u_s_max (no frame: theta_max) asked instead of rtol'), &
+            'relative error of a peak asked instead of rtol'), &
+         optional_key('solver', 'accuracy_of', 'text', '', '', 'see outputs.md', &
+            'key of the peak that accuracy and verify are about; absent: u_s_max_m (no frame: ' &
+            //'theta_max)'), &
          optional_key('solver', 'verify', 'logical', '', '.false.', '', &
             'estimate error and sensitivity by further runs'), &
          optional_key('solver', 'atol', 'real', 'rad', '', positive, &
@@ -72,7 +77,11 @@ contains
       if (has_key(values, 'solver', 'rtol') .and. has_key(values, 'solver', 'accuracy')) then
          call fail_key(values, 'solver', 'accuracy', 'must not be given beside rtol, which it ' &
             //'replaces', error)
-      else if (has_key(values, 'solver', 't_end') .or. ends_with_record(values)) then
+         return
+      end if
+      call check_peak(values, error)
+      if (allocated(error)) return
+      if (has_key(values, 'solver', 't_end') .or. ends_with_record(values)) then
          return
       else if (has_group(values, 'solver')) then
          call fail_group(values, 'solver', problem, error)
@@ -80,6 +89,40 @@ contains
          call fail(error, err_input, '&solver: '//problem)
       end if
    end subroutine check_solver
+
+   !> A peak of the table, and something that is to be known of it.
+   subroutine check_peak(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: problem
+      character(40) :: asked, near
+      integer :: place, number
+
+      if (.not. has_key(values, 'solver', 'accuracy_of')) return
+      if (.not. (has_key(values, 'solver', 'accuracy') &
+         .or. logical_of(values, 'solver', 'verify'))) then
+         call fail_key(values, 'solver', 'accuracy_of', 'needs accuracy, or verify = .true., in ' &
+            //'the same group', error)
+         return
+      end if
+      asked = text_of(values, 'solver', 'accuracy_of')
+      call look_up(trim(spelled(asked)), place, number)
+      if (place > 0) then
+         if (is_peak(all_quantities(place))) return
+      end if
+      problem = trim(asked)//' is no peak of a run'
+      near = nearest_name(trim(asked), all_quantities%key)
+      call look_up(trim(near), place, number)
+      if (place > 0 .and. near /= '') then
+         if (is_peak(all_quantities(place))) problem = problem//', did you mean '//trim(near)//'?'
+      end if
+      problem = problem//'; allowed, where they apply:'
+      do place = 1, size(all_quantities)
+         if (is_peak(all_quantities(place))) problem = problem//' ' &
+            //trim(all_quantities(place)%key)
+      end do
+      call fail_key(values, 'solver', 'accuracy_of', problem, error)
+   end subroutine check_peak
 
    !> Is there a record to end with, and no pulse that may go on beyond it?
    pure logical function ends_with_record(values)
@@ -104,6 +147,8 @@ contains
       case%solver%max_steps = integer_of(case%values, 'solver', 'max_steps')
       case%solver%verify = logical_of(case%values, 'solver', 'verify')
       call get_real(case%values, 'solver', 'accuracy', case%solver%accuracy)
+      if (has_key(case%values, 'solver', 'accuracy_of')) case%solver%accuracy_of = &
+         spelled(text_of(case%values, 'solver', 'accuracy_of'))
       call get_real(case%values, 'solver', 'atol', case%solver%atol)
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
    end subroutine fill_solver

@@ -53,6 +53,7 @@ module rwmf_simulation_recorder_demand_extremes
       !! (demands, 2)
    end type demand_recorder_t
 
+   integer, parameter :: middle = (n_nodes + 1)/2
    real(wp), parameter :: brief = 1
    !! angle of the fastest vibration in a step from which cubics depart by 1/384 of it at most [rad]
 
@@ -148,14 +149,18 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp) :: found(size(recorder%largest), n_nodes)
-      real(wp) :: t(2)
+      real(wp) :: t(2), angle
       logical :: is_brief
       integer :: i, n
 
       call look_at_ends(recorder, piece)
       is_brief = is_short(piece, brief, fastest_of(piece%equation))
       if (is_brief) then
-         if (is_plain(recorder, (piece%t_b - piece%t_a)*fastest_of(piece%equation))) return
+         angle = (piece%t_b - piece%t_a)*fastest_of(piece%equation)
+         found(:, 1) = max(recorder%at_ends(:, 1), recorder%at_ends(:, 2))
+         if (is_plain(recorder, angle, found(:, 1))) return
+         call estimate(recorder, piece, piece%t_a + (piece%t_b - piece%t_a)/2, found(:, middle))
+         if (is_plain(recorder, angle/2, max(found(:, 1), found(:, middle)))) return
       end if
       n = 1
       if (.not. is_brief) n = count_parts(piece)
@@ -197,11 +202,13 @@ contains
       recorder%y_end(:) = piece%y_b
    end subroutine look_at_ends
 
-   !> Is it plain from both ends of a short step that nothing larger lies between them?
-   pure logical function is_plain(recorder, angle)
+   !> Is it plain from samples of a short step that nothing larger lies between them?
+   pure logical function is_plain(recorder, angle, highest)
       type(demand_recorder_t), intent(in) :: recorder
       real(wp), intent(in) :: angle
-      !! of the fastest vibration in the step [rad]
+      !! of the fastest vibration between two samples [rad]
+      real(wp), intent(in) :: highest(:)
+      !! (demands) the largest of the samples
       real(wp), parameter :: rise = 0.5_wp
       !! of the range so far over the angle squared: by so much a second harmonic rises above both
       !! ends, a vibration by a quarter of it [-]
@@ -213,10 +220,8 @@ contains
       margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
       is_plain = .false.
       do q = 1, size(recorder%largest)
-         associate (largest => recorder%largest(q), found => recorder%at_ends(q, :))
-            if (.not. max(found(1), found(2)) + margin*(largest - recorder%smallest(q)) &
-                <= largest .and. .not. recorder%is_led(q)) return
-         end associate
+         if (.not. highest(q) + margin*(recorder%largest(q) - recorder%smallest(q)) &
+             <= recorder%largest(q) .and. .not. recorder%is_led(q)) return
       end do
       is_plain = .true.
    end function is_plain
@@ -230,7 +235,7 @@ contains
       logical, intent(in) :: is_brief
       !! cubics tell enough of the whole piece, which is the part
       real(wp), intent(inout) :: found(:, :)
-      !! (demands, nodes) the first is known
+      !! (demands, nodes) the first is known, and where cubics tell enough that in the middle
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: slack = 0.01_wp
       !! of the range so far, for what the cubics err
@@ -242,9 +247,9 @@ contains
       do i = 2, n_nodes
          if (times(i) >= piece%t_b) then
             found(:, i) = recorder%at_ends(:, 2)
-         else if (is_brief) then
+         else if (is_brief .and. i /= middle) then
             call estimate(recorder, piece, times(i), found(:, i))
-         else
+         else if (.not. is_brief) then
             call sample(recorder, piece, times(i), found(:, i), error)
          end if
          if (allocated(error)) return
@@ -383,28 +388,40 @@ contains
    end subroutine put_demands
 
    !> What the run has seen.
-   subroutine demand_extremes(recorder, equation, u_s_max, extremes)
+   subroutine demand_extremes(recorder, equation, u_s_max, t_u_s_max, extremes)
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: u_s_max
       !! largest |u_s| [m]
+      real(wp), intent(in) :: t_u_s_max
+      !! its time [s]
       type(demand_extremes_t), intent(out) :: extremes
       integer :: n
 
       associate (building => recorder%building, largest => recorder%largest, g => equation%p%g, &
-                 storeys => recorder%building%storeys)
+                 t => recorder%t_largest, storeys => recorder%building%storeys)
          n = size(largest)
          if (building%floors > 0) then
             extremes%acceleration_max = largest(2*storeys + 1:n - 3)/g
-            if (building%roof_height > 0) extremes%roof_drift_max = u_s_max/building%roof_height
+            extremes%t_acceleration_max = t(2*storeys + maxloc(extremes%acceleration_max, dim=1))
+            if (building%roof_height > 0) then
+               extremes%roof_drift_max = u_s_max/building%roof_height
+               extremes%t_roof_drift_max = t_u_s_max
+            end if
          end if
          if (storeys > 0) then
             extremes%drift_max = largest(:storeys)
-            if (equation%floors%n == 0) extremes%drift_max = u_s_max*abs(building%bend) &
-               /building%height
+            extremes%t_drift_max = t(maxloc(extremes%drift_max, dim=1))
+            if (equation%floors%n == 0) then
+               extremes%drift_max = u_s_max*abs(building%bend)/building%height
+               extremes%t_drift_max = t_u_s_max
+            end if
             extremes%shear_max = largest(storeys + 1:2*storeys)/g
          end if
-         if (building%roof_height > 0) extremes%overturning_max = largest(n - 2)
+         if (building%roof_height > 0) then
+            extremes%overturning_max = largest(n - 2)
+            extremes%t_overturning_max = t(n - 2)
+         end if
          if (.not. equation%has_wall) return
          extremes%wall_shear_max = largest(n - 1)/g
          extremes%wall_shear_height = recorder%z_shear

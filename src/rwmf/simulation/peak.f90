@@ -1,0 +1,92 @@
+!> The peak that `accuracy` and `verify` are about: that which `&solver accuracy_of` names, else the
+!> largest displacement of the frame, and without one the largest rotation.
+module rwmf_simulation_peak
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_simulation_quantities, only: all_quantities, is_demand, is_peak, look_up
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   implicit none
+   private
+
+   public :: ask_for_peak, list_reported, peak_of, reports_peak
+
+contains
+
+   !> Let a case keep what the peak takes, whether or not its `&output` asks for it.
+   pure subroutine ask_for_peak(case)
+      type(case_t), intent(inout) :: case
+      integer :: place, number
+
+      call look_up(trim(case%solver%accuracy_of), place, number)
+      if (place == 0) return
+      if (all_quantities(place)%asked_by /= 'reactions') return
+      if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
+      if (is_demand(place)) then
+         case%output%demands = .true.
+      else
+         case%output%reactions = .true.
+      end if
+   end subroutine ask_for_peak
+
+   !> Does a result report the peak that a case names?
+   pure logical function reports_peak(case, result) result(reports)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      type(scalar_t) :: scalar
+      integer :: place, number
+
+      call look_up(trim(case%solver%accuracy_of), place, number)
+      reports = .false.
+      if (place == 0) return
+      scalar = scalar_of(case, result, trim(all_quantities(place)%key), number)
+      reports = scalar%is_present
+   end function reports_peak
+
+   !> The peak of a run; 0 for what has not happened in it.
+   pure real(wp) function peak_of(case, result) result(peak)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      !! of a run of the case
+      type(scalar_t) :: scalar
+      integer :: place, number
+
+      if (case%solver%accuracy_of /= '') then
+         call look_up(trim(case%solver%accuracy_of), place, number)
+         scalar = scalar_of(case, result, trim(all_quantities(place)%key), number)
+         peak = scalar%number
+      else if (allocated(result%u_s_max)) then
+         peak = result%u_s_max
+      else
+         peak = max(result%theta_max, -result%theta_min)
+      end if
+   end function peak_of
+
+   !> Keys that a result reports, of those of the table that are wanted.
+   pure subroutine list_reported(case, result, is_wanted, keys)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      !! of a run of the case
+      logical, intent(in) :: is_wanted(:)
+      !! (quantities of the table)
+      character(40), allocatable, intent(out) :: keys(:)
+      !! (keys) with the number of a floor or storey in the place of '{i}'
+      type(scalar_t) :: scalar
+      integer :: i, number
+
+      allocate (keys(0))
+      do i = 1, size(all_quantities)
+         if (.not. is_wanted(i)) cycle
+         number = 1
+         scalar = scalar_of(case, result, trim(all_quantities(i)%key), number)
+         do while (scalar%is_present)
+            keys = [keys, numbered(trim(all_quantities(i)%key), number)]
+            if (index(all_quantities(i)%key, '{i}') == 0) exit
+            number = number + 1
+            scalar = scalar_of(case, result, trim(all_quantities(i)%key), number)
+         end do
+      end do
+   end subroutine list_reported
+
+end module rwmf_simulation_peak
