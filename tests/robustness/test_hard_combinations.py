@@ -106,7 +106,7 @@ _DEMANDS = re.compile(
 def _numbers(run: xr.Dataset) -> dict[str, float]:
     """Return the peak, and the demands if the scene has them."""
     found = {str(name): float(run[name]) for name in run if _DEMANDS.match(str(name))}
-    if float(run.get("pivot_normal_min_over_m_w_g", 1.0)) < PRESSED:
+    if found.get("pivot_normal_min_over_m_w_g", 1.0) < PRESSED:
         found.pop("friction_demand_max", None)
     return {"peak": _peak(run)} | found
 
@@ -240,8 +240,9 @@ def find_shift(made: Combination, folder: Path) -> str | None:
     now = _run(made, folder, solver={"t_end": t_end})
     then = _run(late, folder, solver={"t_end": t_end + delay})
     # the wall has borne its weight before
-    runs = [run.drop_vars("pivot_normal_min_over_m_w_g", errors="ignore") for run in (now, then)]
-    return _judge(made, folder, runs)
+    least = "pivot_normal_min_over_m_w_g"
+    but = [least, "friction_demand_max"] if float(now.get(least, 1.0)) < PRESSED else [least]
+    return _judge(made, folder, [run.drop_vars(but, errors="ignore") for run in (now, then)])
 
 
 def find_change(made: Combination, folder: Path) -> str | None:
