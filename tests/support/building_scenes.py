@@ -114,7 +114,7 @@ def _law(dice: random.Random, *, may_soften: bool) -> dict[str, Any]:
 
 
 def _yielding(dice: random.Random, scene: Scene, period: float) -> dict[str, Any]:
-    """Make `&yielding` for one spring, or for each storey, of a strength that the motion overcomes."""
+    """Make `&yielding` of one spring, or of each storey, that the motion overcomes."""
     share = _log(dice, 0.04, 0.25)
     keys = _law(dice, may_soften=True)
     by_storeys = scene.coupling == "full" or dice.random() < 0.5

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ import rwmf
 from bodies import Body, Ground, Scene
 from bounded_springs import Spring
 from building_scenes import building_scene, differences
+from combinations import further_combination
 from scenes import coupled
 
 G = 9.81
@@ -135,6 +137,34 @@ def test_motion_that_begins_with_a_jump(method: str) -> None:
     for name in runs[0]:
         if str(name).endswith("_max") and not str(name).startswith("t_"):
             assert float(runs[1][name]) == pytest.approx(float(runs[0][name]), rel=1e-8), name
+
+
+def test_what_moves_the_ground_beyond_the_end(tmp_path: Path) -> None:
+    """A run that ends with its record, at 3.4 m/s2, is that up to just before, by any method."""
+    made = further_combination(37)
+    end = made.horizontal[-1][0]
+    found = [
+        float(
+            rwmf.simulate(
+                made.build(tmp_path, solver={"method": method, "rtol": 1e-10, "t_end": t_end})
+            )["wall_moment_max_over_m_w_g"]
+        )
+        for method in ("dop853", "erk54", "bdf")
+        for t_end in (None, end - 1e-7)
+    ]
+    assert found == pytest.approx([found[0]] * 6, rel=1e-8)
+
+
+def test_peak_of_friction_close_to_the_end_of_a_step(tmp_path: Path) -> None:
+    """A row of the history was beyond what had been located, by 5e-6."""
+    made = further_combination(12)
+    groups = {name: keys for name, keys in made.groups.items() if name not in ("cable", "impact")}
+    groups["wall"] = groups["wall"] | {"base": "pinned"}
+    solver = {"method": "dop853", "rtol": 1e-10}
+    case = replace(made, groups=groups).build(tmp_path, solver=solver)
+    run = rwmf.simulate(case, dt=1e-4)
+    highest = float(abs(run["friction_demand"]).max())
+    assert highest <= float(run["friction_demand_max"]) * (1 + 1e-11)
 
 
 def test_wall_that_stands() -> None:

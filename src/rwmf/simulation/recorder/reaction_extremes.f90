@@ -298,9 +298,11 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: margin = 0.25_wp
       !! of the range of the samples, beyond the largest of them: more than they can miss
+      real(wp), parameter :: slack = 0.1_wp
+      !! of the width of the parabola, beyond its ends: more than its vertex errs
       type(maximum_t) :: search
       real(wp) :: at_point(n_quantities)
-      real(wp) :: vertex
+      real(wp) :: vertex, width
       integer :: best, k
 
       t_peak = t(n_nodes)
@@ -309,7 +311,9 @@ contains
       best = maxloc(found, dim=1)
       k = min(max(best, 2), n_nodes - 1)
       vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
-      if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) return
+      width = t(k + 1) - t(k - 1)
+      if (.not. (vertex > t(k - 1) - slack*width .and. vertex < t(k + 1) + slack*width)) return
+      if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) vertex = t(k)
       search = maximum_between(t(k - 1), t(k + 1), vertex)
       do while (search%is_open)
          call sample(span, search%next, at_point, error)

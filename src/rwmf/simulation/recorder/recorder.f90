@@ -11,11 +11,11 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_effects_storeys_shear_building, only: put_floors
    use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
    use rwmf_model_energy, only: impact_loss, mechanical_energy, yielding_loss
-   use rwmf_model_equation, only: frame_motion
+   use rwmf_model_equation, only: enter_interval, frame_motion
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_hysteresis_spring_set, only: frame_force_column, put_spring_forces
-   use rwmf_motion_ground_motion, only: acceleration, vertical_acceleration
+   use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, from, &
       is_short, sample_state, step_view_t, until
@@ -540,7 +540,7 @@ contains
    !> The simulation has reached its end with the state y.
    subroutine finish_recorder(recorder, equation, t, y, is_at_rest)
       type(recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
+      type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -550,7 +550,13 @@ contains
       type(history_row_t) :: parts
       !! of the energy
       real(wp) :: y_ddot, y_dot(size(y))
+      integer :: before
+      !! interval of the motion up to the last knot
 
+      ! what moves the ground beyond a knot at the end is not in the run
+      before = max(0, interval_of(equation) - 1)
+      if (t <= interval_end(equation%motion, before)) call enter_interval(equation%model_t, &
+         equation%state, before)
       call observe_state(recorder, equation, t, y)
       y_ddot = 0
       if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
