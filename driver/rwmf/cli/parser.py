@@ -164,6 +164,9 @@ def _add_records(commands: Subcommands) -> None:
     )
     export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
     export.add_argument("file", metavar="FILE", type=written_file, help="file to write")
+    export.add_argument(
+        "--force", action="store_true", help="replace a file that has other content"
+    )
 
 
 def _add_sweep(commands: Subcommands) -> None:

@@ -202,11 +202,10 @@ def _integrate(t: Array, rate: Array) -> Array:
 
 
 def _end_of(dataset: xr.Dataset) -> str:
-    """Return how the motion ends within the film: 'overturned', 'collapsed', or '' when it goes on."""
+    """Return how the motion ends within the film: 'overturned', 'collapsed', '' if it goes on."""
     t = dataset["time"].values
-    ends = dataset["event"].values[
-        dataset["event_time"].values <= 2 * t[-1] - t[max(t.size - 2, 0)]
-    ]
+    next_sample = 2 * t[-1] - t[max(t.size - 2, 0)]
+    ends = dataset["event"].values[dataset["event_time"].values <= next_sample]
     return str(ends[-1]) if ends.size and ends[-1] in _FALLEN else ""
 
 

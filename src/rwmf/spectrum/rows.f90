@@ -20,6 +20,9 @@ module rwmf_spectrum_rows
    character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
    !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
    !! factor on the motion
+   character(*), parameter :: axis_keys(3) = [character(11) :: 'wall.b', 'frame.gamma', &
+      'frame.t_s']
+   !! keys that the first of them set, in small letters
    integer, parameter :: axis_period = 3
    integer, parameter :: axis_scale = 4
    !! places among them
@@ -78,8 +81,8 @@ contains
       rows%n = rows%n*size(rows%b)
    end subroutine rows_of_grid
 
-   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, a
-   !> frame without a period that no column gives one.
+   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, two
+   !> that set the same, a frame without a period that no column gives one.
    subroutine rows_of_table(case, columns, values, rows, error)
       type(case_t), intent(in), target :: case
       !! outlives the rows
@@ -107,8 +110,9 @@ contains
          end if
          if (allocated(error)) return
       end do
-      if (size(rows%key_columns) > 0) call find_changes(case, columns(rows%key_columns), &
-         rows%changes, error)
+      call check_once(columns, rows, error)
+      if (size(rows%key_columns) > 0 .and. .not. allocated(error)) call find_changes(case, &
+         columns(rows%key_columns), rows%changes, error)
       if (allocated(error) .or. rows%axis_column(axis_period) > 0) return
       do i = 1, size(rows%key_columns)
          if (to_lower(trim(columns(rows%key_columns(i)))) == 'frame.t_s') return
@@ -141,6 +145,27 @@ contains
          .and. allocated(case%frame)))
       rows%has_own_motion = rows%has_own_motion .or. axis == axis_scale
    end subroutine add_axis
+
+   !> Is no axis a column under the name of its key as well?
+   subroutine check_once(columns, rows, error)
+      character(*), intent(in) :: columns(:)
+      !! (columns)
+      type(rows_t), intent(in) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      integer :: axis, i
+
+      do axis = 1, size(axis_keys)
+         if (rows%axis_column(axis) == 0) cycle
+         do i = 1, size(rows%key_columns)
+            associate (key => columns(rows%key_columns(i)))
+               if (to_lower(trim(key)) /= axis_keys(axis)) cycle
+               call fail(error, err_input, trim(axes(axis))//', '//trim(key) &
+                  //': both columns set the same key')
+               return
+            end associate
+         end do
+      end do
+   end subroutine check_once
 
    !> What a column that is a key makes different.
    pure subroutine note_key(case, key, rows)
