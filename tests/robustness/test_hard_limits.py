@@ -76,7 +76,9 @@ def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, me
     assert done.returncode == 0
     words = f"the history ends at t = {t_end} s, when the"
     assert words in done.stderr
-    assert any(words in warning and end in warning for warning in result.attrs["warnings"].splitlines())
+    assert any(
+        words in warning and end in warning for warning in result.attrs["warnings"].splitlines()
+    )
     rows = (tmp_path / "case.history.csv").read_text()
     assert "nan" not in rows.lower()
     assert float(rows.splitlines()[-1].split(",")[0]) == float(result["time"][-1])
