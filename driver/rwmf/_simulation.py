@@ -32,7 +32,7 @@ def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
     xarray.Dataset
         Variables over ``time`` (none without an interval), coordinates over ``event``, maxima
         and counts without dimension, each with its unit in ``attrs``; what the computation took
-        in the attributes of the dataset. Names are without units (docs/reference/outputs.md):
+        in the attributes of the dataset, of which ``warnings`` has a line each. Names are without units (docs/reference/outputs.md):
         energies over time are ``energy_input`` and so on, those at the end ``energy_input_end``.
 
     Raises
@@ -123,7 +123,8 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
         for name in quantity.names("run"):
             variables[name] = ((), value, quantity.attributes)
         if not quantity.name:
-            facts[key] = value
+            # a text is what files take; none is empty
+            facts[key] = "\n".join(value) if key == "warnings" else value
     return dataset(variables, coordinates, facts)
 
 

@@ -62,7 +62,7 @@ def spectrum(
         The quantities, ``u_s_max`` [m], and ``status`` over (b, gamma, T_s), for the bare frame
         over T_s, for a wall without a frame over (b, T_s). An ordinate that failed is NaN, its
         status the name of the reason. Counts and yes (1) or no (0) are numbers; what has not
-        happened has no time, NaN. Its attribute ``warnings`` lists what the case does not conserve.
+        happened has no time, NaN. Its attribute ``warnings`` says what the case does not conserve.
 
     Raises
     ------
@@ -171,6 +171,6 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),
             "rhs_evaluations": int(facts["rhs_evaluations"]),
-            "warnings": sweep.warnings(),
+            "warnings": "\n".join(sweep.warnings()),
         },
     )

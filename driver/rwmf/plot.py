@@ -1,11 +1,12 @@
 """Figures of what the package returns: axes in, axes out. Nothing here simulates.
 
-`history` and `spectrum` draw what `rwmf.simulate` and `rwmf.spectrum` return, `work_precision` what
-`rwmf.cost` returns, and the others what the studies of the same name return.
+`history` and `profile` draw what `rwmf.simulate` returns, `spectrum` what `rwmf.spectrum` returns,
+`work_precision` what `rwmf.cost` returns, and the others what the studies of the same name return.
 """
 
 from rwmf.plotting.cost import work_precision
 from rwmf.plotting.overturning import draw_overturning
+from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
 from rwmf.plotting.studies import (
     draw_bands,
@@ -28,6 +29,7 @@ __all__ = [
     "draw_wall_effect",
     "history",
     "make_panels",
+    "profile",
     "spectrum",
     "style",
     "work_precision",

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from rwmf._files import files
-from rwmf.errors import InputError
+from rwmf.errors import InputError, OutputError
 
 __all__ = ["RECORDS", "Record", "export", "find", "list_records"]
 
@@ -137,7 +137,7 @@ def list_records() -> list[str]:
     return lines
 
 
-def export(name: str, path: str | os.PathLike[str]) -> str:
+def export(name: str, path: str | os.PathLike[str], *, force: bool = False) -> str:
     """Write a record into a file that `&motion` can name.
 
     The samples stay as they are, character by character: two columns (time, acceleration) below
@@ -149,6 +149,9 @@ def export(name: str, path: str | os.PathLike[str]) -> str:
         Name of the record.
     path : str or path
         File to write; its folder is made when it is missing.
+    force : bool
+        Replace what is there; otherwise a file with other content, which may be somebody's only
+        record, stays.
 
     Returns
     -------
@@ -160,7 +163,7 @@ def export(name: str, path: str | os.PathLike[str]) -> str:
     InputError
         When there is no such record, or when the package is missing.
     OutputError
-        When the file cannot be written.
+        When the file cannot be written, or is there with other content.
     """
     record, source = find(name)
     content = source.read_bytes()
@@ -170,6 +173,9 @@ def export(name: str, path: str | os.PathLike[str]) -> str:
     with files.reported(target):
         target.parent.mkdir(parents=True, exist_ok=True)
     files.check_outputs([target], [source])
+    with files.reported(target):
+        if not force and target.is_file() and target.read_bytes() != content:
+            raise OutputError(f"{target}: is there with other content; --force replaces it")
     files.write_bytes(target, content)
     return f"{target}: {record.variant}; {_facts(record, source)}"
 

@@ -40,7 +40,7 @@ _ENGINE = (
     "engines.write(Path('engine.csv'), {}, np.zeros((3, 6)))"
 )
 _STUDY = ["study", "wall", "case.nml", "--T_s", "0.5,1", "--gamma", "5"]
-_EXPORT = "records export elcentro record.csv"
+_EXPORT = "records export elcentro record.csv --force"
 WRITERS = {
     "run --plot": Writer([*RWMF, "run", "case.nml", "--plot", "run.svg"], ["run.svg"]),
     "run --loops": Writer([*RWMF, "run", "case.nml", "--loops", "loops.pdf"], ["loops.pdf"]),

@@ -186,14 +186,14 @@ class Spectrum(Result):
         return self._case.axes()
 
     def facts(self) -> dict[str, Any]:
-        """Sizes and cost: n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds.
+        """Sizes and cost: n_T, n_gamma, n_b, threads, rhs_evaluations, seconds.
 
         Returns
         -------
         dict
             The facts by name; the time in s.
         """
-        names = ("n_T", "n_gamma", "n_b", "bare", "threads", "rhs_evaluations", "seconds")
+        names = ("n_T", "n_gamma", "n_b", "threads", "rhs_evaluations", "seconds")
         return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:

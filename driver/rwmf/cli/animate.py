@@ -11,8 +11,7 @@ from rwmf._files import files
 from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.cli.progress import progress_bar
-from rwmf.errors import InputError
-from rwmf.plotting.animation import animate
+from rwmf.plotting.animation import animate, in_words
 
 __all__ = ["run"]
 
@@ -37,21 +36,18 @@ def run(options: argparse.Namespace) -> int:
     """
     case = Case.from_namelist(options.case)
     path = Path(options.out or f"{Path(options.case).stem}.gif")
-    _check(case, options, path)
-    response = simulate(case, dt=options.speed / options.fps)
-    # the film ends where the wall has overturned
-    shown = np.isfinite(response["theta"].values)
+    files.check_outputs([path], case.inputs)
+    wanted: dict[str, object] = {"dt": options.speed / options.fps}
+    if case.storeys is not None:
+        # their drifts come with the reactions
+        wanted["reactions"] = True
+    response = simulate(case.replace(output=wanted))
+    # the film ends where the wall has overturned or the frame collapsed
+    shown = np.isfinite(response["theta" if case.wall is not None else "u_s"].values)
     if options.until is not None:
         shown &= response["time"].values <= options.until
     response = response.isel(time=shown)
     with progress_bar(response.sizes["time"]) as report:
         factor = animate(case, response, path, options.fps, report)
-    print(f"written: {path}, {response.sizes['time']} frames, rotations drawn {factor:g} times")
+    print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, factor)}")
     return 0
-
-
-def _check(case: Case, options: argparse.Namespace, path: Path) -> None:
-    """Complain before the computation, not after it."""
-    if case.wall is None:
-        raise InputError(f"{options.case}: without &wall nothing rocks")
-    files.check_outputs([path], case.inputs)

@@ -83,7 +83,7 @@ def _add_run(commands: Subcommands) -> None:
     )
     add_case(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    add_plot(parser, "the history")
+    add_plot(parser, "the history, and the demands of storeys over the height")
     parser.add_argument(
         "--loops",
         metavar="FILE",
@@ -172,6 +172,9 @@ def _add_records(commands: Subcommands) -> None:
     )
     export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
     export.add_argument("file", metavar="FILE", type=written_file, help="file to write")
+    export.add_argument(
+        "--force", action="store_true", help="replace a file that has other content"
+    )
 
 
 def _add_sweep(commands: Subcommands) -> None:
@@ -244,8 +247,8 @@ def _add_reproduce(commands: Subcommands) -> None:
 def _add_animate(commands: Subcommands) -> None:
     parser = commands.add(
         "animate",
-        "Draw a film of wall, frame and ground: rocking, impacts and lift-off.",
-        "inputs/fig06_mild_frame_one_cosine.nml --out rocking.gif",
+        "Draw a film of wall, storeys and ground: rocking, impacts, yielding, collapse.",
+        "inputs/does_a_wall_spread_the_yielding_of_storeys.nml --out storeys.gif",
         "animate.run",
     )
     add_case(parser)

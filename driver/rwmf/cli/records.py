@@ -49,5 +49,5 @@ def export(options: argparse.Namespace) -> int:
     InputError, NumericalError, OutputError, Interrupted
         As the computation and the writers of files.
     """
-    print(records.export(options.name, options.file))
+    print(records.export(options.name, options.file, force=options.force))
     return 0

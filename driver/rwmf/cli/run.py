@@ -65,12 +65,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _plot_history(case: Case, result: _library.Run, path: str) -> None:
+    """Draw the history with the demands of the frame, whether or not the case asks for them."""
     dataset = simulation.to_dataset(result)
-    if "time" not in dataset.coords:
-        # the integration does not depend on the history: the same response, sampled
-        dt = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
-        dataset = simulation.simulate(case, dt)
-    figures.save_history(dataset, path)
+    has_demands = case.output is not None and case.output.reactions
+    lacks_demands = case.frame is not None and not has_demands
+    if "time" not in dataset.coords or lacks_demands:
+        # the integration does not depend on what is reported: the same response
+        wanted: dict[str, object] = {"reactions": True} if lacks_demands else {}
+        if "time" not in dataset.coords:
+            wanted["dt"] = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
+        dataset = simulation.simulate(case.replace(output=wanted))
+    figures.save_history(dataset, path, case)
 
 
 def _plot_loops(case: Case, result: _library.Run, path: str) -> None:

@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         dataset = _spectrum.to_dataset(sweep)
         if options.csv:
             sweep.write(case.text, options.csv)
-    print_warnings(options.case, dataset.attrs["warnings"])
+    print_warnings(options.case, dataset.attrs["warnings"].splitlines())
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
     if options.json:
@@ -67,9 +67,9 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
             found[key] = dataset[name].values
     for key, name in names_by_key(dataset.data_vars).items():
         found[key] = dataset[name].values
-    for key in ("method", "seconds", "threads", "rhs_evaluations", "warnings"):
+    for key in ("method", "seconds", "threads", "rhs_evaluations"):
         found[key] = dataset.attrs[key]
-    return found
+    return found | {"warnings": dataset.attrs["warnings"].splitlines()}
 
 
 def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:

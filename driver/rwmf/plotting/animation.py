@@ -1,4 +1,4 @@
-"""Wall and frame moving with the ground, frame by frame: a film of rocking, impact, lift-off."""
+"""Wall and frame moving with the ground, picture by picture: a film of a response."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
+from rwmf.plotting.building import Building, BuildingLines, find_building
 from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
@@ -20,9 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
-__all__ = ["FORMATS", "animate", "corners", "ground_displacement", "magnification"]
+__all__ = ["FORMATS", "animate", "corners", "ground_displacement", "in_words", "magnification"]
 
 Array = npt.NDArray[np.float64]
 
@@ -31,6 +31,9 @@ FORMATS = ("gif", "mp4")
 _VISIBLE = 0.12
 # how long an impact stays marked [s]
 _FLASH = 0.12
+# events that end the motion, and how long the last picture then stays [s]
+_FALLEN = ("overturned", "collapsed")
+_LAST = 1.0
 
 
 def animate(
@@ -45,20 +48,21 @@ def animate(
     Parameters
     ----------
     case : Case
-        A case with a wall.
+        The case.
     dataset : xarray.Dataset
-        Its response, one sample for each frame of the film.
+        Its response, one sample for each picture of the film, of storeys with ``&output
+        reactions``.
     path : path
         File to write; its suffix names the format.
     frames_per_second : int
-        Frames a second of the film.
+        Pictures a second of the film.
     progress : callable, optional
-        Called with the number of finished frames and of all.
+        Called with the number of finished samples and of all.
 
     Returns
     -------
     float
-        Factor by which rotations are drawn larger than they are [-].
+        Factor by which rotations and drifts are drawn larger than they are [-].
 
     Raises
     ------
@@ -68,18 +72,24 @@ def animate(
         When the file cannot be written.
     """
     writer = _writer(path, frames_per_second)
-    factor = magnification(dataset["theta"].values)
+    building = find_building(case, dataset)
+    angles = [] if building is None else [building.angles.ravel()]
+    angles += [dataset["theta"].values] if "theta" in dataset else []
+    factor = magnification(np.concatenate(angles))
+    last = round(_LAST * frames_per_second) if _end_of(dataset) else 1
     with files.replacing(path, path.suffix) as stream, new_figure(6.0) as figure:
         # a layout that is found again for every frame would tremble
         figure.set_layout_engine("none")
-        draw = _stage(figure, case, dataset, factor)
+        draw = _stage(figure, case, dataset, building, factor)
         try:
             with writer.saving(figure, stream.name, dpi=100):
-                for i in range(dataset.sizes["time"]):
+                samples = dataset.sizes["time"]
+                for i in range(samples):
                     draw(i)
-                    writer.grab_frame()
+                    for _ in range(last if i == samples - 1 else 1):
+                        writer.grab_frame()
                     if progress is not None:
-                        progress(i + 1, dataset.sizes["time"])
+                        progress(i + 1, samples)
         except CalledProcessError as error:
             # the program that writes the film may find the disk full
             raise OutputError(f"{path}: cannot be written: {error}") from error
@@ -118,8 +128,29 @@ def magnification(theta: Array) -> float:
     return float(max(step for step in (1.0, 2.0, 5.0, 10.0) if step * decade <= wanted) * decade)
 
 
-def corners(h: float, b: float, theta: float) -> Array:
-    """Return the corners of the wall, turned about the corner that is down.
+def in_words(case: Case, factor: float) -> str:
+    """Say how rotations and drifts are drawn.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    factor : float
+        How much larger they are drawn [-].
+
+    Returns
+    -------
+    str
+        For example 'rotations drawn 10 times'.
+    """
+    drawn = "rotations" if case.frame is None else "rotations and drifts"
+    if case.wall is None:
+        drawn = "drifts"
+    return f"{drawn} drawn {f'{factor:g} times' if factor > 1 else 'to scale'}"
+
+
+def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
+    """Return the corners of the wall, turned about the corner that is down or about its hinge.
 
     Parameters
     ----------
@@ -127,13 +158,15 @@ def corners(h: float, b: float, theta: float) -> Array:
         Half height and half width [m].
     theta : float
         Rotation, positive about the right corner [rad].
+    is_pinned : bool
+        Whether the wall turns about the middle of its base.
 
     Returns
     -------
     numpy.ndarray, shape (4, 2)
         Left bottom, right bottom, right top, left top [m].
     """
-    pivot = np.array([b if theta > 0 else -b, 0.0])
+    pivot = np.array([0.0 if is_pinned else b if theta > 0 else -b, 0.0])
     sine, cosine = np.sin(theta), np.cos(theta)
     turn = np.array([[cosine, sine], [-sine, cosine]])
     upright = np.array([[-b, 0.0], [b, 0.0], [b, 2 * h], [-b, 2 * h]])
@@ -168,7 +201,17 @@ def _integrate(t: Array, rate: Array) -> Array:
     return np.array([0.0, *np.cumsum(steps)])
 
 
-def _stage(figure: Figure, case: Case, dataset: xr.Dataset, factor: float) -> Callable[[int], None]:
+def _end_of(dataset: xr.Dataset) -> str:
+    """Return how the motion ends within the film: 'overturned', 'collapsed', '' if it goes on."""
+    t = dataset["time"].values
+    next_sample = 2 * t[-1] - t[max(t.size - 2, 0)]
+    ends = dataset["event"].values[dataset["event_time"].values <= next_sample]
+    return str(ends[-1]) if ends.size and ends[-1] in _FALLEN else ""
+
+
+def _stage(
+    figure: Figure, case: Case, dataset: xr.Dataset, building: Building | None, factor: float
+) -> Callable[[int], None]:
     """Set the scene and return what moves it to a sample."""
     t = dataset["time"].values
     ground = np.zeros_like(t)
@@ -176,71 +219,91 @@ def _stage(figure: Figure, case: Case, dataset: xr.Dataset, factor: float) -> Ca
         ground = ground_displacement(t, dataset["u_g_ddot"].values)
     upper = figure.add_axes((0.02, 0.34, 0.96, 0.6))
     lower = figure.add_axes((0.12, 0.1, 0.84, 0.2))
-    move_scene = _scene(upper, case, dataset, factor, ground)
+    lines = None
+    if building is not None:
+        lines = BuildingLines(upper, building, _feet(case, building), factor)
+    _frame_scene(upper, case, building, float(np.abs(ground).max(initial=0.0)))
+    move_wall = _wall(upper, case, dataset, factor, ground)
+    (soil,) = upper.plot([], [], color=GREY, linewidth=3, zorder=1)
+    soil_ends = np.array(upper.get_xlim()) * 0.92
+    label = upper.text(0.01, 1.0, "", transform=upper.transAxes, va="top")
     shown = dataset["u_s"] if "u_s" in dataset else dataset["theta"]
     lower.plot(t, shown.values, color=COLOURS[0], linewidth=1.0)
     (cursor,) = lower.plot([t[0]], [shown.values[0]], "o", color=COLOURS[1], markersize=5)
     lower.set_xlabel("$t$ (s)")
-    lower.set_ylabel("$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
+    roof = "roof " if case.storeys is not None else ""
+    lower.set_ylabel(f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
     lower.margins(x=0)
+    end = _end_of(dataset)
+    drawn = in_words(case, factor)
+    if building is not None and building.has_yielded.any():
+        drawn += "\norange: storeys that have yielded"
 
     def draw(i: int) -> None:
-        move_scene(i)
+        state, face = move_wall(i)
+        if lines is not None:
+            lines.move(i, ground[i], face)
+        soil.set_data(ground[i] + soil_ends, [0.0, 0.0])
+        state = end if end and i == t.size - 1 else state
+        parts = [f"t = {t[i]:.2f} s", *([state] if state else [])]
+        label.set_text(f"{', '.join(parts)}; {drawn}")
         cursor.set_data([t[i]], [shown.values[i]])
 
     return draw
 
 
-def _scene(
-    ax: Axes, case: Case, dataset: xr.Dataset, factor: float, ground: Array
-) -> Callable[[int], None]:
-    """Wall, frame, link and ground; return what moves them to a sample."""
-    h, b = case.wall.h, case.wall.b
-    reach = max(3.0 * h, float(np.abs(ground).max()) + 2.0 * h)
-    ax.set_xlim(-reach - h, reach)
-    ax.set_ylim(-0.25 * h, 2.7 * h)
+def _feet(case: Case, building: Building) -> Array:
+    """Places of both columns [m]: at the left of the wall, or in the middle of the picture."""
+    if case.wall is None:
+        return float(building.levels[-1]) * np.array([-0.3, 0.3])
+    feet: Array = -case.wall.b - case.wall.h * np.array([2.0, 1.0])
+    return feet
+
+
+def _frame_scene(ax: Axes, case: Case, building: Building | None, ground: float) -> None:
+    """Choose what the picture shows: the building, room for a wall to fall, and for the ground."""
+    height = max(
+        2 * case.wall.h if case.wall is not None else 0.0,
+        float(building.levels[-1]) if building is not None else 0.0,
+    )
+    side = 1.5 * height if case.wall is not None else height
+    reach = max(side, ground + 0.5 * side)
+    beside = 0.5 * height if case.wall is not None and building is not None else 0.0
+    ax.set_xlim(-reach - beside, reach)
+    ax.set_ylim(-0.08 * height, 1.3 * height)
     ax.set_aspect("equal")
     ax.set_axis_off()
+
+
+def _wall(
+    ax: Axes, case: Case, dataset: xr.Dataset, factor: float, ground: Array
+) -> Callable[[int], tuple[str, Array | None]]:
+    """Draw wall, cable and impacts; return what moves them and gives their state and left face."""
+    if case.wall is None:
+        return lambda _: ("", None)
+    h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
     (wall,) = ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)
-    (soil,) = ax.plot([], [], color=GREY, linewidth=3)
-    (posts,) = ax.plot([], [], color=COLOURS[0], linewidth=2.5)
-    (link,) = ax.plot([], [], color=INK, linewidth=1.0)
     (cable,) = ax.plot([], [], color=COLOURS[2], linewidth=1.2, zorder=4)
+    (hinge,) = ax.plot([], [], "o", color=INK, markersize=6, zorder=5)
     (flash,) = ax.plot([], [], "*", color=COLOURS[1], markersize=16, zorder=5)
-    label = ax.text(0.01, 0.98, "", transform=ax.transAxes, va="top")
     theta, t = dataset["theta"].values, dataset["time"].values
     impacts = dataset["event_time"].values[dataset["event"].values == "impact"]
 
-    def move(i: int) -> None:
-        box = corners(h, b, factor * theta[i]) + np.array([ground[i], 0.0])
+    def move(i: int) -> tuple[str, Array | None]:
+        box = corners(h, b, factor * theta[i], is_pinned) + np.array([ground[i], 0.0])
         wall.set_xy(box)
-        soil.set_data(ground[i] + np.array([-3.2 * h, 2.2 * b]), [-0.03 * h] * 2)
-        if case.frame is not None:
-            _move_frame(posts, link, box[3], ground[i], h, b)
         if case.cable is not None:
             top = 0.5 * (box[2] + box[3])
             cable.set_data([ground[i], top[0]], [0.0, top[1]])
+        if is_pinned:
+            hinge.set_data([ground[i]], [0.0])
+            return "", box[[0, 3]]
         past = t[i] - impacts
         hit = np.any((past >= 0) & (past < _FLASH))
         # the corner that came down is the one that the wall now turns about
         down = box[1] if theta[i] > 0 else box[0]
         flash.set_data([down[0]], [0.0]) if hit else flash.set_data([], [])
         state = "at rest" if theta[i] == 0.0 else ("impact" if hit else "rocking")
-        label.set_text(f"t = {t[i]:.2f} s, {state}; rotations drawn {factor:g} times")
+        return state, box[[0, 3]]
 
     return move
-
-
-def _move_frame(
-    posts: Line2D, link: Line2D, corner: Array, ground: float, h: float, b: float
-) -> None:
-    """Portal at the left whose roof follows the corner of the wall."""
-    sway = corner[0] - (ground - b)
-    feet = ground - b - h * np.array([2.0, 1.0])
-    height = np.linspace(0.0, 1.0, 12)
-    # clamped at the foot, guided at the roof
-    shape = sway * (3 * height**2 - 2 * height**3)
-    left, right = feet[0] + shape, feet[1] + shape
-    posts.set_data(np.concatenate((left, right[::-1])),
-                   2 * h * np.concatenate((height, height[::-1])))  # fmt: skip
-    link.set_data([right[-1], corner[0]], [2 * h, corner[1]])

@@ -13,11 +13,12 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting import response as plot
+from rwmf.plotting.profile import demands_of, profile
 from rwmf.plotting.style import make_panels, new_figure
 from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
 __all__ = [
     "check_format",
@@ -27,6 +28,9 @@ __all__ = [
     "save_loops",
     "save_spectrum",
 ]
+
+# height of the demands over the height of a building [inch]
+_PROFILE = 2.6
 
 
 def check_format(path: str | os.PathLike[str]) -> str:
@@ -99,8 +103,10 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         figure.savefig(stream, format=kind, metadata=dated.get(kind))
 
 
-def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Draw a history into a file.
+def save_history(
+    dataset: xr.Dataset, path: str | os.PathLike[str], case: Case | None = None
+) -> None:
+    """Draw a history into a file, and below it the demands over the height where it has storeys.
 
     Parameters
     ----------
@@ -108,17 +114,26 @@ def save_history(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         From `rwmf.simulate`, with a history.
     path : str or path
         File to write.
+    case : Case, optional
+        The case that was simulated, for first yield and limits.
 
     Raises
     ------
     InputError, OutputError
         As `save`.
     """
-    names = [name for name in plot.PANELS if plot.members(dataset, name)]
-    with new_figure(0.8 + 1.4 * len(names)) as figure:
-        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)
-        plot.history(dataset, axes[:, 0], names)
-        figure.align_ylabels()
+    names, demands = plot.panels_of(dataset), demands_of(dataset)
+    height, below = 0.8 + 1.4 * len(names), _PROFILE if demands else 0.0
+    with new_figure(height + below) as figure:
+        upper: FigureBase = figure
+        if demands:
+            parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(height, below))
+            upper, lower = parts[:, 0]
+            across = lower.subplots(1, len(demands), sharey=True)
+            profile(dataset, across, case=case)
+        axes = upper.subplots(len(names), 1, sharex=True, squeeze=False)
+        plot.history(dataset, axes[:, 0], names, case=case)
+        upper.align_ylabels()
         save(figure, path)
 
 

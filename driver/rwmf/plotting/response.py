@@ -9,22 +9,36 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rwmf.plotting.style import ALONE, GREY, legend_beside, make_panels, period_label, series
+from rwmf.case import Case
+from rwmf.plotting.levels import draw_levels, levels_of_frame, levels_of_storeys
+from rwmf.plotting.style import (
+    ALONE,
+    COLOURS,
+    GREY,
+    LIMIT,
+    legend_beside,
+    make_panels,
+    period_label,
+    series,
+    storey,
+)
 from rwmf.quantities import AXES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["PANELS", "history", "members", "spectrum"]
+__all__ = ["PANELS", "history", "members", "panels_of", "spectrum"]
 
 # what `history` shows when it is not told, from top to bottom; {i} stands for every floor or storey
 PANELS = (
     "u_g_ddot",
+    "v_g_ddot",
     "theta",
     "theta_dot",
     "u_s",
     "floor_{i}",
     "storey_{i}_drift",
+    "floor_{i}_acceleration_g",
     "cable_force_over_m_w_g",
     "frame_force_over_m_s_g",
     "fuse_left_force_over_m_w_g",
@@ -40,14 +54,19 @@ _SYMBOLS = {
     "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
     "theta_dot_max": r"$\dot\theta_{\max}$",
     "u_g_ddot": r"$\ddot u_g$",
+    "v_g_ddot": r"$\ddot v_g$",
     "floor_{i}": "$u_i$",
     "storey_{i}_drift": "storey drift",
+    "floor_{i}_acceleration_g": "acceleration (g)",
     "cable_force_over_m_w_g": r"$P/(m_w g)$",
     "cable_force": r"$P$",
     "frame_force_over_m_s_g": r"$F_s/(m_s g)$",
     "fuse_left_force_over_m_w_g": r"$F_l/(m_w g)$",
     "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
 }
+_FLOORS, _DRIFTS = "floor_{i}", "storey_{i}_drift"
+# lines in a column of a legend that is as high as its panel
+_ROWS = 6
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
 # ordinates whose motion ended before its time
 _ROTATION = "theta_max_over_alpha"
@@ -58,6 +77,8 @@ def history(
     dataset: xr.Dataset,
     axes: Axes | Sequence[Axes] | np.ndarray | None = None,
     variables: Sequence[str] | None = None,
+    *,
+    case: Case | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> np.ndarray:
     """Draw variables against time, one panel each; impacts are ticks at the bottom.
@@ -70,14 +91,19 @@ def history(
         One for each variable; otherwise a new figure.
     variables : sequence of str, optional
         Names of variables over time, with ``{i}`` in place of a number for all floors or storeys
-        in one panel; otherwise `PANELS`, as far as the dataset has them.
+        in one panel; otherwise `PANELS`, as far as the dataset has them, with ``u_s`` as the roof
+        among the floors. Drifts of the storeys and accelerations of the floors are there with
+        ``&output reactions``.
+    case : Case, optional
+        The case that was simulated: with it first yield and the limits of collapse are faint
+        lines behind displacements and drifts.
     **line
         Arguments of ``Axes.plot``, for example ``label``.
 
     Returns
     -------
     numpy.ndarray, shape (panels,)
-        The axes.
+        The axes. A dotted line stands where the wall overturned or the frame collapsed.
 
     Raises
     ------
@@ -87,23 +113,68 @@ def history(
     """
     if "time" not in dataset.coords:
         raise ValueError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
-    names = list(variables or [name for name in PANELS if members(dataset, name)])
+    names = list(variables or panels_of(dataset))
     panels = make_panels(axes, len(names))
-    time = dataset["time"].values
     for ax, name in zip(panels, names, strict=True):
-        found = members(dataset, name)
-        if not found:
-            raise ValueError(f"{name}: is not in the history")
-        for i, member in enumerate(found):
-            look = series(i, len(found)) | {"label": _label_of_member(member, name)}
-            ax.plot(time, dataset[member].values, **(look | line))
-        if len(found) > 1:
-            legend_beside(ax)
-        ax.set_ylabel(_axis_label(dataset[found[0]], name))
-        ax.margins(x=0)
-        _mark_impacts(ax, dataset)
+        _draw_panel(ax, dataset, name, case, line)
+    _mark_end(panels, dataset)
     panels[-1].set_xlabel("$t$ (s)")
     return panels
+
+
+def panels_of(dataset: xr.Dataset) -> list[str]:
+    """Choose what `history` shows when it is not told.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, with a history.
+
+    Returns
+    -------
+    list of str
+        Those of `PANELS` that the dataset has; the roof is one of the floors where it has these.
+    """
+    found = [name for name in PANELS if members(dataset, name)]
+    return [name for name in found if name != "u_s" or _FLOORS not in found]
+
+
+def _draw_panel(
+    ax: Axes, dataset: xr.Dataset, name: str, case: Case | None, line: dict[str, Any]
+) -> None:
+    """Draw the lines of one panel, their names, and the levels behind them."""
+    found = members(dataset, name)
+    if not found:
+        raise ValueError(f"{name}: is not in the history")
+    if name == _FLOORS:
+        found.append("u_s")
+    factor = 100.0 if name == _DRIFTS else 1.0
+    for i, member in enumerate(found):
+        # from the ground up; a panel of one variable needs no label
+        look = storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
+        ax.plot(dataset["time"], factor * dataset[member], **look)
+    if case is not None and name == _DRIFTS:
+        draw_levels(ax, levels_of_storeys(dataset, case, len(found)), factor, "%")
+    elif case is not None and name == "u_s" and case.storeys is None:
+        draw_levels(ax, levels_of_frame(dataset, case), factor, "m")
+    if len(found) > 1:
+        what, columns = name.split("_")[0], -(-len(found) // _ROWS)
+        legend_beside(ax, what, columns, is_tight=True)
+    ax.set_ylabel("storey drift (%)" if name == _DRIFTS else _axis_label(dataset[found[0]], name))
+    ax.margins(x=0)
+    _mark_impacts(ax, dataset)
+
+
+def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
+    """Mark where the wall overturned or the frame collapsed, which ends the motion."""
+    if "event_time" not in dataset.coords:
+        return
+    ends = np.flatnonzero(np.isin(dataset["event"].values, _FALLEN))
+    for k in ends[-1:]:
+        t, kind = float(dataset["event_time"][k]), str(dataset["event"].values[k])
+        for ax in panels:
+            ax.axvline(t, **LIMIT)
+        panels[0].set_title(f"{kind} at {t:.2f} s", color=COLOURS[1], loc="left")
 
 
 def members(dataset: xr.Dataset, name: str) -> list[str]:
@@ -124,11 +195,6 @@ def members(dataset: xr.Dataset, name: str) -> list[str]:
     numbered = (name.format(i=i) for i in count(1))
     found = list(takewhile(lambda member: member in dataset, numbered)) if "{i}" in name else [name]
     return [member for member in found if member in dataset]
-
-
-def _label_of_member(member: str, name: str) -> str | None:
-    """Return 'floor 2' for floor_2; a panel of one variable needs no label."""
-    return " ".join(member.split("_")[:2]) if "{i}" in name else None
 
 
 def spectrum(
@@ -189,8 +255,9 @@ def spectrum(
             "marker": "x",
         }
         axes.plot(periods[has_fallen & ~on_side], values[has_fallen & ~on_side], **cross)
-        edge = axes.get_xaxis_transform()
-        axes.plot(periods[on_side], np.ones(on_side.sum()), transform=edge, clip_on=False, **cross)
+        if on_side.any():
+            cross |= {"transform": axes.get_xaxis_transform(), "clip_on": False}
+            axes.plot(periods[on_side], np.ones(on_side.sum()), **cross)
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
     axes.set_xlabel(period_label(dataset["T_s"]))
@@ -227,6 +294,9 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     if "event_time" not in dataset.coords:
         return
     times = dataset["event_time"].values[dataset["event"].values == "impact"]
+    if not times.size:
+        # a line without points that is not clipped has no extent that a layout could use
+        return
     ax.plot(
         times,
         np.zeros(times.size),

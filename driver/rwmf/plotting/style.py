@@ -30,11 +30,13 @@ __all__ = [
     "GREY",
     "INK",
     "LEVEL",
+    "LIMIT",
     "MARKERS",
     "NESTED",
     "PALE",
     "PAPER",
     "WIDTH",
+    "YIELD",
     "label_plainly",
     "legend_above",
     "legend_below",
@@ -43,6 +45,7 @@ __all__ = [
     "new_figure",
     "period_label",
     "series",
+    "storey",
     "style",
     "tint",
 ]
@@ -56,12 +59,24 @@ INK, GREY, FAINT, PALE, PAPER = "black", "0.4", "0.65", "0.9", "white"
 # the upper ones have the wider gaps, for what lies below to show
 _DASHES = ("-", (0, (5, 1.5)), (0, (6, 3, 1.5, 3)), (0, (3, 2)), (0, (7, 6)), (0, (2, 3)))
 _WIDEST, _NARROWEST, _STEP, _SINGLE = 3.0, 1.1, 0.6, 1.4
+# spaces of a legend with many names, in letters
+_TIGHT: dict[str, Any] = {
+    "handlelength": 1.5,
+    "handletextpad": 0.5,
+    "columnspacing": 0.9,
+    "labelspacing": 0.3,
+}
+# share of the ramp that is dark enough for a line
+_LIGHTEST = 0.88
 # says so under a figure with such lines
 NESTED = "lines that coincide lie one inside the other, narrow in wide"
 # the response that others are compared with: above them, so that it shows where they coincide
 ALONE: dict[str, Any] = {"color": INK, "linestyle": (0, (1, 2)), "linewidth": 1.3, "zorder": 6}
 # a level such as 0 or 1 behind the lines
 LEVEL: dict[str, Any] = {"color": FAINT, "linestyle": "-", "linewidth": 0.8, "zorder": 1}
+# where something yields first, and where it has collapsed
+YIELD: dict[str, Any] = {"color": FAINT, "linestyle": (0, (6, 2)), "linewidth": 0.9, "zorder": 1}
+LIMIT: dict[str, Any] = YIELD | {"color": COLOURS[1], "linestyle": (0, (1, 1.5))}
 # what other programs or observations give
 DOTS: dict[str, Any] = {
     "color": INK,
@@ -150,11 +165,39 @@ def series(i: int, n: int) -> dict[str, Any]:
     step = min(_STEP, (_WIDEST - _NARROWEST) / max(n - 1, 1))
     width = _SINGLE if n < 2 else _NARROWEST + step * (n - 1 - i)
     return {
-        "color": COLOURS[i % len(COLOURS)],
+        "color": COLOURS[i] if n <= len(COLOURS) else _ramp(i / (n - 1)),
         "linestyle": _DASHES[i % len(_DASHES)],
         "linewidth": width,
         "zorder": 2 + i / max(n, 1),
     }
+
+
+def storey(i: int, n: int) -> dict[str, Any]:
+    """Give the look of the history of a floor or storey: dark at the ground, light at the roof.
+
+    Parameters
+    ----------
+    i : int
+        Which one from the ground up, from 0.
+    n : int
+        How many there are.
+
+    Returns
+    -------
+    dict
+        Arguments of ``Axes.plot``. Dashes would hide what vibrates; lightness orders the lines.
+    """
+    if n < 2:
+        return series(i, n)
+    return {"color": _ramp(i / (n - 1)), "linewidth": 1.1 if n <= len(COLOURS) else 0.8}
+
+
+def _ramp(share: float) -> str:
+    """Colour of one of many lines, from dark to light."""
+    import matplotlib
+    from matplotlib.colors import to_hex
+
+    return to_hex(matplotlib.colormaps["viridis"](_LIGHTEST * share))
 
 
 def tint(colour: str, strength: float) -> tuple[float, float, float]:
@@ -163,7 +206,7 @@ def tint(colour: str, strength: float) -> tuple[float, float, float]:
     Parameters
     ----------
     colour : str
-        One of `COLOURS`.
+        One of the colours above.
     strength : float
         Its share, 0 to 1 [-].
 
@@ -251,7 +294,9 @@ def period_label(period: xr.DataArray) -> str:
     return meaning.replace("2 pi/p", r"$2\pi/p$") + " (s)"
 
 
-def legend_beside(ax: Axes, title: str | None = None) -> None:
+def legend_beside(
+    ax: Axes, title: str | None = None, columns: int = 1, *, is_tight: bool = False
+) -> None:
     """Put the legend at the right of the axes, where it hides nothing.
 
     Parameters
@@ -260,11 +305,16 @@ def legend_beside(ax: Axes, title: str | None = None) -> None:
         Whose lines are named.
     title : str, optional
         Its title.
+    columns : int
+        Columns of the legend.
+    is_tight : bool
+        With short lines, for many names.
     """
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title=title)
+    words = {"title": title, "ncols": columns} | (_TIGHT if is_tight else {})
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), **words)
 
 
-def legend_above(ax: Axes, columns: int) -> None:
+def legend_above(ax: Axes, columns: int, *, is_tight: bool = False) -> None:
     """Put the legend above the axes, where it hides nothing.
 
     Parameters
@@ -273,8 +323,11 @@ def legend_above(ax: Axes, columns: int) -> None:
         Whose lines are named.
     columns : int
         Columns of the legend.
+    is_tight : bool
+        With short lines, for a narrow panel.
     """
-    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderpad=0.2)
+    words = {"ncols": columns, "borderpad": 0.2} | (_TIGHT if is_tight else {})
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), **words)
 
 
 def legend_below(figure: Figure, axes: Axes, columns: int = 4, title: str | None = None) -> None:

@@ -452,13 +452,12 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine rows
 
-   !> Sizes and cost of a spectrum; `bare` is 1 for a frame without wall (no gamma, no b).
-   subroutine spectrum_shape(sweep, n_T, n_gamma, n_b, bare, threads, rhs_evaluations, seconds)
+   !> Sizes and cost of a spectrum.
+   subroutine spectrum_shape(sweep, n_T, n_gamma, n_b, threads, rhs_evaluations, seconds)
       integer(c_int64_t), intent(in) :: sweep
       integer(c_int), intent(out) :: n_T
       integer(c_int), intent(out) :: n_gamma
       integer(c_int), intent(out) :: n_b
-      integer(c_int), intent(out) :: bare
       integer(c_int), intent(out) :: threads
       integer(c_int64_t), intent(out) :: rhs_evaluations
       real(c_double), intent(out) :: seconds
@@ -468,7 +467,6 @@ contains
       n_T = size(kept%spectrum%values, 1, c_int)
       n_gamma = size(kept%spectrum%values, 2, c_int)
       n_b = size(kept%spectrum%values, 3, c_int)
-      bare = merge(0_c_int, 1_c_int, allocated(kept%spectrum%gamma))
       threads = int(kept%spectrum%threads, c_int)
       rhs_evaluations = int(kept%spectrum%rhs_evaluations, c_int64_t)
       seconds = real(kept%spectrum%seconds, c_double)

@@ -135,7 +135,7 @@ contains
          do j = 1, size(keys)
             problem = problem//' '//trim(keys(j))
          end do
-         if (has_key(case%values, 'spectrum', 'quantities')) then
+         if (is_of_spectrum(case, asked_keys)) then
             call fail_key(case%values, 'spectrum', 'quantities', problem, error)
          else
             call fail(error, err_input, 'quantities: '//problem)
@@ -143,6 +143,20 @@ contains
          return
       end do
    end subroutine check_asked
+
+   !> Does the case itself ask for these, or the call?
+   pure logical function is_of_spectrum(case, asked_keys) result(is_own)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: asked_keys(:)
+      !! (quantities)
+
+      is_own = has_key(case%values, 'spectrum', 'quantities') .and. allocated(case%spectrum)
+      if (.not. is_own) return
+      associate (own => keys_asked_by(case))
+         is_own = size(own) == size(asked_keys)
+         if (is_own) is_own = all(own == asked_keys)
+      end associate
+   end function is_of_spectrum
 
    !> Keys of what a spectrum of a scene may be asked for: what a run of it reports, and what it
    !> reports where something happens. Errors: as `simulate`.

@@ -21,6 +21,9 @@ module rwmf_spectrum_rows
    character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
    !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
    !! factor on the motion
+   character(*), parameter :: axis_keys(3) = [character(11) :: 'wall.b', 'frame.gamma', &
+      'frame.t_s']
+   !! keys that the first of them set, in small letters
    integer, parameter :: axis_width = 1
    integer, parameter :: axis_period = 3
    integer, parameter :: axis_scale = 4
@@ -90,8 +93,8 @@ contains
       if (rows%is_sized) call find_changes(case, sizes, rows%changes, error)
    end subroutine rows_of_grid
 
-   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, a
-   !> frame without a period that no column gives one.
+   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, two
+   !> that set the same, a frame without a period that no column gives one.
    subroutine rows_of_table(case, columns, values, rows, error)
       type(case_t), intent(in), target :: case
       !! outlives the rows
@@ -119,6 +122,8 @@ contains
          end if
          if (allocated(error)) return
       end do
+      call check_once(columns, rows, error)
+      if (allocated(error)) return
       rows%is_sized = case%follows_size .and. (rows%axis_column(axis_width) > 0 &
          .or. (rows%axis_column(axis_period) > 0 .and. .not. allocated(case%frame)))
       if (rows%is_sized) then
@@ -174,6 +179,27 @@ contains
          .and. allocated(case%frame)))
       rows%has_own_motion = rows%has_own_motion .or. axis == axis_scale
    end subroutine add_axis
+
+   !> Is no axis a column under the name of its key as well?
+   subroutine check_once(columns, rows, error)
+      character(*), intent(in) :: columns(:)
+      !! (columns)
+      type(rows_t), intent(in) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      integer :: axis, i
+
+      do axis = 1, size(axis_keys)
+         if (rows%axis_column(axis) == 0) cycle
+         do i = 1, size(rows%key_columns)
+            associate (key => columns(rows%key_columns(i)))
+               if (to_lower(trim(key)) /= axis_keys(axis)) cycle
+               call fail(error, err_input, trim(axes(axis))//', '//trim(key) &
+                  //': both columns set the same key')
+               return
+            end associate
+         end do
+      end do
+   end subroutine check_once
 
    !> What a column that is a key makes different.
    pure subroutine note_key(case, key, rows)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf import records
+from rwmf import cli, records
 from scenes import bare_frame, coupled, record
 
 
@@ -56,6 +56,21 @@ def test_list() -> None:
     lines = records.list_records()
     assert len(lines) == len(records.RECORDS)
     assert all("points" in line for line in lines)
+
+
+def test_a_record_of_somebody_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same once more is no loss; what differs is replaced when that is asked for."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "record.at2"
+    path.write_text("mine", encoding="utf-8")
+    assert cli.main(["records", "export", "elcentro", "record.at2"]) == 2
+    with pytest.raises(rwmf.OutputError, match="is there with other content; --force replaces it"):
+        records.export("elcentro", path)
+    assert path.read_text(encoding="utf-8") == "mine"
+    assert cli.main(["records", "export", "elcentro", "record.at2", "--force"]) == 0
+    content = path.read_bytes()
+    records.export("elcentro", path)
+    assert path.read_bytes() == content
 
 
 def test_unknown_record(tmp_path: Path) -> None:

@@ -168,7 +168,6 @@ def test_film(command: Runner, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        ("fig05_stiff_frame_alone_one_sine.nml",),
         ("fig07_rocking_with_stiff_frame.nml", "--fps", "0"),
         ("fig07_rocking_with_stiff_frame.nml", "--speed", "0"),
         ("fig07_rocking_with_stiff_frame.nml", "--until", "-1"),

@@ -123,7 +123,7 @@ def test_energy(e: float, method: str) -> None:
     )
     assert int(run["impacts"]) > 5
     assert abs(float(run["energy_balance_relative"])) < 1e-7
-    (warning,) = run.attrs["warnings"]
+    (warning,) = run.attrs["warnings"].splitlines()
     assert ("e < e_max" if e < 1 else "exceeds e_max") in warning
 
 

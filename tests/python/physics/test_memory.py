@@ -176,7 +176,7 @@ def test_fuses_hold_the_wall_up_on_one_side() -> None:
     assert float(run["theta_end_over_alpha"]) == pytest.approx(end / alpha, rel=1e-8)
     assert int(run["impacts"]) == 0
     assert float(run["energy_balance_relative"]) < 1e-8
-    assert "the wall need not come down again" in run.attrs["warnings"][0]
+    assert "the wall need not come down again" in run.attrs["warnings"]
     # weight and cable in the end, less what the fuse bears at the other corner along its chord
     force = float(run["fuse_left_force_over_m_w_g"][-1])
     bears = 1 + eta_0 * math.cos(end) + force * math.cos(end / 2)
@@ -184,7 +184,7 @@ def test_fuses_hold_the_wall_up_on_one_side() -> None:
     # the moment of weight and cable there is three quarters of that on the base
     weak = rwmf.simulate(case.replace(fuse={"eta_y": 0.7}))
     assert float(weak["theta_end_over_alpha"]) == 0
-    assert weak.attrs["warnings"] == []
+    assert weak.attrs["warnings"] == ""
 
 
 @pytest.mark.parametrize("eta_y", [1.2, 4.0])

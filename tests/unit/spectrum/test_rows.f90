@@ -184,10 +184,38 @@ contains
       call compute_rows(case, [character(12) :: 'wall.width'], reshape([1.0_wp], [1, 1]), &
          [character(20) ::], 1, rows, error)
       call checks%that(allocated(error), 'refused: unknown column')
+      call check_twice('T_s', 'frame.T_s')
+      call check_twice('gamma', 'Frame.Gamma')
+      call check_twice('wall.b', 'b')
       call compute_rows(case, [character(12) :: 'T_s'], reshape([1.0_wp], [1, 1]), &
          [character(20) :: 'drift'], 1, rows, error)
       call checks%that(allocated(error), 'refused: unknown quantity')
+      call read_scene(wall//loss//pulses//"&spectrum T_s=1.0, quantities='impacts' /", case)
+      call compute_rows(case, [character(12) :: 'T_s'], reshape([1.0_wp], [1, 1]), &
+         [character(20) :: 'drift'], 1, rows, error)
+      call checks%that(allocated(error), 'refused: unknown quantity, another in the case')
+      if (.not. allocated(error)) return
+      call checks%that(index(error%message, '&spectrum') == 0, 'refused: asked by the call')
    end subroutine check_refused
+
+   !> An axis and its key in one table: the message names both.
+   subroutine check_twice(first, second)
+      character(*), intent(in) :: first, second
+      type(case_t) :: case
+      type(spectrum_t) :: rows
+      type(error_t), allocatable :: error
+      character(12) :: columns(2)
+
+      columns(1) = first
+      columns(2) = second
+      call read_scene(wall//loss//pulses, case)
+      call compute_rows(case, columns, reshape([1.0_wp, 2.0_wp], [2, 1]), [character(20) ::], 1, &
+         rows, error)
+      call checks%that(allocated(error), 'twice: '//first//', '//second)
+      if (.not. allocated(error)) return
+      call checks%that(index(error%message, first) > 0 .and. index(error%message, second) > 0, &
+         'twice: names both, '//first)
+   end subroutine check_twice
 
    !> `accuracy` and `verify` of rows are those of their single runs.
    subroutine check_accuracy()

@@ -1,0 +1,132 @@
+"""Demands over the height of a building: axes in, axes out. Nothing here simulates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf.case import Case
+from rwmf.plotting.levels import levels_of_storeys
+from rwmf.plotting.response import members
+from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, legend_above, make_panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["DEMANDS", "demands_of", "profile"]
+
+Array = npt.NDArray[np.float64]
+
+# what `profile` shows, from left to right, with the label of the axis and what it is times
+DEMANDS = {
+    "storey_{i}_drift_max": ("largest storey drift (%)", 100.0),
+    "floor_{i}_acceleration_max_g": ("largest acceleration (g)", 1.0),
+    "storey_{i}_shear_max_over_m_w_g": ("largest shear over $m_w g$", 1.0),
+}
+_DRIFTS, _RESIDUALS = "storey_{i}_drift_max", "storey_{i}_residual_drift"
+
+
+def profile(
+    dataset: xr.Dataset,
+    axes: Axes | Sequence[Axes] | np.ndarray | None = None,
+    *,
+    case: Case | None = None,
+    **line: Any,  # noqa: ANN401 (as matplotlib)
+) -> np.ndarray:
+    """Draw the largest demands of the storeys and floors over the height.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, of storeys with ``&output reactions``.
+    axes : matplotlib axes or sequence of axes, optional
+        One for each of drifts, accelerations and shears; otherwise a new figure.
+    case : Case, optional
+        The case that was simulated: with it first yield and limits are faint lines behind the
+        drifts.
+    **line
+        Arguments of ``Axes.plot``, for example ``label`` and ``color`` to compare several.
+
+    Returns
+    -------
+    numpy.ndarray, shape (panels,)
+        The axes. Drifts and shears are constant over a storey; residual drifts of storeys that
+        yield are dashed.
+
+    Raises
+    ------
+    ValueError
+        When the dataset has no demands of storeys, or when axes and panels differ in number.
+    """
+    names = demands_of(dataset)
+    if not names:
+        raise ValueError("no demands of storeys: simulate storeys with &output reactions")
+    panels = make_panels(axes, len(names), across=True)
+    for ax, name in zip(panels, names, strict=True):
+        values = _values(dataset, name)
+        label, factor = DEMANDS[name]
+        look = {"color": COLOURS[0], "marker": MARKERS[0], "markersize": 3} | line
+        if name.startswith("floor"):
+            ax.plot(factor * values, np.arange(1, values.size + 1), clip_on=False, **look)
+        else:
+            _draw_storeys(ax, factor * values, look | {"marker": None})
+        if name == _DRIFTS:
+            _draw_beside_drifts(ax, dataset, case, look | {"marker": None})
+        ax.set_xlabel(label)
+        ax.set_xlim(left=0)
+        ax.set_ylim(0, values.size)
+        ax.set_yticks(np.arange(0, values.size + 1, 1 + values.size // 8))
+    panels[0].set_ylabel("floor")
+    if panels[0].get_legend_handles_labels()[1]:
+        legend_above(panels[0], 2, is_tight=True)
+    return panels
+
+
+def demands_of(dataset: xr.Dataset) -> list[str]:
+    """Choose what `profile` shows.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`.
+
+    Returns
+    -------
+    list of str
+        Those of `DEMANDS` that the dataset has; none without storeys.
+    """
+    found = [name for name in DEMANDS if members(dataset, name)]
+    return found if _DRIFTS in found else []
+
+
+def _values(dataset: xr.Dataset, name: str) -> Array:
+    return np.array([float(dataset[member]) for member in members(dataset, name)])
+
+
+def _draw_storeys(ax: Axes, values: Array, look: dict[str, Any]) -> None:
+    """Draw one number for each storey as a line up and across."""
+    ax.plot(np.repeat(values, 2), np.repeat(np.arange(values.size + 1), 2)[1:-1], **look)
+
+
+def _draw_beside_drifts(
+    ax: Axes, dataset: xr.Dataset, case: Case | None, look: dict[str, Any]
+) -> None:
+    """Draw what remains in the end, and where storeys yield and have collapsed."""
+    factor = DEMANDS[_DRIFTS][1]
+    residuals = np.abs(_values(dataset, _RESIDUALS))
+    if residuals.size:
+        _draw_storeys(ax, factor * residuals, look | {"linestyle": ":", "label": "residual"})
+    if case is None:
+        return
+    drifts = _values(dataset, _DRIFTS)
+    levels = levels_of_storeys(dataset, case, drifts.size)
+    for label, values, line in (
+        ("yield", levels.first_yield, YIELD),
+        ("limit", levels.limit, LIMIT),
+    ):
+        if values.size == drifts.size and values.min() <= 1.5 * drifts.max():
+            _draw_storeys(ax, factor * values, line | {"label": label})

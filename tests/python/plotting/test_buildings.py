@@ -1,0 +1,336 @@
+"""Figures and films of frames with storeys show the numbers of their datasets."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from checkout import ROOT
+
+pytest.importorskip("matplotlib")
+
+from matplotlib.axes import Axes
+from rwmf import cli
+from rwmf.plotting import files as figures
+from rwmf.plotting.animation import animate, corners
+from rwmf.plotting.building import BuildingLines, find_building
+from rwmf.plotting.files import save_history
+from rwmf.plotting.response import members
+from rwmf.plotting.style import COLOURS, new_figure
+
+WALL_GROUPS = ("wall", "cable", "impact")
+# without a wall no floor is linked to it
+SCENES = (
+    ("full", True),
+    ("reduced", True),
+    ("every_floor", True),
+    ("full", False),
+    ("reduced", False),
+)
+
+
+def _five_storeys(coupling: str = "full", **groups: object) -> rwmf.Case:
+    """Give five storeys beside a wall, one second and a half of a pulse, with all demands."""
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / f"storeys_{coupling}.nml")
+    wanted = {"output": {"dt": 0.01, "reactions": True}, "solver": {"t_end": 1.5}}
+    return case.replace(**(wanted | groups))  # type: ignore[arg-type]
+
+
+def _alone(case: rwmf.Case) -> rwmf.Case:
+    return case.without(*(name for name in WALL_GROUPS if name in case.groups))
+
+
+def _tall(n: int) -> rwmf.Case:
+    storeys = {
+        "m_over_m_w": (1.0,) * n,
+        "k_over_m_w": (3000.0,) * n,
+        "height": (16.0 / n,) * n,
+    }
+    return _five_storeys(storeys=storeys)
+
+
+def _drawn(ax: Axes) -> list[np.ndarray]:
+    """Values of the lines over time; marks and levels have few points."""
+    return [np.asarray(line.get_ydata()) for line in ax.lines if len(line.get_ydata()) > 100]
+
+
+def _levels(ax: Axes) -> list[float]:
+    pairs = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) == 2]
+    return sorted({float(y[0]) for y in pairs if y[0] == y[1]})
+
+
+def _same(found: list[np.ndarray], dataset: xr.Dataset, names: list[str], factor: float) -> None:
+    assert len(found) == len(names)
+    for values, name in zip(found, names, strict=True):
+        assert np.array_equal(values, factor * dataset[name].values, equal_nan=True)
+
+
+@pytest.mark.parametrize(("coupling", "has_wall"), SCENES)
+def test_panels_of_storeys(coupling: str, has_wall: bool) -> None:
+    case = _five_storeys(coupling)
+    run = rwmf.simulate(case if has_wall else _alone(case))
+    panels = rwmf.plot.history(run)
+    shown = {ax.get_ylabel(): ax for ax in panels}
+    numbers = range(1, 6)
+    _same(_drawn(shown[r"$\ddot u_g$ (m/s²)"]), run, ["u_g_ddot"], 1.0)
+    drifts = [f"storey_{i}_drift" for i in numbers]
+    _same(_drawn(shown["storey drift (%)"]), run, drifts, 100.0)
+    accelerations = [f"floor_{i}_acceleration_g" for i in numbers]
+    _same(_drawn(shown["acceleration (g)"]), run, accelerations, 1.0)
+    if coupling == "full":
+        floors = [*(f"floor_{i}" for i in range(1, 5)), "u_s"]
+        _same(_drawn(shown["$u_i$ (m)"]), run, floors, 1.0)
+    assert ("$u_s$ (m)" in shown) == (coupling != "full")
+    assert (r"$\theta$ (rad)" in shown) == has_wall
+
+
+def test_levels_of_storeys_that_yield_one_by_one() -> None:
+    u_y = (0.02, 0.02, 0.03, 0.03, 0.03)
+    case = _five_storeys(
+        yielding={"storey_u_y": u_y}, p_delta={"m_g_over_m_s": 0.5, "drift_limit": 0.04}
+    )
+    run = rwmf.simulate(case)
+    ax = rwmf.plot.history(run, variables=["storey_{i}_drift"], case=case)[0]
+    first = [100 * 0.02 / 3.2, 100 * 0.03 / 3.2]
+    # the limit is in reach
+    assert 100 * float(run["storey_drift_max"]) > 4.0 / 1.5
+    assert _levels(ax) == pytest.approx([-4.0, -first[1], -first[0], *first, 4.0])
+    names = [child.get_texts() for child in ax.get_children() if hasattr(child, "get_texts")]
+    texts = [text.get_text() for legend in names for text in legend]
+    assert {"yield 0.625 to 0.938 %", "limit 4 %"} <= {*texts}
+    assert {"1", "2", "3", "4", "5"} <= {*texts}
+    assert _levels(rwmf.plot.history(run, variables=["storey_{i}_drift"])[0]) == []
+
+
+@pytest.mark.parametrize("coupling", ["reduced", "every_floor"])
+def test_levels_of_a_frame_that_yields_as_one_spring(coupling: str) -> None:
+    """Its storeys yield together: the roof is then at u_y."""
+    u_y = 0.05
+    case = _five_storeys(coupling, yielding={"u_y": u_y})
+    run = rwmf.simulate(case)
+    building = find_building(case, run)
+    assert building is not None
+    yields_at = np.argmax(building.has_yielded, axis=1)
+    assert (yields_at == yields_at[0]).all()
+    sway = np.abs(run["u_s"].values)
+    assert sway[yields_at[0] - 1] <= u_y < sway[yields_at[0]]
+    share = np.array([float(run[f"storey_{i}_drift_max"]) for i in range(1, 6)])
+    levels = _levels(rwmf.plot.history(run, variables=["storey_{i}_drift"], case=case)[0])
+    assert levels[-1] == pytest.approx(100 * share.max() * u_y / float(run["u_s_max"]))
+
+
+@pytest.mark.parametrize("name", ["p_delta_collapse", "does_the_loss_of_strength_bring_it_down"])
+def test_a_frame_that_collapses(name: str) -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / f"{name}.nml")
+    run = rwmf.simulate(case)
+    top, ax = rwmf.plot.history(run, variables=["u_g_ddot", "u_s"], case=case)
+    u_y = case.yielding.f_y_over_m_s_g * case.model.g * (case.frame.T_s / (2 * math.pi)) ** 2
+    limit = 0.8 if name == "p_delta_collapse" else 15 * u_y
+    assert _levels(ax) == pytest.approx([-limit, -u_y, u_y, limit])
+    assert top.get_title(loc="left") == f"collapsed at {float(run['t_collapse']):.2f} s"
+    marks = [line.get_xdata()[0] for line in ax.lines if list(line.get_ydata()) == [0, 1]]
+    assert marks == [float(run["t_collapse"])]
+
+
+def test_a_limit_out_of_reach_is_named_not_drawn() -> None:
+    case = _alone(_five_storeys()).replace(p_delta={"drift_limit": 0.9})
+    ax = rwmf.plot.history(rwmf.simulate(case), variables=["storey_{i}_drift"], case=case)[0]
+    assert _levels(ax) == []
+    legends = [child for child in ax.get_children() if hasattr(child, "get_texts")]
+    assert "limit 90 %" in {text.get_text() for part in legends for text in part.get_texts()}
+
+
+@pytest.mark.parametrize("n", [1, 2, 6, 7, 12])
+def test_many_storeys_fit_the_figure(n: int, tmp_path: Path) -> None:
+    """Every legend lies inside of the figure, beside its panel and no higher than the gap below."""
+    case = _tall(n)
+    run = rwmf.simulate(case)
+    with new_figure(0.8 + 1.4 * 7) as figure:
+        panels = rwmf.plot.history(run, figure.subplots(len(rwmf.plot.history(run))), case=case)
+        figure.savefig(tmp_path / "history.png")
+        whole = figure.bbox
+        for above, ax in zip([None, *panels], panels, strict=False):
+            legend = ax.get_legend()
+            colours = {line.get_color() for line in ax.lines if len(line.get_ydata()) > 100}
+            assert len(colours) in (1, n)
+            if legend is None:
+                continue
+            box = legend.get_window_extent()
+            assert len(legend.get_texts()) == n
+            assert whole.x0 <= box.x0 < box.x1 <= whole.x1
+            assert box.x0 >= ax.bbox.x1
+            if above is not None and above.get_legend() is not None:
+                assert box.y1 <= above.get_legend().get_window_extent().y0
+
+
+def test_profile_against_the_dataset(tmp_path: Path) -> None:
+    case = _five_storeys(yielding={"storey_u_y": 0.02})
+    run = rwmf.simulate(case)
+    with new_figure(2.6) as figure:
+        panels = rwmf.plot.profile(run, figure.subplots(1, 3), case=case)
+        drifts, accelerations, shears = panels
+        for ax, name, factor in (
+            (drifts, "storey_{}_drift_max", 100.0),
+            (shears, "storey_{}_shear_max_over_m_w_g", 1.0),
+        ):
+            x, y = ax.lines[0].get_data()
+            for i in range(1, 6):
+                value = factor * float(run[name.format(i)])
+                assert list(zip(x, y, strict=True))[2 * i - 2 : 2 * i] == [
+                    (value, i - 1),
+                    (value, i),
+                ]
+        x, y = accelerations.lines[0].get_data()
+        assert list(y) == [1, 2, 3, 4, 5]
+        assert list(x) == [float(run[f"floor_{i}_acceleration_max_g"]) for i in y]
+        named = {line.get_label(): line.get_xdata() for line in drifts.lines}
+        assert named["yield"] == pytest.approx(100 * 0.02 / 3.2)
+        assert named["residual"][0] == 100 * abs(float(run["storey_1_residual_drift"]))
+    with pytest.raises(ValueError, match="simulate storeys with &output reactions"):
+        rwmf.plot.profile(rwmf.simulate(case.replace(output={"reactions": False})))
+
+
+def test_run_draws_demands_that_the_case_does_not_ask_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The figure has them; the response is that of the case, bit by bit."""
+    drawn: list[xr.Dataset] = []
+    monkeypatch.setattr(
+        figures, "save_history", lambda run, *rest: (drawn.append(run), save_history(run, *rest))
+    )
+    monkeypatch.chdir(tmp_path)
+    bare = {"solver": {"t_end": 1.5}}
+    for k, case in enumerate(
+        (
+            _five_storeys("every_floor", output={"dt": None, "reactions": False}),
+            _five_storeys("full", output={"dt": 0.02, "reactions": False}),
+            rwmf.Case.from_namelist(ROOT / "inputs" / "p_delta_collapse.nml").replace(**bare),
+            rwmf.Case.from_namelist(ROOT / "inputs" / "study_block.nml").replace(**bare),
+        )
+    ):
+        case.to_namelist("case.nml")
+        assert cli.main(["run", "case.nml", "--plot", f"{k}.png", "--json"]) == 0
+        run, asked = drawn[k], rwmf.simulate(case)
+        peak = "theta_max_over_alpha" if case.frame is None else "u_s_max"
+        assert float(run[peak]) == float(asked[peak])
+        assert ("floor_1_acceleration_g" in run) == (case.frame is not None)
+        assert len(members(run, "storey_{i}_drift")) == (0 if case.storeys is None else 5)
+        assert Path(f"{k}.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(("coupling", "has_wall"), SCENES)
+def test_floors_of_a_film(coupling: str, has_wall: bool) -> None:
+    """They are where the columns of the history say; links are as long as at rest."""
+    case = _five_storeys(coupling)
+    case = case if has_wall else _alone(case)
+    run = rwmf.simulate(case)
+    building = find_building(case, run)
+    assert building is not None
+    assert building.levels == pytest.approx(3.2 * np.arange(1, 6))
+    assert building.sway[-1] == pytest.approx(run["u_s"].values, abs=1e-14)
+    if coupling == "full":
+        assert building.sway[1] == pytest.approx(run["floor_2"].values, abs=1e-14)
+    assert list(building.linked) == [has_wall and coupling == "every_floor"] * 4 + [has_wall]
+    assert not building.has_yielded.any()
+    i = int(np.argmax(np.abs(run["u_s"].values)))
+    with new_figure(3.0) as figure:
+        ax = figure.subplots()
+        lines = BuildingLines(ax, building, np.array([-10.0, -6.0]), 1.0)
+        face = corners(8.0, 2.0, float(run["theta"][i]))[[0, 3]] if has_wall else None
+        lines.move(i, 0.3, face)
+        columns, yielded, floors, hinges, links = (line.get_xydata() for line in ax.lines)
+    assert not len(yielded)
+    assert not len(hinges)
+    ends = floors[np.isfinite(floors[:, 0])].reshape(5, 2, 2)
+    assert ends[:, 0, 0] == pytest.approx(-10.0 + 0.3 + building.sway[:, i])
+    assert ends[:, :, 1] == pytest.approx(np.repeat(building.levels[:, np.newaxis], 2, axis=1))
+    assert len(columns) == 5 * 2 * 13
+    drawn = links[np.isfinite(links[:, 0])].reshape(-1, 2, 2) if has_wall else np.empty((0, 2, 2))
+    assert len(drawn) == building.linked.sum()
+    # the ground is not moved here: the gap at rest is 4 m, of the roof exactly
+    if has_wall:
+        assert drawn[-1, 1, 0] - drawn[-1, 0, 0] + 0.3 == pytest.approx(4.0, abs=1e-9)
+
+
+def test_storeys_that_have_yielded_are_marked() -> None:
+    case = _five_storeys(yielding={"storey_u_y": (0.02, 9.0, 9.0, 9.0, 9.0)})
+    run = rwmf.simulate(case)
+    building = find_building(case, run)
+    assert building is not None
+    drift = np.abs(run["storey_1_drift"].values)
+    first = int(np.argmax(drift > 0.02 / 3.2))
+    assert list(np.flatnonzero(building.has_yielded[0])) == list(range(first, drift.size))
+    assert not building.has_yielded[1:].any()
+    with new_figure(3.0) as figure:
+        ax = figure.subplots()
+        lines = BuildingLines(ax, building, np.array([-10.0, -6.0]), 1.0)
+        for i, is_marked in ((first - 1, False), (first, True), (drift.size - 1, True)):
+            lines.move(i, 0.0, None)
+            _, yielded, _, hinges, _ = ax.lines
+            assert yielded.get_color() == hinges.get_color() == COLOURS[1]
+            assert len(hinges.get_xydata()) == (4 if is_marked else 0)
+            assert len(yielded.get_xydata()) == (2 * 13 if is_marked else 0)
+
+
+def test_a_pinned_wall_turns_about_the_middle_of_its_base() -> None:
+    case = _five_storeys("every_floor").without("cable", "impact").replace(wall={"base": "pinned"})
+    run = rwmf.simulate(case)
+    for theta in (-0.1, 0.1):
+        box = corners(8.0, 2.0, theta, True)
+        assert 0.5 * (box[0] + box[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
+    i = int(np.argmax(np.abs(run["theta"].values)))
+    corner = corners(8.0, 2.0, float(run["theta"][i]), True)[3]
+    assert corner[0] + 2.0 == pytest.approx(float(run["u_s"][i]), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "groups"),
+    [
+        ("fig05_stiff_frame_alone_one_sine", {"solver": {"t_end": 1.0}}),
+        ("storeys_reduced", {"solver": {"t_end": 1.0}}),
+        ("study_block", {}),
+        ("does_the_loss_of_strength_bring_it_down", {"motion": {"scale": 6.0}}),
+    ],
+)
+def test_films(name: str, groups: dict[str, dict[str, float]], tmp_path: Path) -> None:
+    """A frame alone, a mode, a wall that overturns, a frame that collapses: the end stays."""
+    image = pytest.importorskip("PIL.Image")
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / f"{name}.nml").replace(**groups)
+    case.to_namelist(tmp_path / "case.nml")
+    film = tmp_path / "film.gif"
+    words = ["animate", str(tmp_path / "case.nml"), "--fps", "4", "--out", str(film)]
+    assert cli.main(words) == 0
+    run = rwmf.simulate(case, dt=0.25)
+    fall = [t for t, what in zip(run["event_time"].values, run["event"].values, strict=True)
+            if what in ("overturned", "collapsed")]  # fmt: skip
+    frames = int(4 * (fall[0] if fall else 1.0)) + 1 + (3 if fall else 0)
+    durations = []
+    with image.open(film) as found:
+        for i in range(found.n_frames):
+            found.seek(i)
+            durations.append(found.info["duration"])
+    # a picture that stays may be one of a longer duration
+    assert sum(durations) == 250 * frames
+
+
+def test_films_tell_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "study_block.nml")
+    run = rwmf.simulate(case.replace(output={"dt": 0.4}))
+    run = run.isel(time=np.isfinite(run["theta"].values))
+    texts: list[str] = []
+    keep = Axes.text
+    labels = []
+
+    def text(self: Axes, *words: object, **rest: object) -> object:
+        labels.append(keep(self, *words, **rest))  # type: ignore[arg-type]
+        return labels[-1]
+
+    monkeypatch.setattr(Axes, "text", text)
+    animate(case, run, tmp_path / "f.gif", 4, lambda *_: texts.append(labels[0].get_text()))
+    assert texts[0] == "t = 0.00 s, at rest; rotations drawn to scale"
+    assert texts[-1] == "t = 3.20 s, overturned; rotations drawn to scale"
+    assert "overturned" not in "".join(texts[:-1])
