@@ -90,16 +90,13 @@ def scale_to_one_g(
     if T_s is not None:
         # without storeys and wall the frame has one period and no mass ratio
         changes = dict.fromkeys(set(case.groups) - set(_OSCILLATOR))
-        changes["frame"] = {"T_s": T_s, "gamma": None}
+        changes["frame"] = {"T_s": T_s, "gamma": None, "m_s": None, "k_s": None}
     probe = case.replace(**changes)
     return tuple(_scaled(probe, T_s, record) for record in records)
 
 
 def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
-    entries: Entries = {
-        name: {key: group[key] for key in group if key in group.given}
-        for name, group in probe.groups.items()
-    }
+    entries: Entries = {name: group.as_given() for name, group in probe.groups.items()}
     if T_s is not None:
         entries["spectrum"] = {"T_s": (T_s,)}
     Scene(record).apply(entries)

@@ -302,18 +302,20 @@ def _own_record(case: Case) -> str:
 def _base_entries(case: Case, axes: Sequence[Axis]) -> Entries:
     """Take the groups that no axis replaces."""
     gone = {"spectrum"} | ({"motion"} if _has_records(axes) else set())
-    return {
-        name: {key: group[key] for key in group if key in group.given}
-        for name, group in case.groups.items()
-        if name not in gone
-    }
+    return {name: group.as_given() for name, group in case.groups.items() if name not in gone}
 
 
 def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) -> Iterator[Axis]:
     """Axes of width, mass ratio and period, as far as the scene has them.
 
-    Points have them as columns; what neither they nor a grid vary is no axis beside them.
+    Points have them as columns; what neither they nor a grid vary is no axis beside them. Nor is
+    what follows from masses and stiffnesses, which other axes may change.
     """
+    follows = {
+        key for key in ("T_s", "gamma") if "frame" in case.groups and key in case.frame.derived
+    }
+    if "storeys" in case.groups and case.storeys.derived:
+        follows = {"T_s", "gamma"}
     spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
     columns: Mapping[str, object] = {} if points is None else points.columns
     known = case.kernel.axes()
@@ -329,7 +331,7 @@ def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) ->
         elif name in spectrum or (name == "T_s" and "n" in spectrum):
             yield grid_axis(name, _values_of_spectrum(name, spectrum))
         # a block keeps its size unless it is asked for another one
-        elif points is None and (name != "T_s" or "frame" in case.groups):
+        elif points is None and name not in follows and (name != "T_s" or "frame" in case.groups):
             if axis.value is None:
                 raise InputError(f"sweep: neither the grid nor the case gives {name}")
             yield grid_axis(name, [axis.value])

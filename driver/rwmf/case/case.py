@@ -370,9 +370,8 @@ class Case:
         ]
 
     def _given_entries(self) -> dict[str, dict[str, object]]:
-        entries = {
-            name: {key: group[key] for key in group if key in group.given}
-            for name, group in self._groups.items()
+        entries: dict[str, dict[str, object]] = {
+            name: dict(group.as_given()) for name, group in self._groups.items()
         }
         for name, motion in self._motions.items():
             entries[name]["file"] = motion

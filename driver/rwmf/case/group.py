@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NoReturn
 
+import numpy as np
+
 from rwmf.case.namelist import Value, format_value, parse_value
 
 __all__ = ["Group"]
@@ -17,30 +19,45 @@ class Group(Mapping[str, Any]):
     ----------
     given : frozenset of str
         The keys that the case gives; the others hold the kernel's defaults.
+    derived : frozenset of str
+        Ratios that follow from dimensional keys.
     units : mapping of str to str
         Units of the values as the kernel names them.
+    in_si : mapping of str to (float or tuple of float, str)
+        Of ratios to the mass or the weight of the wall, in a case with a mass: what they are in
+        kg, N, N/m or N s/m, and that unit.
 
     Parameters
     ----------
     name : str
         Name of the group.
     rows : list of list of str
-        Key, type, value, unit, and 'given' or 'default', as the kernel describes them.
+        Key, type, value, unit, and 'given', 'default' or 'derived' (it follows from dimensional
+        keys), as the kernel describes them; then the value with a unit, that unit, and what the
+        case gives where a rule makes the value of it, each '' where there is none.
     """
 
-    __slots__ = ("_given", "_name", "_units", "_values")
+    __slots__ = ("_derived", "_given", "_in_si", "_name", "_raw", "_units", "_values")
 
+    _derived: frozenset[str]
     _given: frozenset[str]
+    _in_si: dict[str, tuple[Value, str]]
     _name: str
+    _raw: dict[str, Value]
     _units: dict[str, str]
     _values: dict[str, Value]
 
     def __init__(self, name: str, rows: list[list[str]]) -> None:
         put = super().__setattr__
         put("_name", name)
-        put("_values", {key: parse_value(kind, text) for key, kind, text, _, _ in rows})
-        put("_units", {key: unit for key, _, _, unit, _ in rows})
-        put("_given", frozenset(key for key, *_, origin in rows if origin == "given"))
+        put("_values", {key: parse_value(kind, text) for key, kind, text, *_ in rows})
+        put("_units", {key: unit for key, _, _, unit, *_ in rows})
+        put("_given", frozenset(row[0] for row in rows if row[4] == "given"))
+        put("_derived", frozenset(row[0] for row in rows if row[4] == "derived"))
+        both = [row for row in rows if len(row) > 5]
+        si = {row[0]: (parse_value(row[1], row[5]), row[6]) for row in both if row[6]}
+        put("_in_si", si)
+        put("_raw", {row[0]: parse_value(row[1], row[7]) for row in both if row[7]})
 
     @property
     def given(self) -> frozenset[str]:
@@ -48,9 +65,29 @@ class Group(Mapping[str, Any]):
         return self._given
 
     @property
+    def derived(self) -> frozenset[str]:
+        """Keys that follow from dimensional ones."""
+        return self._derived
+
+    @property
     def units(self) -> dict[str, str]:
         """Units of the values."""
         return dict(self._units)
+
+    @property
+    def in_si(self) -> dict[str, tuple[Value, str]]:
+        """Values with a unit of ratios to the mass or the weight of the wall."""
+        return dict(self._in_si)
+
+    def as_given(self) -> dict[str, Value]:
+        """Return what the case gives, before a rule makes other values of it.
+
+        Returns
+        -------
+        dict of str to value
+            By key, in the kernel's order.
+        """
+        return {key: self._raw.get(key, self._values[key]) for key in self if key in self._given}
 
     def __getitem__(self, key: str) -> Any:  # noqa: ANN401 (the kernel's table knows the type)
         """Return the value of a key."""
@@ -94,9 +131,17 @@ class Group(Mapping[str, Any]):
         return given + ("  " if given and others else "") + (f"({others})" if others else "")
 
     def _show(self, key: str) -> str:
-        value = self._values[key]
-        text = format_value(value)
-        if isinstance(value, tuple) and len(value) > 8:
-            text = f"{value[0]!r}, ..., {value[-1]!r} ({len(value)} values)"
         unit = self._units[key]
-        return f"{key} = {text}" + (f" {unit}" if unit.strip("-") else "")
+        shown = f"{key} = {_shorten(self._values[key])}" + (f" {unit}" if unit.strip("-") else "")
+        if key not in self._in_si:
+            return shown
+        numbers, unit = self._in_si[key]
+        rounded = np.vectorize(lambda number: float(f"{number:.6g}"))(numbers).tolist()
+        return f"{shown} [{_shorten(tuple(rounded) if np.ndim(numbers) else rounded)} {unit}]"
+
+
+def _shorten(value: Value) -> str:
+    """Text of a value, of a long list its ends."""
+    if isinstance(value, tuple) and len(value) > 8:
+        return f"{value[0]!r}, ..., {value[-1]!r} ({len(value)} values)"
+    return format_value(value)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from rwmf import _library
 from rwmf.case import Case
+from rwmf.case.group import Group
+from rwmf.cli.output import print_json
 
 __all__ = ["run"]
 
@@ -40,6 +43,11 @@ def run(options: argparse.Namespace) -> int:
     """
     case = Case.from_namelist(options.case)
     found = case.kernel.inventory()
+    if options.json:
+        inventory = {word: found[word] for word, *_ in _INVENTORY if word in found}
+        values = {name: _values_of(group) for name, group in case.groups.items()}
+        print_json({**inventory, "notes": found["notes"], "values": values})
+        return 0
     print(f"{options.case}: valid")
     for word, shown, nothing in _INVENTORY:
         print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")
@@ -53,3 +61,20 @@ def run(options: argparse.Namespace) -> int:
     for name, group in case.groups.items():
         print(f"  {name:8s} {group!r}")
     return 0
+
+
+def _values_of(group: Group) -> dict[str, dict[str, Any]]:
+    """Each key with its value and unit, of ratios in a case with a mass the value in kg, N, ..."""
+    found: dict[str, dict[str, Any]] = {}
+    for key, value in group.items():
+        origin = "given" if key in group.given else "default"
+        found[key] = {
+            "value": list(value) if isinstance(value, tuple) else value,
+            "unit": group.units[key],
+            "origin": "derived" if key in group.derived else origin,
+        }
+        if key in group.in_si:
+            number, unit = group.in_si[key]
+            found[key]["in_si"] = list(number) if isinstance(number, tuple) else number
+            found[key]["unit_of_in_si"] = unit
+    return found

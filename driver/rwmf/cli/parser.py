@@ -144,6 +144,7 @@ def _add_check(commands: Subcommands) -> None:
         "check.run",
     )
     add_case(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def _add_records(commands: Subcommands) -> None:

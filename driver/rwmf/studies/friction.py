@@ -60,6 +60,16 @@ def friction_spectra(
     found = found.assign({DEMAND: with_overturning(found, DEMAND)})
     if case.cable is None:
         return found
-    force = with_overturning(found, _INCREMENT) + float(case.cable.eta_0)
+    force = with_overturning(found, _INCREMENT) + _prestress(case, found)
     attributes = {"units": "1", "long_name": "largest cable force over weight of wall"}
     return found.drop_vars(_INCREMENT).assign({CABLE: force.assign_attrs(attributes)})
+
+
+def _prestress(case: Case, found: xr.Dataset) -> xr.DataArray | float:
+    """Force at theta = 0 over the weight of the wall, which follows its width where it is in N."""
+    if "eta_0" in found.coords:
+        return found["eta_0"]
+    if "b" in found.dims and "eta_0" in case.cable.derived:
+        values = [float(case.replace(wall={"b": b}).cable.eta_0) for b in found["b"].values]
+        return xr.DataArray(values, dims="b")
+    return float(case.cable.eta_0)

@@ -85,7 +85,7 @@ module rwmf_embedding_stepping
       !! of the integrator so far
    end type wall_state_t
 
-   !> Forces in N; in N per kg of the wall when the case has no m_w (bare frame: of the frame).
+   !> Forces in N; in N per kg of the wall when the case has no mass (bare frame: of the frame).
    type :: wall_forces_t
       real(wp) :: link = 0
       !! from the wall on the frame, positive towards positive u_s [N] or [N/kg]

@@ -97,6 +97,8 @@ contains
          instance%mass = 1
          if (allocated(case%wall)) then
             if (allocated(case%wall%m_w)) instance%mass = case%wall%m_w
+         else if (.not. allocated(case%storeys) .and. case%unit_mass > 0) then
+            instance%mass = case%unit_mass
          end if
          instance%hybrid%restitution = impact_law(case, equation%p%alpha)
          instance%hybrid%overturning_angle = case%model%overturning_angle

@@ -13,10 +13,12 @@ module rwmf_input_change
    use rwmf_input_schema, only: all_groups, find_key, keys_of
    use rwmf_input_schema_check, only: append, check_groups, check_values, &
       enter_defaults, suggest
+   use rwmf_input_units, only: check_units, convert_units
    use rwmf_input_value_check, only: check_number, requirement
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: group_place, group_values_t, value_text
+   use rwmf_problem_group_values, only: as_given, group_place, group_values_t, key_values_t, &
+      value_text
    use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor
    use rwmf_problem_rules, only: fail_key
@@ -79,6 +81,7 @@ contains
       end do
       call lay_out(case%values, keys, places, changes)
       call check_groups(changes%values, changes%groups, error)
+      if (.not. allocated(error)) call check_units(changes%values, keys, error)
    end subroutine find_changes
 
    !> Place of a key.
@@ -111,6 +114,9 @@ contains
       else if (keys(place)%key == 'dt' .and. group /= 'output') then
          call fail(error, err_input, name//': says how a file is read: must be given where the ' &
             //'case is made')
+      else if (keys(place)%key == 'n' .and. group == 'storeys') then
+         call fail(error, err_input, name//': says what there is to move: must be given where ' &
+            //'the case is made')
       else if (.not. (values%groups(at)%is_given .or. is_of_method(group))) then
          call fail(error, err_input, name//': the case has no group &'//group)
       end if
@@ -156,6 +162,7 @@ contains
       !! number of the name of each key, 0 for none
       integer :: length
       !! of the texts
+      type(key_values_t) :: given
       integer :: n
       integer :: i, k
 
@@ -166,13 +173,14 @@ contains
       allocate (changes%first(size(places)), source=0)
       associate (values => changes%values)
          values%groups = old%groups
-         values%keys = old%keys
+         values%keys = as_given(old%keys)
          values%codes = old%codes
          allocate (values%numbers(n), values%ends(0:n))
          allocate (character(length) :: values%texts)
          values%ends(0) = 0
          n = 0
          do i = 1, size(keys)
+            given = values%keys(i)
             values%keys(i)%n = 0
             values%keys(i)%first = 0
             if (order(i) > 0) then
@@ -184,8 +192,8 @@ contains
                do k = 1, changes%n(order(i))
                   call append(values, i, n, 0.0_dp, '')
                end do
-            else if (old%keys(i)%is_given) then
-               do k = old%keys(i)%first, old%keys(i)%first + old%keys(i)%n - 1
+            else if (given%is_given) then
+               do k = given%first, given%first + given%n - 1
                   call append(values, i, n, old%numbers(k), value_text(old, k))
                end do
             end if
@@ -231,7 +239,8 @@ contains
          end if
          n = n + changes%n(i)
       end do
-      call check_values(changed%values, changes%groups, error)
+      call convert_units(changed%values, changes%groups, error)
+      if (.not. allocated(error)) call check_values(changed%values, changes%groups, error)
       if (.not. allocated(error)) call fill_case(changed, changes%groups, error)
       if (.not. allocated(error)) call keep_records(case, changed, error)
    end subroutine change_case

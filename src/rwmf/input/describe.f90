@@ -3,8 +3,10 @@ module rwmf_input_describe
    use rwmf_core_kinds, only: wp
    use rwmf_input_schema, only: all_keys
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of, value_text
+   use rwmf_problem_group_values, only: as_given, group_values_t, has_group, has_key, &
+      key_values_t, text_of, value_text
    use rwmf_problem_key, only: belongs_to, key_t
+   use rwmf_problem_units, only: unit_of
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
@@ -15,8 +17,10 @@ module rwmf_input_describe
 
 contains
 
-   !> One line for every key that has a value, in the order of the schema: `group.key`, type, value,
-   !> unit, and `given` or `default`, separated by tabs.
+   !> One line for every key that has a value, in the order of the schema, separated by tabs:
+   !> `group.key`, type, value, unit, `given`, `default` or `derived` (it follows from dimensional
+   !> keys); of a ratio in a case with a mass that value in kg, N, ... and its unit; and where the
+   !> value follows from what the case gives for the same key, as `n` of `&storeys` makes it, that.
    !>
    !> Groups that are absent have no lines, but `&model` and `&solver` always have. Reals are
    !> written with the digits that give the same double precision number again, lists with
@@ -26,7 +30,8 @@ contains
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed; '' for a case that has not been read
       type(key_t), allocatable :: keys(:)
-      character(:), allocatable :: value
+      character(:), allocatable :: value, in_si, given
+      character(7) :: origin
       integer :: i
 
       text = ''
@@ -34,11 +39,27 @@ contains
       keys = all_keys()
       do i = 1, size(keys)
          if (.not. is_in_scene(case%values, keys(i))) cycle
-         call canonical_values(case, i, keys(i), value)
-         if (value == '') cycle
+         associate (row => case%values%keys(i))
+            call canonical_values(case, row, keys(i), 1.0_wp, value)
+            if (value == '') cycle
+            origin = merge('given  ', 'default', row%is_given)
+            given = ''
+            if (row%source > 0) origin = 'derived'
+            if (row%source > 0 .and. row%n_given > 0) then
+               origin = 'given'
+               call canonical_values(case, as_given(row), keys(i), 1.0_wp, given)
+            end if
+            in_si = ''
+            if (keys(i)%si /= '' .and. case%unit_mass > 0) then
+               call canonical_values(case, row, keys(i), unit_of(case%values, keys(i)%si), in_si)
+               in_si = in_si//tab//trim(keys(i)%si)
+            end if
+         end associate
          text = text//trim(keys(i)%group)//'.'//trim(keys(i)%key)//tab//trim(keys(i)%type)//tab &
-            //value//tab//trim(keys(i)%unit)//tab &
-            //trim(merge('given  ', 'default', case%values%keys(i)%is_given))//new_line('a')
+            //value//tab//trim(keys(i)%unit)//tab//trim(origin)
+         if (in_si == '' .and. given /= '') in_si = tab
+         if (in_si /= '') text = text//tab//in_si//tab//given
+         text = text//new_line('a')
       end do
    end subroutine describe_case
 
@@ -66,21 +87,22 @@ contains
    end function is_in_scene
 
    !> The values of a key in the form in which equal values are equal texts; '' when it has none.
-   pure subroutine canonical_values(case, at, key, text)
+   pure subroutine canonical_values(case, row, key, factor, text)
       type(case_t), intent(in) :: case
-      integer, intent(in) :: at
-      !! place of the key
+      type(key_values_t), intent(in) :: row
       type(key_t), intent(in) :: key
+      real(wp), intent(in) :: factor
+      !! on reals
       character(:), allocatable, intent(out) :: text
       integer :: i
 
       text = ''
-      associate (row => case%values%keys(at), numbers => case%values%numbers)
+      associate (numbers => case%values%numbers)
          do i = row%first, row%first + row%n - 1
             if (i > row%first) text = text//', '
             select case (key%type)
             case ('real', 'real list')
-               text = text//trim(real_to_text(real(numbers(i), wp)))
+               text = text//trim(real_to_text(factor*real(numbers(i), wp)))
             case ('integer')
                text = text//trim(integer_to_text(nint(numbers(i))))
             case ('logical')

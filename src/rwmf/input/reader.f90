@@ -7,10 +7,12 @@ module rwmf_input_reader
    use rwmf_input_record_samples, only: samples_t
    use rwmf_input_schema, only: all_groups, keys_of
    use rwmf_input_schema_check, only: check_groups, check_values, collect_values
+   use rwmf_input_units, only: check_units, convert_units
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, key_line, text_of
    use rwmf_problem_record, only: record_source_t, record_t, set_factor
+   use rwmf_problem_units, only: unit_mass
    use rwmf_text_atomic_file, only: join_path
    use rwmf_text_file, only: read_file
    use rwmf_text_strings, only: integer_to_text, real_to_text, shown
@@ -63,6 +65,8 @@ contains
       groups = all_groups()
       call collect_values(given, keys_of(groups), case%values, error)
       if (.not. allocated(error)) call check_groups(case%values, groups, error)
+      if (.not. allocated(error)) call check_units(case%values, keys_of(groups), error)
+      if (.not. allocated(error)) call convert_units(case%values, groups, error)
       if (.not. allocated(error)) call check_values(case%values, groups, error)
       if (allocated(error)) return
       case%text = text
@@ -83,6 +87,9 @@ contains
       !! `err_input` when the storeys have no first mode
       integer :: i
 
+      case%unit_mass = unit_mass(case%values)
+      case%follows_size = case%values%has_units .and. has_group(case%values, 'wall') &
+         .and. case%unit_mass > 0
       do i = 1, size(groups)
          if (.not. has_group(case%values, groups(i)%name)) then
             if (.not. any(groups(i)%name == ['model ', 'solver'])) cycle

@@ -223,6 +223,9 @@ contains
       do i = 1, size(keys)
          if (keys(i)%group /= group%name) cycle
          if (values%keys(i)%is_given .or. .not. keys(i)%is_required) cycle
+         ! a dimensional key may stand for it
+         if (any(values%keys%is_given .and. keys%group == group%name &
+                 .and. keys%gives == keys(i)%key .and. .not. keys%scales)) cycle
          call fail_at_group(group%name, group%line, 'the key '//trim(keys(i)%key) &
             //' is missing ('//trim(keys(i)%help)//'): must be '//trim(requirement(keys(i))), error)
          return

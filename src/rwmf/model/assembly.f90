@@ -159,6 +159,8 @@ contains
       real(wp) :: stiffness
       !! over m_w g [1/m]
       real(wp) :: yield
+      real(wp) :: length
+      !! that is strained [m]
       real(wp) :: rupture
       !! elongation since theta = 0 [m]
 
@@ -168,7 +170,9 @@ contains
       if (allocated(case%cable%eta_y)) yield = case%cable%eta_y
       rupture = huge(rupture)
       if (allocated(case%cable%rupture_strain)) then
-         rupture = 2*case%wall%h*case%cable%rupture_strain - case%cable%eta_0/stiffness
+         length = 2*case%wall%h
+         if (allocated(case%cable%length)) length = case%cable%length
+         rupture = length*case%cable%rupture_strain - case%cable%eta_0/stiffness
       end if
       equation%cable%is_tendon = .true.
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &

@@ -142,6 +142,8 @@ module rwmf_problem_case
       !! stiffness after yielding over elastic stiffness [-]
       real(wp), allocatable :: rupture_strain
       !! strain at which the tendon breaks, that of the prestress included [-]; absent: never
+      real(wp), allocatable :: length
+      !! that is strained [m]; absent: the height of the wall
    end type cable_t
 
    !> Energy loss at impact, `&impact`.
@@ -284,6 +286,11 @@ module rwmf_problem_case
       type(vertical_t), allocatable :: vertical
       type(initial_t), allocatable :: initial
       type(model_t) :: model
+      real(wp) :: unit_mass = 0
+      !! mass that masses and forces are over: of the wall, without one of the frame, of storeys in
+      !! kg 1; 0 where the case gives none [kg]
+      logical :: follows_size = .false.
+      !! its ratios follow from masses and forces, and with them from the size of the wall
       type(effect_numbers_t), allocatable :: numbers(:)
       !! effects that need no type of their own (`keep_numbers`)
    end type structure_t

@@ -31,6 +31,8 @@ module rwmf_problem_case_group
       !! in the order of the documentation
       procedure(check_i), pointer, nopass :: check => null()
       !! rules between keys and groups, beyond what each key allows by itself
+      procedure(derive_i), pointer, nopass :: derive => null()
+      !! values that follow from dimensional keys, beyond quotients by mass or weight of the wall
       procedure(fill_i), pointer, nopass :: fill => null()
       procedure(is_present_i), pointer, nopass :: is_present => null()
       !! whether a case calls for it
@@ -51,6 +53,15 @@ module rwmf_problem_case_group
          type(group_values_t), intent(in) :: values
          type(error_t), allocatable, intent(out) :: error
       end subroutine check_i
+
+      !> Set the keys of the group that follow from others; the groups before this one are done. The
+      !> error names group, key and what is allowed.
+      subroutine derive_i(values, error)
+         import :: error_t, group_values_t
+         implicit none
+         type(group_values_t), intent(inout) :: values
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine derive_i
 
       !> Put what its values say into the case; the groups before this one are there already.
       subroutine fill_i(case, error)

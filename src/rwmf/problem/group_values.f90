@@ -13,6 +13,7 @@ module rwmf_problem_group_values
    public :: has_group, has_key, group_place, key_place, key_code, key_line, value_text
    public :: text_of, real_of, integer_of, logical_of
    public :: get_real, get_text, get_list, get_texts
+   public :: derive, as_given
 
    !> Where a group stands in the text of the case.
    type :: group_place_t
@@ -40,6 +41,12 @@ module rwmf_problem_group_values
       !! number of values
       integer :: first
       !! place of the first value among all
+      integer :: source = 0
+      !! place of the key that it follows from, which may be the key itself; 0 for values as given
+      integer :: n_given = 0
+      !! of values that follow from others: number of those that the case gives
+      integer :: first_given = 0
+      !! and place of the first of them
    end type key_values_t
 
    !> All values of a case.
@@ -56,6 +63,8 @@ module rwmf_problem_group_values
       !! (0:values) where the text of each ends; 0 where the first begins
       character(:), allocatable :: texts
       !! one after the other, as they stand in the case, names of choices in small letters
+      logical :: has_units = .false.
+      !! some of its keys follow from others (`derive`)
    end type group_values_t
 
 contains
@@ -309,5 +318,67 @@ contains
          end do
       end associate
    end subroutine get_texts
+
+   !> Let the values of a key follow from another key, or from those that it has itself.
+   subroutine derive(values, group, key, source, numbers)
+      type(group_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      !! its name, without &
+      character(*), intent(in) :: key
+      !! its name
+      character(*), intent(in) :: source
+      !! name of the key of the group that the user gives, for messages
+      real(wp), intent(in) :: numbers(:)
+      !! (n) [unit of the key]
+      integer :: n
+
+      n = maxval(values%keys%first + values%keys%n) - 1
+      if (n + size(numbers) > size(values%numbers)) call grow(values, n + size(numbers))
+      associate (row => values%keys(key_place(values, group, key)))
+         if (row%source == 0 .and. row%is_given) then
+            row%n_given = row%n
+            row%first_given = row%first
+         end if
+         row%source = key_place(values, group, source)
+         row%is_given = .true.
+         row%first = n + 1
+         row%n = size(numbers)
+      end associate
+      values%numbers(n + 1:n + size(numbers)) = real(numbers, dp)
+      ! they stand in no text
+      values%ends(n + 1:n + size(numbers)) = values%ends(n)
+   end subroutine derive
+
+   !> Make room for values.
+   subroutine grow(values, n)
+      type(group_values_t), intent(inout) :: values
+      integer, intent(in) :: n
+      !! that are needed
+      integer, parameter :: spare = 64
+      real(dp), allocatable :: numbers(:)
+      integer, allocatable :: ends(:)
+      integer :: old
+
+      old = size(values%numbers)
+      allocate (numbers(n + spare), ends(0:n + spare))
+      numbers(:old) = values%numbers
+      ends(0:old) = values%ends
+      call move_alloc(numbers, values%numbers)
+      call move_alloc(ends, values%ends)
+   end subroutine grow
+
+   !> A key as the case gives it, before anything follows from it.
+   elemental type(key_values_t) function as_given(row) result(given)
+      type(key_values_t), intent(in) :: row
+
+      given = row
+      if (row%source == 0) return
+      given%is_given = row%n_given > 0
+      given%n = row%n_given
+      given%first = row%first_given
+      given%source = 0
+      given%n_given = 0
+      given%first_given = 0
+   end function as_given
 
 end module rwmf_problem_group_values

@@ -3,7 +3,7 @@ module rwmf_problem_key
    implicit none
    private
 
-   public :: key_t, required, optional_key, of_kind, belongs_to
+   public :: key_t, required, optional_key, of_kind, dimensional, with_si, belongs_to
    public :: any_real, positive, below_one, not_negative
 
    character(*), parameter :: any_real = 'any finite number'
@@ -32,6 +32,16 @@ module rwmf_problem_key
       character(16) :: implies
       !! `KEY=VALUE`: what a choice of the same group is when this key is given and the choice is
       !! not; '' for nothing
+      character(6) :: si = ''
+      !! of a ratio to the mass or to the weight of the wall: its unit once it is multiplied by
+      !! that, by the weight for 'N'; '' for others
+      character(20) :: gives = ''
+      !! of a dimensional key: the key of the group that follows from it; '' for other keys
+      character(64) :: needs = ''
+      !! keys of the group without which it must not be given, with blanks between; of several with
+      !! '|' between them one is enough
+      logical :: scales = .false.
+      !! it may stand beside the key that it gives, whose values it scales
    end type key_t
 
 contains
@@ -77,6 +87,42 @@ contains
       optional_key = key_t(group, key, type, unit, default, .false., allowed, help, '', '')
       if (present(implies)) optional_key%implies = implies
    end function optional_key
+
+   !> A key that is a ratio to the mass or to the weight of the wall.
+   pure type(key_t) function with_si(si, ratio)
+      character(*), intent(in) :: si
+      !! component of `key_t`
+      type(key_t), intent(in) :: ratio
+      !! the key
+
+      with_si = ratio
+      with_si%si = si
+   end function with_si
+
+   !> A key in kg, N or Pa that stands for one over the mass or the weight of the wall.
+   pure type(key_t) function dimensional(group, key, type, unit, gives, needs, help, &
+      allowed)
+      character(*), intent(in) :: group
+      !! its name, without &
+      character(*), intent(in) :: key
+      !! its name
+      character(*), intent(in) :: type
+      !! component of `key_t`, as the following ones
+      character(*), intent(in) :: unit
+      !! of the number
+      character(*), intent(in) :: gives
+      !! the key of the group that follows from it
+      character(*), intent(in) :: needs
+      !! keys of the group without which it must not be given
+      character(*), intent(in) :: help
+      !! what it means, for the user
+      character(*), intent(in), optional :: allowed
+      !! range of the number; absent for > 0
+
+      dimensional = key_t(group, key, type, unit, '', .false., positive, help, '', '', '', gives, &
+         needs)
+      if (present(allowed)) dimensional%allowed = allowed
+   end function dimensional
 
    !> A key of some kinds of motion.
    pure type(key_t) function of_kind(kinds, key, type, unit, default, allowed, help)

@@ -3,8 +3,8 @@
 module rwmf_problem_rules
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_problem_group_values, only: group_place, group_values_t, has_group, has_key, &
-      key_place, value_text
+   use rwmf_problem_group_values, only: as_given, group_place, group_values_t, has_group, &
+      has_key, key_place, key_values_t, value_text
    use rwmf_text_strings, only: integer_to_text, real_to_text, shown
    implicit none
    private
@@ -87,7 +87,8 @@ contains
    end subroutine fail_group
 
    !> Report a key that is given by its name: `&frame: gamma = -1.0 (line 7): must be ...`. A number
-   !> of a changed case has no text: it is shown as it is.
+   !> of a changed case has no text: it is shown as it is. What follows from another key is reported
+   !> by that key: `&frame: k_s = 1.0e6 (line 8): T_s = 0.2: must be ...`.
    subroutine fail_key(values, group, key, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -98,23 +99,40 @@ contains
       !! what is wrong with it, as the message goes on
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
+      type(key_values_t) :: given
       character(:), allocatable :: shown_values
-      integer :: i
+      character(:), allocatable :: followed
 
       associate (row => values%keys(key_place(values, group, key)))
-         shown_values = ''
-         do i = row%first, row%first + row%n - 1
-            if (values%ends(i) > values%ends(i - 1)) then
-               call append_value(i - row%first + 1, row%is_quoted, value_text(values, i), &
-                  shown_values)
-            else
-               call append_value(i - row%first + 1, row%is_quoted, &
-                  trim(real_to_text(real(values%numbers(i), wp))), shown_values)
-            end if
-         end do
-         call fail_at_key(group, trim(row%key), shown_values, row%line, problem, error)
+         followed = ''
+         given = row
+         if (row%source > 0) then
+            given = as_given(values%keys(row%source))
+            call show_values(values, row, shown_values)
+            if (given%key /= row%key) followed = trim(row%key)//' = '//shown_values//': '
+         end if
       end associate
+      call show_values(values, given, shown_values)
+      call fail_at_key(group, trim(given%key), shown_values, given%line, followed//problem, error)
    end subroutine fail_key
+
+   !> The values of a key as a message lists them.
+   pure subroutine show_values(values, row, text)
+      type(group_values_t), intent(in) :: values
+      type(key_values_t), intent(in) :: row
+      character(:), allocatable, intent(out) :: text
+      integer :: i
+
+      text = ''
+      do i = row%first, row%first + row%n - 1
+         if (values%ends(i) > values%ends(i - 1)) then
+            call append_value(i - row%first + 1, row%is_quoted, value_text(values, i), text)
+         else
+            call append_value(i - row%first + 1, row%is_quoted, &
+               trim(real_to_text(real(values%numbers(i), wp))), text)
+         end if
+      end do
+   end subroutine show_values
 
    !> Append a value to those that a message shows; of many only the first.
    pure subroutine append_value(number, is_quoted, value, text)

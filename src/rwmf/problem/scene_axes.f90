@@ -18,7 +18,7 @@ module rwmf_problem_scene_axes
       !! of an output
       character(2) :: unit = '1'
       !! '1' for none
-      character(100) :: meaning = ''
+      character(140) :: meaning = ''
       !! what it is in this scene, and what it changes
       logical :: is_plain = .true.
       !! it sets a key of the case and nothing else
@@ -70,6 +70,9 @@ contains
       if (allocated(structure%wall)) then
          b%has_value = .true.
          b%value = structure%wall%b
+         b%is_plain = .not. structure%follows_size
+         if (structure%follows_size) b%meaning = trim(b%meaning) &
+            //'; with it its mass, and all ratios that follow from masses and forces'
       end if
       if (allocated(structure%frame)) then
          T_s%has_value = allocated(structure%frame%T_s)
@@ -77,6 +80,10 @@ contains
          gamma%has_value = allocated(structure%frame%gamma)
          if (gamma%has_value) gamma%value = structure%frame%gamma
          if (allocated(structure%storeys)) call name_axes_of_storeys(structure, T_s, gamma)
+         if (structure%follows_size) then
+            gamma%is_plain = .false.
+            gamma%meaning = trim(gamma%meaning)//'; if not asked for, at the width of the case'
+         end if
          axes = [T_s]
          if (b%has_value) axes = [b, gamma, T_s]
       else if (structure%wall%base == 'pinned') then

@@ -95,7 +95,26 @@ module rwmf_simulation_quantities
       quantity_t('wall_shear_over_m_w_g', 'wall_shear_over_m_w_g', '1', 'real', 'row', 'history', &
       'wall', 'reactions', '', 'largest shear along the wall over its weight'), &
       quantity_t('wall_moment_over_m_w_g_m', 'wall_moment_over_m_w_g', 'm', 'real', 'row', &
-      'history', 'wall', 'reactions', '', 'largest bending moment along the wall over its weight')]
+      'history', 'wall', 'reactions', '', &
+      'largest bending moment along the wall over its weight'), &
+      quantity_t('frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', 'yielding', '', &
+      'a mass; not with `storey_u_y` and `full`', 'force of the yielding frame'), &
+      quantity_t('fuse_left_force_N', 'fuse_left_force', 'N', 'real', 'row', 'history', 'fuse', &
+      '', 'a mass', 'force of the left fuse'), &
+      quantity_t('fuse_right_force_N', 'fuse_right_force', 'N', 'real', 'row', 'history', &
+      'fuse', '', 'a mass', 'force of the right fuse'), &
+      quantity_t('storey_{i}_shear_N', 'storey_{i}_shear', 'N', 'real', 'row', 'history', &
+      'storeys', '', 'a mass; `reactions`, or `storey_u_y` with `full`', &
+      'shear of the columns of storey {i}'), &
+      quantity_t('base_shear_N', 'base_shear', 'N', 'real', 'row', 'history', '', 'reactions', &
+      'a mass', 'base shear'), &
+      quantity_t('overturning_moment_N_m', 'overturning_moment', 'N m', 'real', 'row', &
+      'history', '', 'reactions', 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      'moment of all horizontal inertia about the ground'), &
+      quantity_t('wall_shear_N', 'wall_shear', 'N', 'real', 'row', 'history', 'wall', &
+      'reactions', 'a mass', 'largest shear along the wall'), &
+      quantity_t('wall_moment_N_m', 'wall_moment', 'N m', 'real', 'row', 'history', 'wall', &
+      'reactions', 'a mass', 'largest bending moment along the wall')]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
@@ -187,6 +206,18 @@ module rwmf_simulation_quantities
       quantity_t('frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', 'run ordinate', &
       'frame', 'reactions', '`&wall`', &
       'largest displacement of the frame, that of its roof, over the wall''s height'), &
+      quantity_t('cable_force_increment_max_N', 'cable_force_increment_max', 'N', 'real', &
+      'peak', 'run ordinate', 'cable', '', 'a mass', 'largest increment of the cable force'), &
+      quantity_t('cable_prestress_loss_N', 'cable_prestress_loss', 'N', 'real', 'end', &
+      'run ordinate', 'cable', '', 'a mass; `eta_y` or `rupture_strain`', &
+      'cable force at theta = 0 that is lost in the end'), &
+      quantity_t('base_shear_max_N', 'base_shear_max', 'N', 'real', 'peak', 'run ordinate', '', &
+      'reactions', 'a mass', 'largest base shear'), &
+      quantity_t('pivot_normal_min_N', 'pivot_normal_min', 'N', 'real', 'peak', 'run ordinate', &
+      'wall', 'reactions', 'a mass', 'smallest pivot reaction'), &
+      quantity_t('shear_key_force_max_N', 'shear_key_force_max', 'N', 'real', 'peak', &
+      'run ordinate', 'wall', 'reactions', 'a mass; `shear_key`', &
+      'largest force of the shear key'), &
       quantity_t('steps', '', '1', 'int', 'work', 'run cost', '', '', '', &
       'accepted steps of the integrator'), &
       quantity_t('rhs_evaluations', '', '1', 'int', 'work', 'run spectrum cost', '', '', '', &
@@ -246,7 +277,17 @@ module rwmf_simulation_quantities
       'peak', 'run ordinate', 'wall', 'reactions', '', &
       'largest bending moment inside the wall over its weight'), &
       quantity_t('wall_moment_max_height_m', 'wall_moment_max_height', 'm', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', '', 'where, above the base')]
+      'run ordinate', 'wall', 'reactions', '', 'where, above the base'), &
+      quantity_t('storey_{i}_shear_max_N', 'storey_{i}_shear_max', 'N', 'real', 'peak', &
+      'run ordinate', 'storeys', 'reactions', 'a mass', &
+      'largest shear of the columns of storey {i}'), &
+      quantity_t('overturning_moment_max_N_m', 'overturning_moment_max', 'N m', 'real', &
+      'peak', 'run ordinate', '', 'reactions', 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      'largest moment of all horizontal inertia about the ground'), &
+      quantity_t('wall_shear_max_N', 'wall_shear_max', 'N', 'real', 'peak', 'run ordinate', &
+      'wall', 'reactions', 'a mass', 'largest shear inside the wall'), &
+      quantity_t('wall_moment_max_N_m', 'wall_moment_max', 'N m', 'real', 'peak', &
+      'run ordinate', 'wall', 'reactions', 'a mass', 'largest bending moment inside the wall')]
 
    !> Parts of the energy ledger, and its residual.
    type(quantity_t), parameter :: energies(*) = [ &

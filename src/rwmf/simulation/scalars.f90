@@ -4,6 +4,7 @@ module rwmf_simulation_scalars
    use rwmf_core_kinds, only: i8, wp
    use rwmf_problem_case, only: case_t, storeys_t
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_simulation_newtons, only: ratios, weight_under
    use rwmf_simulation_result, only: demand_extremes_t, energy_t, reaction_extremes_t, result_t
    implicit none
    private
@@ -31,6 +32,28 @@ contains
       integer, intent(in) :: storey
       !! its number from the ground up, for a key with '{i}'
 
+      integer :: behind, i
+
+      scalar = number_of(case, result, key, storey)
+      behind = index(key, '_N', back=.true.)
+      if (scalar%is_present .or. behind == 0 .or. .not. case%unit_mass > 0) return
+      ! a force in N, a moment in N m
+      do i = 1, size(ratios)
+         associate (ratio => key(:behind - 1)//trim(ratios(i))//key(behind + 2:))
+            scalar = number_of(case, result, ratio, storey)
+            if (scalar%is_present) scalar%number = scalar%number*weight_under(case, ratio)
+         end associate
+         if (scalar%is_present) return
+      end do
+   end function scalar_of
+
+   !> The same of what is not in N.
+   pure type(scalar_t) function number_of(case, result, key, storey) result(scalar)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: key
+      integer, intent(in) :: storey
+
       scalar = peak_of(result, key, storey)
       if (.not. scalar%is_present) scalar = ending_of(result, key, storey)
       if (.not. scalar%is_present) scalar = effort_of(result, key)
@@ -47,7 +70,7 @@ contains
          scalar = storeys_of(case%storeys, key)
          if (key == 'T_s_s') scalar = of_real(case%frame%T_s)
       end if
-   end function scalar_of
+   end function number_of
 
    !> Suprema of the response, and their times.
    pure type(scalar_t) function peak_of(result, key, storey) result(scalar)

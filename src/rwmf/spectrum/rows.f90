@@ -6,10 +6,11 @@ module rwmf_spectrum_rows
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_change, only: change_case, changes_t, find_changes
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, spectrum_spec_t
+   use rwmf_problem_case, only: case_t, spectrum_spec_t, wall_t
    use rwmf_problem_record, only: set_factor
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
    use rwmf_problem_single_run, only: check_single_run
+   use rwmf_problem_wall_size, only: scale_to_period
    use rwmf_text_strings, only: real_to_text, to_lower
    implicit none
    private
@@ -20,9 +21,11 @@ module rwmf_spectrum_rows
    character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
    !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
    !! factor on the motion
+   integer, parameter :: axis_width = 1
    integer, parameter :: axis_period = 3
    integer, parameter :: axis_scale = 4
    !! places among them
+   character(6), parameter :: sizes(2) = ['wall.h', 'wall.b']
 
    !> Where the numbers of the runs come from.
    type :: rows_t
@@ -42,6 +45,10 @@ module rwmf_spectrum_rows
       integer, allocatable :: key_columns(:)
       !! columns of the keys of `changes`
       type(changes_t) :: changes
+      logical :: is_sized = .false.
+      !! masses follow the size of the wall, whose height and width are the last of `changes`
+      integer :: size_columns(2) = 0
+      !! columns of these, 0 for none
       logical :: has_own_motion = .false.
       !! a number of the motion differs
       logical :: has_own_shape = .false.
@@ -57,10 +64,12 @@ module rwmf_spectrum_rows
 contains
 
    !> The grid of a case's `&spectrum` group.
-   subroutine rows_of_grid(case, rows, origin)
+   subroutine rows_of_grid(case, rows, error, origin)
       type(case_t), intent(in), target :: case
       !! outlives the rows
       type(rows_t), intent(out) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      !! the keys of the size cannot change
       type(case_t), intent(in), target, optional :: origin
       !! of a changed case: that which keeps the samples of its records; outlives the rows
 
@@ -76,6 +85,9 @@ contains
       rows%b = [case%wall%b]
       if (allocated(case%spectrum%b)) rows%b = case%spectrum%b
       rows%n = rows%n*size(rows%b)
+      rows%is_sized = case%follows_size .and. (allocated(case%spectrum%b) &
+         .or. .not. allocated(case%frame))
+      if (rows%is_sized) call find_changes(case, sizes, rows%changes, error)
    end subroutine rows_of_grid
 
    !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, a
@@ -107,14 +119,35 @@ contains
          end if
          if (allocated(error)) return
       end do
-      if (size(rows%key_columns) > 0) call find_changes(case, columns(rows%key_columns), &
-         rows%changes, error)
+      rows%is_sized = case%follows_size .and. (rows%axis_column(axis_width) > 0 &
+         .or. (rows%axis_column(axis_period) > 0 .and. .not. allocated(case%frame)))
+      if (rows%is_sized) then
+         call find_sizes(case, columns, rows, error)
+      else if (size(rows%key_columns) > 0) then
+         call find_changes(case, columns(rows%key_columns), rows%changes, error)
+      end if
       if (allocated(error) .or. rows%axis_column(axis_period) > 0) return
       do i = 1, size(rows%key_columns)
          if (to_lower(trim(columns(rows%key_columns(i)))) == 'frame.t_s') return
       end do
       call check_single_run(case, error)
    end subroutine rows_of_table
+
+   !> The keys of a table whose masses follow the size of the wall, with that size.
+   subroutine find_sizes(case, columns, rows, error)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: columns(:)
+      type(rows_t), intent(inout) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(sizes)
+         rows%size_columns(i) = findloc(to_lower(columns) == sizes(i), .true., dim=1)
+         rows%key_columns = pack(rows%key_columns, rows%key_columns /= rows%size_columns(i))
+      end do
+      call find_changes(case, [character(40) :: columns(rows%key_columns), sizes], rows%changes, &
+         error)
+   end subroutine find_sizes
 
    !> A column that is an axis.
    subroutine add_axis(case, axis, column, rows, error)
@@ -224,6 +257,7 @@ contains
       type(case_t), intent(inout) :: row
       !! without text and samples
       type(error_t), allocatable, intent(out) :: error
+      type(wall_t) :: wall
       integer :: i, n_gamma
 
       if (associated(rows%table)) then
@@ -234,14 +268,46 @@ contains
       row%solver = rows%case%solver
       i = (number - 1)/size(rows%T_s)
       n_gamma = 1
-      if (allocated(rows%gamma)) then
-         n_gamma = size(rows%gamma)
-         call set_axes(row, gamma=rows%gamma(mod(i, n_gamma) + 1))
-      end if
-      if (allocated(rows%b)) call set_axes(row, b=rows%b(i/n_gamma + 1))
-      ! the size of a block follows its width
-      call set_axes(row, T_s=rows%T_s(mod(number - 1, size(rows%T_s)) + 1))
+      if (allocated(rows%gamma)) n_gamma = size(rows%gamma)
+      associate (T_s => period_of(rows, number))
+         if (rows%is_sized) then
+            wall = rows%case%wall
+            wall%b = rows%b(i/n_gamma + 1)
+            call take_sized(rows, [real(dp) ::], wall, row, error, T_s)
+            if (allocated(error) .or. .not. allocated(rows%case%frame)) return
+         end if
+         ! without its axis the mass of the frame stays, not its ratio
+         if (allocated(rows%gamma) .and. (allocated(rows%case%spectrum%gamma) &
+                                          .or. .not. rows%is_sized)) then
+            call set_axes(row, gamma=rows%gamma(mod(i, n_gamma) + 1))
+         end if
+         if (allocated(rows%b)) call set_axes(row, b=rows%b(i/n_gamma + 1))
+         ! the size of a block follows its width
+         call set_axes(row, T_s=T_s)
+      end associate
    end subroutine take_row
+
+   !> The case of a wall of another size, whose masses follow: of another width, and of a block of
+   !> another period.
+   subroutine take_sized(rows, numbers, wall, row, error, T_s)
+      type(rows_t), intent(in) :: rows
+      real(dp), intent(in) :: numbers(:)
+      !! of the keys that change besides
+      type(wall_t), intent(in) :: wall
+      !! with its size
+      type(case_t), intent(inout) :: row
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: T_s
+      !! of a block 2 pi/p [s]; absent: its size is that of `wall`
+      type(wall_t) :: scaled
+
+      call change_case(rows%case, rows%changes, [numbers, real([wall%h, wall%b], dp)], row, error)
+      if (allocated(error) .or. allocated(rows%case%frame) .or. .not. present(T_s)) return
+      scaled = wall
+      call scale_to_period(scaled, row%model%g, T_s)
+      call change_case(rows%case, rows%changes, [numbers, real([scaled%h, scaled%b], dp)], row, &
+         error)
+   end subroutine take_sized
 
    !> The case of a line of a table.
    subroutine take_line(rows, x, row, error)
@@ -252,7 +318,19 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: axis
 
-      if (size(rows%key_columns) > 0) then
+      do axis = 1, size(axes)
+         if (rows%axis_column(axis) == 0) cycle
+         associate (value => x(rows%axis_column(axis)))
+            if (is_allowed(rows%case, axis, value)) cycle
+            call fail(error, err_input, trim(axes(axis))//' = '//trim(real_to_text(value)) &
+               //': must be a finite number'//trim(merge('    ', ' > 0', axis == axis_scale)))
+            return
+         end associate
+      end do
+      if (rows%is_sized) then
+         call take_sized_line(rows, x, row, error)
+         if (allocated(error)) return
+      else if (size(rows%key_columns) > 0) then
          call change_case(rows%case, rows%changes, real(x(rows%key_columns), dp), row, error)
          if (allocated(error)) return
       else
@@ -263,18 +341,14 @@ contains
       do axis = 1, size(axes)
          if (rows%axis_column(axis) == 0) cycle
          associate (value => x(rows%axis_column(axis)))
-            if (.not. is_allowed(rows%case, axis, value)) then
-               call fail(error, err_input, trim(axes(axis))//' = '//trim(real_to_text(value)) &
-                  //': must be a finite number'//trim(merge('    ', ' > 0', axis == axis_scale)))
-               return
-            end if
             select case (axes(axis))
             case ('b')
                call set_axes(row, b=value)
             case ('gamma')
                call set_axes(row, gamma=value)
             case ('T_s')
-               call set_axes(row, T_s=value)
+               ! that of a block has set its size
+               if (.not. rows%is_sized .or. allocated(row%frame)) call set_axes(row, T_s=value)
             case default
                call scale_motion(rows%case, value, row, error)
                if (allocated(error)) return
@@ -282,6 +356,26 @@ contains
          end associate
       end do
    end subroutine take_line
+
+   !> The case of a line whose masses follow the size of the wall. What is no axis of the line stays
+   !> as the case has it.
+   subroutine take_sized_line(rows, x, row, error)
+      type(rows_t), intent(in) :: rows
+      real(wp), intent(in) :: x(:)
+      !! (columns)
+      type(case_t), intent(inout) :: row
+      type(error_t), allocatable, intent(out) :: error
+      type(wall_t) :: wall
+      real(wp), allocatable :: T_s
+
+      wall = rows%case%wall
+      if (rows%size_columns(1) > 0) wall%h = x(rows%size_columns(1))
+      if (rows%size_columns(2) > 0) wall%b = x(rows%size_columns(2))
+      if (rows%axis_column(axis_width) > 0) wall%b = x(rows%axis_column(axis_width))
+      if (rows%axis_column(axis_period) > 0) T_s = x(rows%axis_column(axis_period))
+      ! what is not allocated is an absent argument
+      call take_sized(rows, real(x(rows%key_columns), dp), wall, row, error, T_s)
+   end subroutine take_sized_line
 
    !> May an axis have a value? A frame may have no mass, storeys may not.
    pure logical function is_allowed(case, axis, value)

@@ -91,7 +91,8 @@ contains
          call fail(error, err_input, 'no &spectrum group: nothing to loop over')
          return
       end if
-      call rows_of_grid(case, rows, origin)
+      call rows_of_grid(case, rows, error, origin)
+      if (allocated(error)) return
       spectrum%T_s = rows%T_s
       sizes = [size(rows%T_s), 1, 1]
       if (allocated(rows%gamma)) then

@@ -28,7 +28,7 @@ _KINDS = {"real": float, "int": int, "logical": bool, "text": str, "list": list}
 _FURTHER: list[pairs.Groups] = [
     {"wall": {"h": 2.0, "b": 0.5, "m_w": 1000.0}, "cable": pairs.CABLE},
     {"output": {"reactions": True, "friction_limit": 0.01}},
-    {"wall": {"h": 2.0, "b": 0.5, "shear_key": True}},
+    {"wall": {"h": 2.0, "b": 0.5, "shear_key": True, "m_w": 1000.0}},
     {"solver": {"t_end": 1.0, "verify": True}},
 ]
 Report = tuple[dict[str, Any], list[str]]
@@ -46,8 +46,16 @@ def _scenes(folder: Path) -> Iterator[rwmf.Case]:
         yield case.replace(solver={"t_end": 0.5, "verify": None, "accuracy": None})
     for case in random_cases(20, 16, folder):
         yield case.replace(solver={"t_end": 0.5})
-    for groups in (*map(pairs.joined, pairs.EFFECTS), *(pairs.SCENE | more for more in _FURTHER)):
+    # with a mass: forces are reported in N as well
+    effects = [_with_mass(groups) for groups in map(pairs.joined, pairs.EFFECTS)]
+    for groups in (*effects, *(pairs.SCENE | more for more in _FURTHER)):
         yield rwmf.Case.from_text(compose(groups), folder / "pair.nml")
+
+
+def _with_mass(groups: pairs.Groups) -> pairs.Groups:
+    if "wall" not in groups:
+        return groups
+    return groups | {"wall": groups["wall"] | {"m_w": 1000.0}}
 
 
 def _report(case: rwmf.Case) -> Report:

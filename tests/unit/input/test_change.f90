@@ -35,6 +35,7 @@ program test_change
    if (checks%wants('records')) call test_records()
    if (checks%wants('bad_names')) call test_bad_names()
    if (checks%wants('bad_numbers')) call test_bad_numbers()
+   if (checks%wants('units')) call test_units()
    if (checks%wants('cost')) call test_cost()
    call checks%finish()
 
@@ -75,6 +76,35 @@ contains
       call same(scene//'&cable eta_0 = 0.5, eta_alpha = 0.75 /', ['cable.eta_alpha'], &
          [real(dp) ::], scene//cable, [0])
    end subroutine test_lists
+
+   !> What follows from dimensional keys follows again, and is reported by the key that is given.
+   subroutine test_units()
+      character(*), parameter :: heavy = '&wall h = 2.0, b = 0.5, density = 2500, ' &
+         //'thickness = 0.3 /'//nl//'&frame m_s = 5000, k_s = 2e5, xi_s = 0.05 /'//nl//'&cable strands = 2, ' &
+         //'strand_area = 1e-4, modulus = 2e11, initial_stress = 1e8, yield_stress = 4e8 /'//nl
+      character(*), parameter :: tall = '&frame xi_s = 0.05 /'//nl//'&storeys n = 3, m = 1000, ' &
+         //'height = 3, T_1 = 0.4, distribution = ''straight_mode'' /'//nl
+      character(*), parameter :: motion = '&motion kind = ''sine'', a_max_g = 0.5, T_p = 0.5 /' &
+         //nl//'&solver t_end = 3.0 /'//nl
+
+      call same(heavy//motion, ['wall.b   ', 'frame.k_s'], [0.6_dp, 3.0e5_dp], &
+         '&wall h = 2.0, b = 0.6, density = 2500, thickness = 0.3 /'//nl &
+         //'&frame m_s = 5000, k_s = 3e5, xi_s = 0.05 /'//nl//'&cable strands = 2, ' &
+         //'strand_area = 1e-4, modulus = 2e11, initial_stress = 1e8, yield_stress = 4e8 /'//nl &
+         //motion)
+      call same(tall//motion, ['storeys.height', 'storeys.T_1   '], [2.0_dp, 3.0_dp, 4.0_dp, &
+         0.5_dp], '&frame xi_s = 0.05 /'//nl//'&storeys n = 3, m = 1000, height = 2, 3, 4, ' &
+         //'T_1 = 0.5, distribution = ''straight_mode'' /'//nl//motion, [3, 1])
+      call same(tall//motion, ['storeys.T_1'], [0.5_dp], '&frame xi_s = 0.05 /'//nl//'&storeys ' &
+         //'n = 3, m = 1000, height = 3, T_1 = 0.5, distribution = ''straight_mode'' /'//nl//motion)
+      call refuse(heavy//motion, ['cable.yield_stress'], [0.5e8_dp], &
+         '&cable: yield_stress = 50000000.0: eta_y = ')
+      call refuse(heavy//motion, ['frame.m_s'], [0.0_dp], &
+         '&frame: k_s = 2e5 (line 2): T_s = 0.0: must be a number > 0 [s]')
+      call refuse(heavy//motion, ['frame.gamma'], [2.0_dp], &
+         '&frame: m_s = 5000 (line 2): must not be given beside gamma')
+      call refuse(tall//motion, ['storeys.n'], [2.0_dp], 'must be given where the case is made')
+   end subroutine test_units
 
    !> A changed case changes again, without growing.
    subroutine test_chain()

@@ -82,7 +82,8 @@ contains
 
       call compute_spectrum(case, 2, fast, error)
       call checks%no_error(error, name)
-      call rows_of_grid(case, rows)
+      call rows_of_grid(case, rows, error)
+      call checks%no_error(error, name)
       call begin_fast(rows, 1, control_t(), method)
       allocate (u_s_max(rows%n), is_done(rows%n))
       call run_fast(method, 1, u_s_max, is_done)

@@ -1,12 +1,13 @@
 !> The basic groups of the structure: `&wall`, `&frame`, `&cable`, `&impact`, `&initial`.
 module rwmf_input_groups_structure
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: pi, wp
    use rwmf_problem_case, only: cable_t, case_t, frame_t, initial_t, wall_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
-      logical_of, real_of, text_of
-   use rwmf_problem_key, only: any_real, not_negative, optional_key, positive, required
+   use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
+      has_key, logical_of, real_of, text_of
+   use rwmf_problem_key, only: any_real, dimensional, not_negative, optional_key, positive, &
+      required, with_si
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -24,11 +25,25 @@ contains
          required('wall', 'b', 'real', 'm', positive, 'half width of the wall'), &
          optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
             'mass of the wall; given: forces are reported in N as well'), &
+         dimensional('wall', 'density', 'real', 'kg/m3', 'm_w', 'thickness', &
+            'or its density and thickness: m_w = 4 h b thickness density'), &
+         dimensional('wall', 'thickness', 'real', 'm', 'm_w', 'density', &
+            'across the plane of the motion'), &
          optional_key('wall', 'shear_key', 'logical', '', '.false.', '', &
             'a key keeps the base from sliding: its force is reported, not the friction demand')]
+      group%derive => derive_wall
       group%fill => fill_wall
       group%is_present => has_wall
    end function wall_group
+
+   subroutine derive_wall(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_key(values, 'wall', 'density')) call derive(values, 'wall', 'm_w', 'density', &
+         [4*real_of(values, 'wall', 'h')*real_of(values, 'wall', 'b') &
+         *real_of(values, 'wall', 'thickness')*real_of(values, 'wall', 'density')])
+   end subroutine derive_wall
 
    subroutine fill_wall(case, error)
       type(case_t), intent(inout) :: case
@@ -51,13 +66,26 @@ contains
       group%keys = [ &
          optional_key('frame', 'T_s', 'real', 's', '', positive, &
             'undamped period; required without &spectrum'), &
-         optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
-            'mass ratio m_s/m_w; required with &wall, refused without'), &
+         with_si('kg', optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
+            'mass ratio m_s/m_w; required with &wall, refused without')), &
+         dimensional('frame', 'm_s', 'real', 'kg', 'gamma', '', &
+            'or the mass of the frame, with and without &wall', not_negative), &
+         dimensional('frame', 'k_s', 'real', 'N/m', 'T_s', 'm_s', &
+            'stiffness of the frame: T_s = 2 pi sqrt(m_s/k_s)'), &
          required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio')]
+      group%derive => derive_frame
       group%check => check_frame
       group%fill => fill_frame
       group%is_present => has_frame
    end function frame_group
+
+   subroutine derive_frame(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_key(values, 'frame', 'k_s')) call derive(values, 'frame', 'T_s', 'k_s', &
+         [2*pi*sqrt(real_of(values, 'frame', 'm_s')/real_of(values, 'frame', 'k_s'))])
+   end subroutine derive_frame
 
    !> Mass ratio and period of the frame, unless storeys set them.
    subroutine check_frame(values, error)
@@ -98,9 +126,10 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'a cable holds a wall'
       group%keys = [ &
-         required('cable', 'eta_0', 'real', '-', not_negative, 'P(0)/(m_w g), Eq. (1)'), &
-         optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
-            'P(alpha)/(m_w g)'), &
+         with_si('N', required('cable', 'eta_0', 'real', '-', not_negative, &
+            'P(0)/(m_w g), Eq. (1)')), &
+         with_si('N', optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
+            'P(alpha)/(m_w g)')), &
          optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
             'Eq. (1), or the exact length of the straight cable')]
       group%check => check_cable

@@ -6,8 +6,8 @@ module rwmf_model_effects_fuse
    use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
-   use rwmf_problem_group_values, only: group_values_t, has_key, real_of, text_of
-   use rwmf_problem_key, only: below_one, optional_key, positive, required
+   use rwmf_problem_group_values, only: derive, group_values_t, has_key, real_of, text_of
+   use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, required, with_si
    use rwmf_problem_rules, only: check_period, fail_key
    implicit none
    private
@@ -22,9 +22,12 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'fuses work under its corners'
       group%keys = [ &
-         required('fuse', 'eta_y', 'real', '-', positive, &
-            'yield force of the fuse under each corner of the base over m_w g'), &
+         with_si('N', required('fuse', 'eta_y', 'real', '-', positive, &
+            'yield force of the fuse under each corner of the base over m_w g')), &
          required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
+         dimensional('fuse', 'F_y', 'real', 'N', 'eta_y', '', 'or the yield force'), &
+         dimensional('fuse', 'k', 'real', 'N/m', 'stroke_y', 'F_y', &
+            'or the stiffness until then: stroke_y = F_y/k'), &
          optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding fuse over its elastic one'), &
          optional_key('fuse', 'law', 'choice', '', 'elastic_plastic', &
@@ -33,12 +36,21 @@ contains
             'force at which friction lets go over that at which it slips; friction only'), &
          optional_key('fuse', 'flag_height', 'real', '-', '1.0', '(0, 1]', &
             'force by which a flag unloads lower, over its yield force; flag only')]
+      group%derive => derive_fuse
       group%check => check_fuse
       group%fill => fill_fuse
       group%is_present => has_fuse
       group%add_events => add_branch_event
       group%refuse_element => refuse_element
    end function fuse_group
+
+   subroutine derive_fuse(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_key(values, 'fuse', 'k')) call derive(values, 'fuse', 'stroke_y', 'k', &
+         [real_of(values, 'fuse', 'F_y')/real_of(values, 'fuse', 'k')])
+   end subroutine derive_fuse
 
    !> Keys of a law only with it; the stiffness of a fuse must leave the wall a period that can be
    !> followed.

@@ -10,9 +10,10 @@ module rwmf_model_effects_p_delta
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
-   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, real_of
-   use rwmf_problem_key, only: not_negative, optional_key, positive
+   use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, real_of
+   use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive
    use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_problem_units, only: mass_of_frame
    implicit none
    private
 
@@ -34,16 +35,33 @@ contains
       group%keys = [ &
          optional_key('p_delta', 'm_g_over_m_s', 'real', '-', '1.0', not_negative, &
             'mass whose weight leans on the frame, over the mass of the frame or of each floor'), &
+         dimensional('p_delta', 'm_g', 'real', 'kg', 'm_g_over_m_s', '', &
+            'or that mass, with &storeys that of all floors', not_negative), &
          optional_key('p_delta', 'h_f', 'real', 'm', '2h', positive, &
             'height of the frame; required without &wall, refused with &storeys'), &
          optional_key('p_delta', 'drift_limit', 'real', '-', '0.1', positive, &
             'drift of the frame or of a storey at which it has collapsed, which ends the run')]
+      group%derive => derive_p_delta
       group%check => check_p_delta
       group%fill => fill_p_delta
       group%is_present => has_p_delta
       group%add_events => add_collapse
       group%refuse_element => refuse_element
    end function p_delta_group
+
+   subroutine derive_p_delta(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. has_key(values, 'p_delta', 'm_g')) return
+      if (mass_of_frame(values) > 0) then
+         call derive(values, 'p_delta', 'm_g_over_m_s', 'm_g', &
+            [real_of(values, 'p_delta', 'm_g')/mass_of_frame(values)])
+      else
+         call fail_key(values, 'p_delta', 'm_g', 'needs the mass of the frame: &frame m_s or ' &
+            //'&storeys m (with &wall its ratio as well) must be given, > 0', error)
+      end if
+   end subroutine derive_p_delta
 
    subroutine check_p_delta(values, error)
       type(group_values_t), intent(in) :: values

@@ -1,13 +1,16 @@
-!> Cable that yields or breaks, `&cable eta_y, hardening, rupture_strain`.
+!> Cable that yields or breaks, `&cable eta_y, hardening, rupture_strain`, and the cable by its
+!> strands, whose steel and length say the forces.
 module rwmf_model_effects_tendon
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
-   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_key, real_of, &
-      text_of
-   use rwmf_problem_key, only: below_one, optional_key, positive
+   use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_key, &
+      real_of, text_of
+   use rwmf_problem_key, only: below_one, dimensional, not_negative, optional_key, positive, &
+      with_si
    use rwmf_problem_rules, only: check_period, fail_key
+   use rwmf_problem_units, only: unit_of
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -18,21 +21,67 @@ contains
 
    !> The group `&tendon`: its keys, and how they are checked and read.
    type(case_group_t) function tendon_group() result(group)
+      character(*), parameter :: of_strands = 'strands strand_area modulus initial_stress'
+
       group%name = 'cable'
       group%after = 'cable'
       group%keys = [ &
-         optional_key('cable', 'eta_y', 'real', '-', '', positive, &
-            'P/(m_w g) at which the tendon yields; absent: it stays elastic'), &
+         with_si('N', optional_key('cable', 'eta_y', 'real', '-', '', positive, &
+            'P/(m_w g) at which the tendon yields; absent: it stays elastic')), &
          optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding tendon over its elastic one'), &
          optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
-            'strain at which it breaks, that of the prestress included; absent: never')]
+            'strain at which it breaks, that of the prestress included; absent: never'), &
+         optional_key('cable', 'length', 'real', 'm', '', positive, &
+            'length that is strained, with strands or rupture_strain; absent: 2h'), &
+         dimensional('cable', 'strands', 'integer', '', 'eta_0', of_strands, &
+            'number of strands: P(0) = strands strand_area initial_stress'), &
+         dimensional('cable', 'strand_area', 'real', 'm2', 'eta_0', of_strands, 'area of each'), &
+         dimensional('cable', 'modulus', 'real', 'Pa', 'eta_alpha', of_strands, &
+            'of elasticity: P(alpha) follows from the elongation at alpha over length'), &
+         dimensional('cable', 'initial_stress', 'real', 'Pa', 'eta_0', of_strands, &
+            'stress at theta = 0', not_negative), &
+         dimensional('cable', 'yield_stress', 'real', 'Pa', 'eta_y', 'strands', &
+            'stress at which it yields; absent: it stays elastic')]
+      group%derive => derive_strands
       group%check => check_tendon
       group%fill => fill_tendon
       group%is_present => has_tendon
       group%add_events => add_tendon_events
       group%refuse_element => refuse_element
    end function tendon_group
+
+   !> Forces over the weight of the wall from stresses, and from the strain at theta = alpha.
+   subroutine derive_strands(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: area
+      !! over the weight of the wall [m2/N]
+      real(wp) :: stress
+      !! at theta = 0 [Pa]
+      real(wp) :: strain
+      !! from there to theta = alpha [-]
+
+      if (.not. has_key(values, 'cable', 'strands')) return
+      area = real_of(values, 'cable', 'strands')*real_of(values, 'cable', 'strand_area') &
+         /unit_of(values, 'N')
+      stress = real_of(values, 'cable', 'initial_stress')
+      strain = elongation_at_alpha(text_of(values, 'cable', 'law'), real_of(values, 'wall', 'h'), &
+         real_of(values, 'wall', 'b'))/strained_length(values)
+      call derive(values, 'cable', 'eta_0', 'initial_stress', [area*stress])
+      call derive(values, 'cable', 'eta_alpha', 'modulus', &
+         [area*(stress + real_of(values, 'cable', 'modulus')*strain)])
+      if (has_key(values, 'cable', 'yield_stress')) call derive(values, 'cable', 'eta_y', &
+         'yield_stress', [area*real_of(values, 'cable', 'yield_stress')])
+   end subroutine derive_strands
+
+   !> Length over which the cable is strained [m].
+   pure real(wp) function strained_length(values) result(length)
+      type(group_values_t), intent(in) :: values
+
+      length = 2*real_of(values, 'wall', 'h')
+      if (has_key(values, 'cable', 'length')) length = real_of(values, 'cable', 'length')
+   end function strained_length
 
    !> Elongations need a stiffness, and the cable must not begin beyond its limits.
    subroutine check_tendon(values, error)
@@ -41,6 +90,12 @@ contains
       character(14) :: key
       real(wp) :: eta_0
 
+      if (has_key(values, 'cable', 'length') .and. .not. has_key(values, 'cable', 'strands') &
+          .and. .not. has_key(values, 'cable', 'rupture_strain')) then
+         call fail_key(values, 'cable', 'length', 'must not be given without strands or ' &
+            //'rupture_strain, which it belongs to', error)
+         return
+      end if
       key = 'eta_y'
       if (.not. has_key(values, 'cable', 'eta_y')) key = 'rupture_strain'
       if (.not. has_key(values, 'cable', trim(key))) then
@@ -87,14 +142,17 @@ contains
       h = real_of(values, 'wall', 'h')
       rise = real_of(values, 'cable', 'eta_alpha') - eta_0
       call get_list(values, 'spectrum', 'b', b)
-      if (.not. allocated(b)) b = [real_of(values, 'wall', 'b')]
+      ! the forces of strands are those of the width in force
+      if (has_key(values, 'cable', 'strands') .or. .not. allocated(b)) then
+         b = [real_of(values, 'wall', 'b')]
+      end if
       elongation = [(elongation_at_alpha(text_of(values, 'cable', 'law'), h, b(i)), i=1, size(b))]
       call check_period(sqrt(minval(elongation)), sqrt(rise)*sqrt(real_of(values, 'model', 'g')), &
          problem)
       if (allocated(problem)) then
          call fail_key(values, 'cable', 'eta_alpha', problem, error)
       else if (has_key(values, 'cable', 'rupture_strain')) then
-         strain = max(0.0_wp, maxval(eta_0/(2*h)*elongation/rise))
+         strain = max(0.0_wp, maxval(eta_0/strained_length(values)*elongation/rise))
          if (real_of(values, 'cable', 'rupture_strain') <= strain) call fail_key(values, 'cable', &
             'rupture_strain', 'must be > '//trim(real_to_text(strain)) &
             //', the strain of the prestress', error)
@@ -125,6 +183,7 @@ contains
       case%cable%hardening = real_of(case%values, 'cable', 'hardening')
       call get_real(case%values, 'cable', 'eta_y', case%cable%eta_y)
       call get_real(case%values, 'cable', 'rupture_strain', case%cable%rupture_strain)
+      call get_real(case%values, 'cable', 'length', case%cable%length)
    end subroutine fill_tendon
 
    !> Can the cable of a case yield or break?

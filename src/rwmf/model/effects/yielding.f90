@@ -13,10 +13,11 @@ module rwmf_model_effects_yielding
       yield_displacement, yielding_energy
    use rwmf_problem_case, only: case_t, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
-   use rwmf_problem_group_values, only: get_list, get_real, group_values_t, has_group, has_key, &
-      real_of, text_of
-   use rwmf_problem_key, only: below_one, optional_key, positive
+   use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
+      has_key, real_of, text_of
+   use rwmf_problem_key, only: below_one, dimensional, optional_key, positive
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
+   use rwmf_problem_units, only: mass_of_frame, unit_mass
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
@@ -39,6 +40,10 @@ contains
          optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
             'or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for ' &
             //'all or one each'), &
+         dimensional('yielding', 'F_y', 'real', 'N', 'f_y_over_m_s_g', '', &
+            'or the yield force of a frame without &storeys'), &
+         dimensional('yielding', 'storey_F_y', 'real list', 'N', 'storey_u_y', '', &
+            'or the forces at which storeys yield: one for all or one each'), &
          optional_key('yielding', 'hardening', 'real', '-', '0.0', '(-1, 1)', &
             'stiffness of the yielding frame over its elastic one; < 0: it softens'), &
          optional_key('yielding', 'ultimate', 'real', '-', '', '> 1', &
@@ -68,6 +73,7 @@ contains
             'kappa_F: force at the pinching point over that on the straight way; pinched only'), &
          optional_key('yielding', 'pinch_displacement', 'real', '-', '1.0', '[0, 1]', &
             'kappa_D: part of the plastic displacement left before that point; pinched only')]
+      group%derive => derive_yielding
       group%check => check_yielding
       group%fill => fill_yielding
       group%is_present => has_yielding
@@ -75,6 +81,46 @@ contains
       group%add_events => add_yielding_events
       group%refuse_element => refuse_element
    end function yielding_group
+
+   !> Forces over the weight of the frame, those of storeys over their stiffness.
+   subroutine derive_yielding(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: force(:)
+      real(wp), allocatable :: k(:)
+      !! over the unit of mass [1/s2]
+      integer :: n
+
+      if (has_key(values, 'yielding', 'F_y')) then
+         if (has_group(values, 'storeys')) then
+            call fail_key(values, 'yielding', 'F_y', 'must not be given with &storeys: ' &
+               //"storey_F_y says the forces of storeys (coupling = 'full' or 'every_floor'), " &
+               //"u_y the displacement of the roof ('reduced', 'every_floor')", error)
+         else if (mass_of_frame(values) > 0) then
+            call derive(values, 'yielding', 'f_y_over_m_s_g', 'F_y', [real_of(values, 'yielding', &
+               'F_y')/(mass_of_frame(values)*real_of(values, 'model', 'g'))])
+         else
+            call fail_key(values, 'yielding', 'F_y', 'needs the mass of the frame: &frame m_s ' &
+               //'(with &wall m_s or gamma) must be given, > 0', error)
+         end if
+      end if
+      if (allocated(error) .or. .not. has_key(values, 'yielding', 'storey_F_y')) return
+      call get_list(values, 'yielding', 'storey_F_y', force)
+      call get_list(values, 'storeys', 'k_over_m_w', k)
+      if (.not. (allocated(k) .and. unit_mass(values) > 0)) then
+         call fail_key(values, 'yielding', 'storey_F_y', 'needs the stiffness of the storeys in ' &
+            //'N/m: k and m of &storeys, or k_over_m_w beside a wall with a mass', error)
+         return
+      end if
+      ! lists that do not fit are for the rules of storey_u_y
+      if (size(force) == 1) then
+         call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force(1)/(k*unit_mass(values)))
+      else
+         n = min(size(force), size(k))
+         force(:n) = force(:n)/(k(:n)*unit_mass(values))
+         call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force)
+      end if
+   end subroutine derive_yielding
 
    subroutine check_yielding(values, error)
       type(group_values_t), intent(in) :: values

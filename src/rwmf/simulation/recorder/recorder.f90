@@ -19,6 +19,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, from, &
       is_short, sample_state, step_view_t, until
+   use rwmf_simulation_newtons, only: in_newtons, ratios, weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands, observe_demands_at, observe_demands_at_rest, put_demands, &
       put_storeys
@@ -78,6 +79,12 @@ module rwmf_simulation_recorder_recorder
       !! interval of the history [s]
       real(wp) :: m_w_g
       !! weight of the wall, 0 when the case gives no mass [N]
+      real(wp) :: weights(size(ratios)) = 0
+      !! that forces are over, 0 when the case gives no mass [N]
+      integer, allocatable :: newton_place(:)
+      !! (columns in N) column of the ratio that each follows from
+      real(wp), allocatable :: newton_weight(:)
+      !! (columns in N) weight that it is over [N]
       integer :: next_row
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
@@ -133,7 +140,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at t = 0
       type(error_t), allocatable, intent(out) :: error
-      integer :: status
+      integer :: status, i
       real(wp) :: rows
 
       recorder%keeps_history = .true.
@@ -145,6 +152,7 @@ contains
       if (equation%has_wall) then
          if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
       end if
+      recorder%weights = [(weight_under(case, ratios(i)), i=1, size(ratios))]
       call create_row(recorder%row)
       call put_columns(recorder, equation, 0.0_wp, y, 0.0_wp, recorder%energy)
       call move_alloc(recorder%row%names, recorder%history%names)
@@ -414,6 +422,8 @@ contains
       real(wp) :: u_s_dot
       !! [m/s]
       real(wp) :: y_dot(size(y))
+      character(40) :: key
+      integer :: i
 
       u_s = 0
       associate (row => recorder%row, m_w_g => recorder%m_w_g)
@@ -449,9 +459,35 @@ contains
             call put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
          end if
          if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
+         if (allocated(row%names)) call list_newtons(recorder)
+         do i = 1, size(recorder%newton_place)
+            key = ''
+            if (allocated(row%names)) key = in_newtons(row%names(recorder%newton_place(i)))
+            call put(row, trim(key), row%values(recorder%newton_place(i))*recorder%newton_weight(i))
+         end do
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
       end associate
    end subroutine put_columns
+
+   !> Which columns of the row so far follow in N, those that stand there already apart.
+   subroutine list_newtons(recorder)
+      type(recorder_t), intent(inout) :: recorder
+      !! with a row that gathers names
+      character(40) :: key
+      integer :: i, j
+
+      allocate (recorder%newton_place(0), recorder%newton_weight(0))
+      if (.not. any(recorder%weights > 0)) return
+      associate (names => recorder%row%names)
+         do i = 1, size(names)
+            key = in_newtons(names(i))
+            if (key == '' .or. any(names == key)) cycle
+            recorder%newton_place = [recorder%newton_place, i]
+            recorder%newton_weight = [recorder%newton_weight, sum(recorder%weights, &
+               [(index(names(i), trim(ratios(j))) > 0, j=1, size(ratios))])]
+         end do
+      end associate
+   end subroutine list_newtons
 
    !> An impact with the angular velocity before and after it.
    subroutine observe_impact(recorder, equation, before, after)

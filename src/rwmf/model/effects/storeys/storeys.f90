@@ -1,7 +1,8 @@
-!> Storeys of the frame, `&storeys`: their lists, and how they are linked to the wall.
+!> Storeys of the frame, `&storeys`: their lists or the rule that they follow, and how they are
+!> linked to the wall.
 module rwmf_model_effects_storeys_storeys
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: pi, wp
    use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
       no_hysteresis
    use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
@@ -11,10 +12,11 @@ module rwmf_model_effects_storeys_storeys
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
-   use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, real_of, &
-      text_of
-   use rwmf_problem_key, only: optional_key, positive, required
-   use rwmf_problem_rules, only: check_period, fail_key
+   use rwmf_problem_group_values, only: derive, get_list, group_values_t, has_group, has_key, &
+      integer_of, real_of, text_of
+   use rwmf_problem_key, only: dimensional, key_t, optional_key, positive, required, with_si
+   use rwmf_problem_rules, only: check_period, fail_group, fail_key
+   use rwmf_problem_shear_frame, only: find_modes, shear_frame_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
@@ -25,25 +27,133 @@ contains
 
    !> The group `&storeys`: its keys, and how they are checked and read.
    type(case_group_t) function storeys_group() result(group)
+      type(key_t) :: distribution
+
+      distribution = optional_key('storeys', 'distribution', 'choice', '', '', &
+         'uniform linear straight_mode', &
+         'of stiffnesses from the lowest storey up; straight_mode: a straight first mode')
+      distribution%needs = 'n'
       group%name = 'storeys'
       group%needs(1) = 'frame'
       group%reasons(1) = 'its xi_s damps their modes'
       group%keys = [ &
-         required('storeys', 'm_over_m_w', 'real list', '-', positive, &
-            'mass of each floor over m_w (no wall: over any mass), from the ground up'), &
-         required('storeys', 'k_over_m_w', 'real list', '1/s2', positive, &
-            'stiffness of the storey below each floor over the same mass'), &
+         with_si('kg', required('storeys', 'm_over_m_w', 'real list', '-', positive, &
+            'mass of each floor over m_w (no wall: over any mass), from the ground up')), &
+         with_si('N/m', optional_key('storeys', 'k_over_m_w', 'real list', '1/s2', '', positive, &
+            'stiffness of the storey below each floor over the same mass')), &
+         dimensional('storeys', 'm', 'real list', 'kg', 'm_over_m_w', 'k|T_1', 'or the masses'), &
+         dimensional('storeys', 'k', 'real list', 'N/m', 'k_over_m_w', 'm', 'or the stiffnesses'), &
          required('storeys', 'height', 'real list', 'm', positive, &
             'height of each storey; with &wall their sum is 2h'), &
+         scaling(dimensional('storeys', 'n', 'integer', '', 'height', '', &
+            'number of storeys; masses, heights, stiffnesses: one number for all or one each', &
+            '[1, 1000]')), &
+         distribution, &
+         scaling(dimensional('storeys', 'T_1', 'real', 's', 'k_over_m_w', '', &
+            'period of the first mode of the frame by itself: it scales all stiffnesses')), &
          optional_key('storeys', 'coupling', 'choice', '', 'reduced', &
             'reduced every_floor full', &
             'roof linked: first mode or all modes; every floor linked: a straight line')]
+      group%derive => derive_storeys
       group%check => check_storeys
       group%fill => fill_storeys
       group%is_present => has_storeys
       group%add_states => add_floor_states
       group%refuse_element => refuse_element
    end function storeys_group
+
+   !> A key that may stand beside the one whose values it scales.
+   pure type(key_t) function scaling(key)
+      type(key_t), intent(in) :: key
+
+      scaling = key
+      scaling%scales = .true.
+   end function scaling
+
+   !> The lists of `n` storeys that follow a rule, and the stiffnesses that a first period asks for.
+   subroutine derive_storeys(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+      type(shear_frame_t) :: frame
+      real(wp), allocatable :: k(:)
+      character(10) :: m_key, k_key
+
+      m_key = merge('m         ', 'm_over_m_w', has_key(values, 'storeys', 'm'))
+      k_key = merge('k         ', 'k_over_m_w', has_key(values, 'storeys', 'k'))
+      call get_list(values, 'storeys', 'm_over_m_w', frame%m)
+      call get_list(values, 'storeys', 'k_over_m_w', frame%k)
+      call get_list(values, 'storeys', 'height', frame%height)
+      if (has_key(values, 'storeys', 'n')) then
+         call spread_out('height', frame%height)
+         call spread_out(trim(m_key), frame%m)
+         ! the period may say how stiff they are
+         if (.not. allocated(frame%k) .and. has_key(values, 'storeys', 'T_1')) frame%k = [1.0_wp]
+         if (allocated(error) .or. .not. allocated(frame%k)) return
+         if (size(frame%k) == 1) then
+            k = stiffnesses(text_of(values, 'storeys', 'distribution'), frame)
+            call move_alloc(k, frame%k)
+         else if (has_key(values, 'storeys', 'distribution')) then
+            call fail_key(values, 'storeys', 'distribution', 'must not be given with more than ' &
+               //'one stiffness', error)
+         end if
+         call spread_out(trim(k_key), frame%k)
+         if (allocated(error)) return
+         call derive(values, 'storeys', 'height', 'height', frame%height)
+         call derive(values, 'storeys', 'm_over_m_w', trim(m_key), frame%m)
+         call derive(values, 'storeys', 'k_over_m_w', trim(k_key), frame%k)
+      end if
+      if (.not. (has_key(values, 'storeys', 'T_1') .and. allocated(frame%k))) return
+      ! lists that do not fit are for the rules
+      if (size(frame%k) /= size(frame%m)) return
+      call find_modes(frame, error)
+      if (allocated(error)) return
+      call derive(values, 'storeys', 'k_over_m_w', 'T_1', &
+         frame%k*(2*pi/(frame%omega(1)*real_of(values, 'storeys', 'T_1')))**2)
+
+   contains
+
+      !> One number for all storeys.
+      subroutine spread_out(key, list)
+         character(*), intent(in) :: key
+         real(wp), allocatable, intent(inout) :: list(:)
+         real(wp) :: one
+         integer :: i, n
+
+         n = integer_of(values, 'storeys', 'n')
+         if (size(list) == 1) then
+            ! not of itself: gfortran 12 reads it after it has been given back
+            one = list(1)
+            list = [(one, i=1, n)]
+         end if
+         if (size(list) /= n .and. .not. allocated(error)) call fail_key(values, 'storeys', key, &
+            'has '//trim(integer_to_text(size(list)))//' values, must have one for all or one ' &
+            //'for each of the n = '//trim(integer_to_text(n))//' storeys', error)
+      end subroutine spread_out
+   end subroutine derive_storeys
+
+   !> Stiffness of each storey from that of the lowest.
+   pure function stiffnesses(distribution, frame) result(k)
+      character(*), intent(in) :: distribution
+      type(shear_frame_t), intent(in) :: frame
+      !! with masses and heights, and the stiffness of the lowest storey
+      real(wp) :: k(size(frame%height))
+      integer :: i, j
+
+      select case (distribution)
+      case ('linear')
+         ! falls with the height at which the storey begins, to zero at the roof
+         k = [(sum(frame%height(i:)), i=1, size(k))]/sum(frame%height)
+      case ('straight_mode')
+         ! each storey bears the inertia of the floors above it, which grows with their height
+         do i = 1, size(k)
+            k(i) = sum([(frame%m(j)*sum(frame%height(:j)), j=i, size(k))])/frame%height(i)
+         end do
+         k = k/k(1)
+      case default
+         k = 1
+      end select
+      k = frame%k(1)*k
+   end function stiffnesses
 
    !> Storeys say what period and mass ratio would say; their lists belong together.
    subroutine check_storeys(values, error)
@@ -93,6 +203,12 @@ contains
       call get_list(values, 'storeys', 'm_over_m_w', m)
       call get_list(values, 'storeys', 'k_over_m_w', k)
       call get_list(values, 'storeys', 'height', height)
+      if (.not. allocated(k)) then
+         call fail_group(values, 'storeys', 'the key k_over_m_w is missing (stiffness of the ' &
+            //'storey below each floor over the same mass): must be numbers > 0 [1/s2]; or k ' &
+            //'[N/m], or T_1 with n', error)
+         return
+      end if
       call check_length('k_over_m_w', size(k))
       if (.not. allocated(error)) call check_length('height', size(height))
       if (allocated(error)) return

@@ -1,0 +1,151 @@
+!> Dimensional keys: a case that says masses in kg, stiffnesses in N/m and forces in N becomes one
+!> of ratios before any rule looks at it. Which key stands for which one says the table of keys
+!> (`key_t`), what is more than a quotient the group (`case_group_t`, `derive`).
+module rwmf_input_units
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_input_value_check, only: check_number
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: derive, get_list, group_values_t, has_group, has_key
+   use rwmf_problem_key, only: key_t
+   use rwmf_problem_rules, only: fail_key
+   use rwmf_problem_units, only: unit_of
+   use rwmf_text_strings, only: next_word
+   implicit none
+   private
+
+   public :: check_units, convert_units
+
+contains
+
+   !> Is each group said in one way, and as a whole? Whatever the numbers.
+   !>
+   !> Errors: a dimensional key beside the one that follows from it, without those that belong to
+   !> it, or beside a wall without a mass.
+   subroutine check_units(values, keys, error)
+      type(group_values_t), intent(inout) :: values
+      !! as given; that something follows from dimensional keys is noted in them
+      type(key_t), intent(in) :: keys(:)
+      !! `all_keys`
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      values%has_units = .false.
+      do i = 1, size(keys)
+         if (.not. values%keys(i)%is_given) cycle
+         if (keys(i)%needs /= '') call check_company(values, keys(i), error)
+         if (allocated(error)) return
+         if (keys(i)%gives == '') cycle
+         values%has_units = .true.
+         if (keys(i)%scales) cycle
+         if (has_key(values, trim(keys(i)%group), trim(keys(i)%gives))) then
+            call fail_key(values, trim(keys(i)%group), trim(keys(i)%key), &
+               'must not be given beside '//trim(keys(i)%gives)//', which follows from it', error)
+         else if (keys(i)%group /= 'wall' .and. has_group(values, 'wall') .and. .not. &
+                  (has_key(values, 'wall', 'm_w') .or. has_key(values, 'wall', 'density'))) then
+            call fail_key(values, trim(keys(i)%group), trim(keys(i)%key), 'needs the mass of the ' &
+               //'wall: m_w, or density and thickness, of &wall must be given', error)
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine check_units
+
+   !> Are the keys there that a key cannot do without?
+   subroutine check_company(values, key, error)
+      type(group_values_t), intent(in) :: values
+      type(key_t), intent(in) :: key
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: names
+      integer :: position, first, last
+      integer :: bar
+      !! between two of which one is enough
+
+      position = 1
+      do
+         call next_word(key%needs, position, first, last)
+         if (last < first) return
+         bar = first + index(key%needs(first:last)//'|', '|') - 1
+         if (has_key(values, trim(key%group), key%needs(first:bar - 1))) cycle
+         names = key%needs(first:bar - 1)
+         if (bar < last) then
+            if (has_key(values, trim(key%group), key%needs(bar + 1:last))) cycle
+            names = names//' or '//key%needs(bar + 1:last)
+         end if
+         call fail_key(values, trim(key%group), trim(key%key), 'must not be given without ' &
+            //names, error)
+         return
+      end do
+   end subroutine check_company
+
+   !> Set the keys that follow from dimensional ones, group by group.
+   !>
+   !> Errors: what follows is not allowed, and those of the groups.
+   subroutine convert_units(values, groups, error)
+      type(group_values_t), intent(inout) :: values
+      !! as given, checked
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+      integer :: behind
+      !! place of the last key of the groups before
+
+      if (.not. values%has_units) return
+      behind = 0
+      do i = 1, size(groups)
+         if (has_group(values, trim(groups(i)%name))) then
+            call divide(values, groups(i)%keys)
+            if (associated(groups(i)%derive)) call groups(i)%derive(values, error)
+            if (.not. allocated(error)) call check_derived(values, groups(i)%keys, behind, error)
+            if (allocated(error)) return
+         end if
+         behind = behind + size(groups(i)%keys)
+      end do
+   end subroutine convert_units
+
+   !> Quotients by mass or weight. A frame without wall is over its own mass.
+   subroutine divide(values, keys)
+      type(group_values_t), intent(inout) :: values
+      type(key_t), intent(in) :: keys(:)
+      !! of a group
+      real(wp), allocatable :: numbers(:)
+      integer :: i
+      integer :: to
+      !! place of the key that follows
+
+      do i = 1, size(keys)
+         if (keys(i)%gives == '') cycle
+         to = findloc(keys%key == keys(i)%gives, .true., dim=1)
+         if (to == 0 .or. .not. has_key(values, trim(keys(i)%group), trim(keys(i)%key))) cycle
+         if (keys(to)%si == '' .or. keys(to)%si /= keys(i)%unit) cycle
+         if (keys(i)%group == 'frame' .and. .not. has_group(values, 'wall')) cycle
+         call get_list(values, trim(keys(i)%group), trim(keys(i)%key), numbers)
+         call derive(values, trim(keys(i)%group), trim(keys(i)%gives), trim(keys(i)%key), &
+            numbers/unit_of(values, keys(to)%si))
+      end do
+   end subroutine divide
+
+   !> What follows is within the range of its key: finite, and not lost in an underflow.
+   subroutine check_derived(values, keys, behind, error)
+      type(group_values_t), intent(in) :: values
+      type(key_t), intent(in) :: keys(:)
+      !! of a group
+      integer, intent(in) :: behind
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: problem
+      integer :: i, j
+
+      do i = 1, size(keys)
+         associate (row => values%keys(behind + i))
+            if (row%source == 0) cycle
+            do j = row%first, row%first + row%n - 1
+               call check_number(keys(i), values%numbers(j), problem)
+               if (.not. allocated(problem)) cycle
+               call fail_key(values, trim(keys(i)%group), trim(keys(i)%key), problem, error)
+               return
+            end do
+         end associate
+      end do
+   end subroutine check_derived
+
+end module rwmf_input_units

@@ -1,0 +1,50 @@
+!> What the ratios of a case are over: the mass of its wall, or what stands for it.
+module rwmf_problem_units
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, real_of
+   implicit none
+   private
+
+   public :: unit_of, unit_mass, mass_of_frame
+
+contains
+
+   !> What a ratio is multiplied by to get a number with a unit; 0 where the case has no mass.
+   pure real(wp) function unit_of(values, si) result(unit)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: si
+      !! that unit: 'N' for a force over the weight, others are over the mass
+
+      unit = unit_mass(values)
+      if (si == 'N') unit = unit*real_of(values, 'model', 'g')
+   end function unit_of
+
+   !> Mass that masses, stiffnesses and forces are over: of the wall, without one of the frame, of
+   !> storeys in kg 1 kg; 0 where the case gives none [kg].
+   pure real(wp) function unit_mass(values) result(mass)
+      type(group_values_t), intent(in) :: values
+
+      if (has_group(values, 'wall')) then
+         mass = real_of(values, 'wall', 'm_w')
+      else if (has_group(values, 'storeys')) then
+         mass = merge(1, 0, has_key(values, 'storeys', 'm'))
+      else
+         mass = real_of(values, 'frame', 'm_s')
+      end if
+   end function unit_mass
+
+   !> Mass of the frame, of all its floors; 0 where the case gives none [kg].
+   pure real(wp) function mass_of_frame(values) result(mass)
+      type(group_values_t), intent(in) :: values
+      real(wp), allocatable :: m(:)
+
+      mass = unit_mass(values)
+      if (has_group(values, 'storeys')) then
+         call get_list(values, 'storeys', 'm_over_m_w', m)
+         if (allocated(m)) mass = sum(m)*mass
+      else if (has_group(values, 'wall')) then
+         mass = real_of(values, 'frame', 'gamma')*mass
+      end if
+   end function mass_of_frame
+
+end module rwmf_problem_units
