@@ -80,8 +80,9 @@ contains
    !> What follows from dimensional keys follows again, and is reported by the key that is given.
    subroutine test_units()
       character(*), parameter :: heavy = '&wall h = 2.0, b = 0.5, density = 2500, ' &
-         //'thickness = 0.3 /'//nl//'&frame m_s = 5000, k_s = 2e5, xi_s = 0.05 /'//nl//'&cable strands = 2, ' &
-         //'strand_area = 1e-4, modulus = 2e11, initial_stress = 1e8, yield_stress = 4e8 /'//nl
+         //'thickness = 0.3 /'//nl//'&frame m_s = 5000, k_s = 2e5, xi_s = 0.05 /'//nl &
+         //'&cable strands = 2, strand_area = 1e-4, modulus = 2e11, initial_stress = 1e8, ' &
+         //'yield_stress = 4e8 /'//nl
       character(*), parameter :: tall = '&frame xi_s = 0.05 /'//nl//'&storeys n = 3, m = 1000, ' &
          //'height = 3, T_1 = 0.4, distribution = ''straight_mode'' /'//nl
       character(*), parameter :: motion = '&motion kind = ''sine'', a_max_g = 0.5, T_p = 0.5 /' &
