@@ -24,6 +24,8 @@ html_title = f"rwmf {version}"
 html_static_path = ["site.css"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
+# excerpts would be fetched from the pages found, which browsers forbid a site that is a folder
+html_show_search_summary = False
 html_copy_source = False
 html_favicon = None
 # numpydoc's sections name the types in words; the signatures show the names alone

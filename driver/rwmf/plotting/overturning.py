@@ -74,11 +74,12 @@ def _draw_between(
 ) -> None:
     """Fill the regions between two frequencies.
 
-    Boundaries between the same regions are joined, and a region may leave the map at its top;
-    where a region ends in between, each frequency holds as far as the middle.
+    Boundaries between the same regions are joined, and the uppermost region may leave the map at
+    its top; where a region ends in between, each frequency holds as far as the middle.
     """
     pairs = list(zip(left, right, strict=False))
-    if all(first[0] == second[0] for first, second in pairs):
+    leaving = abs(len(left) - len(right))
+    if leaving <= 1 and all(first[0] == second[0] for first, second in pairs):
         top = left[-1][2]
         for (_, y_left, _), (_, y_right, _) in pairs[1:]:
             ax.plot(omegas, [y_left, y_right], color=INK, linewidth=0.9)

@@ -5,10 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from checkout import ROOT
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page, Request
 
 sys.path.append(str(ROOT / "tools"))
 
@@ -48,6 +53,52 @@ def test_every_source_is_a_page(site: check.Site) -> None:
 def test_searches_find_a_tendon() -> None:
     assert '"tendon"' in (SITE / "searchindex.js").read_text(encoding="utf-8")
     assert "tendon" in (SITE / "fortran/search/search_database.json").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """Give a page without network; what its console says fails the test, and so does a request."""
+    context = browser.new_context(offline=True)
+    page = context.new_page()
+    said: list[str] = []
+
+    def take_note(request: Request) -> None:
+        if not request.url.startswith(("file:", "data:")):
+            said.append(f"{page.url}: asks for {request.url}")
+
+    page.on("console", lambda message: said.append(f"{page.url}: {message.text}"))
+    page.on("pageerror", lambda error: said.append(f"{page.url}: {error}"))
+    page.on("request", take_note)
+    yield page
+    context.close()
+    assert not said
+
+
+@pytest.mark.slow
+def test_pages_open_in_a_browser(site: check.Site, page: Page) -> None:
+    """Every page by Sphinx, and one of each kind by FORD, whose pages are made by few templates."""
+    fortran = SITE / "fortran"
+    by_sphinx = [path for path in site.pages if fortran not in path.parents]
+    kinds = {path.parent: path for path in site.pages if fortran in path.parents}
+    assert len(by_sphinx) > 40
+    assert len(kinds) > 5
+    for path in (*by_sphinx, *kinds.values()):
+        page.goto(path.as_uri(), wait_until="load")
+        assert "rwmf" in page.locator("body").inner_text(), path
+
+
+@pytest.mark.usefixtures("site")
+def test_a_reader_finds_a_word(page: Page) -> None:
+    """By the field beside the text, and in the pages of the kernel."""
+    page.goto((SITE / "index.html").as_uri())
+    field = page.get_by_placeholder("Search").first
+    field.fill("tendon")
+    field.press("Enter")
+    found = page.locator("#search-results li a")
+    found.filter(has_text="Effects").first.click()
+    page.get_by_role("heading", name="Effects", exact=False, level=1).wait_for()
+    page.goto((SITE / "fortran" / "search.html").as_uri() + "?q=tendon")
+    page.get_by_text("proc/tendon_group.html").first.wait_for()
 
 
 @pytest.mark.parametrize(

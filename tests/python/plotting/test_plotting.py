@@ -15,8 +15,9 @@ pytest.importorskip("matplotlib")
 import shipped_spectra
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
 from rwmf.plotting.response import members
-from rwmf.plotting.style import make_panels, new_figure, series
+from rwmf.plotting.style import COLOURS, make_panels, new_figure, series, tint
 
 
 def test_coinciding_lines_differ_twice() -> None:
@@ -84,6 +85,9 @@ def test_regions_of_a_map_fill_it() -> None:
         assert ax.get_title(loc="left") == r"$\alpha$ = 0.25 rad, $p$ = 1.9 rad/s, one-sine"
     assert len(areas) == 3
     assert sum(areas.values()) == pytest.approx(4.0 * 3.0)
+    # from the middle of the first interval to that of the last, in which it ends below the top
+    colour = tuple(np.round(to_rgb(tint(COLOURS[1], 0.5)), 6))
+    assert areas[colour] == pytest.approx(0.5 * 1.0 + 1.25 + 1.4 + 0.5 * 1.3)
 
 
 def test_a_map_says_its_wall_and_its_pulse() -> None:
