@@ -11,6 +11,8 @@ import json
 import math
 import os
 import re
+import shutil
+import tempfile
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -280,12 +282,15 @@ class Model:
         plain = Path(name.replace("\\", "/")).name
         if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
             raise BadQuestionError("the name of the record is no name of a file")
-        number = str(len(self._records) + 1)
-        folder = self._folder / number
-        folder.mkdir()
+        folder = Path(tempfile.mkdtemp(dir=self._folder))
         path = folder / plain
         path.write_bytes(content)
-        base = self._with_record(path, unit, dt)
+        try:
+            base = self._with_record(path, unit, dt)
+        except InputError:
+            shutil.rmtree(folder)
+            raise
+        number = str(len(self._records) + 1)
         self._records[number] = _Record(path, plain, base)
         end = base.kernel.end_of_motion()
         facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
@@ -308,7 +313,7 @@ class Model:
         for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
             text = text.removeprefix(label)
         # an uploaded record has the name that its owner gave it
-        return text.replace(f"{self._folder}{os.sep}", "")
+        return re.sub(rf"{re.escape(str(self._folder))}/[^/]+/", "", text)
 
     def _with_record(self, path: Path, unit: str | None, dt: float | None) -> Case:
         """Put a record into the case; which keys it takes is seen from the file by the kernel."""
@@ -316,13 +321,14 @@ class Model:
         # AT2 has unit and interval, two columns have times
         tries = [own, own | {"unit": unit}, own | {"unit": unit, "dt": dt}]
         problem: InputError | None = None
-        for keys in tries[: 1 + (unit is not None) + (unit is not None and dt is not None)]:
-            scene = self._case.replace(vertical=None, motion=None)
+        scene = self._case.replace(vertical=None, motion=None)
+        for keys in tries:
+            given_keys = {key: value for key, value in keys.items() if value is not None}
             try:
-                return scene.replace(motion=keys)
+                return scene.replace(motion=given_keys)
             except InputError as error:
                 problem = error
-        raise InputError(str(problem).rpartition(f"{path}: ")[2])
+        raise InputError(str(problem))
 
     def _case_of(self, question: Question) -> Case:
         if not question.record:

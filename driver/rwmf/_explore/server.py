@@ -120,7 +120,9 @@ class PageServer(ThreadingHTTPServer):
     def end(self) -> None:
         """Stop what the kernel computes, and give back port and folder."""
         self.ending.set()
-        self.model.turns.take(_PATIENCE)
+        # whoever waits for a turn behind this one sees that it has ended
+        if self.model.turns.take(_PATIENCE):
+            self.model.turns.give()
         self.server_close()
         self.folder.cleanup()
 
@@ -152,6 +154,8 @@ class _Handler(BaseHTTPRequestHandler):
     def _guarded(self, serve: Callable[[], None]) -> None:
         """Check who asks, and answer what goes wrong with a status and one line."""
         try:
+            # a connection of before may last longer than the server
+            self._watch()
             self._check_sender()
             serve()
         except _RefusedError as error:
@@ -202,6 +206,7 @@ class _Handler(BaseHTTPRequestHandler):
                 return
             ask = model.history if url.path == "/api/history" else model.spectrum
             with model.turns:
+                # it may have been a long wait
                 self._watch()
                 answer = ask(question, self._watch)
         else:

@@ -430,7 +430,7 @@ def test_interrupt_ends_it_even_in_mid_run(tmp_path: Path) -> None:
     out, error = process.communicate(timeout=10)
     thread.join()
     assert (process.returncode, error) == (0, "")
-    assert out.splitlines() == ["Ctrl-C ends it", "ended"]
+    assert out.splitlines()[-1] == "ended"
 
 
 def test_a_port_in_use(tmp_path: Path, both: tuple[PageServer, Client]) -> None:

@@ -72,7 +72,7 @@ export class Controls {
     const box = element("details", { class: "group", id: `group-${group.name}`, open: this.open.has(group.name) },
       element("summary", {}, group.title, element("span", { class: "brief" }, `&${group.name}`)),
       ...(group.name === "motion" && scene.get("motion.kind") === "record"
-        ? [element("p", { class: "hint" }, `record: ${scene.recordName}`)] : []),
+        ? [element("p", { class: "hint" }, scene.recordName ? `record: ${scene.recordName}` : "Choose a file below: Own record")] : []),
       ...given.map((key) => this.key(group.name, key)),
       this.others(group, others));
     box.addEventListener("toggle", () => (box.open ? this.open.add(group.name) : this.open.delete(group.name)));
@@ -128,6 +128,9 @@ export class Controls {
       this.complain(field, "");
       this.scene.set(name, found);
     });
+    // all digits while it is edited
+    field.addEventListener("focus", () => { if (field.value === shown(Number(field.title))) field.value = field.title; });
+    field.addEventListener("blur", () => { if (field.value === field.title) field.value = shown(Number(field.title)); });
     field.addEventListener("change", () => {
       const found = Number(field.value.trim().replace(/d/i, "e"));
       if (!field.value.trim() || !Number.isFinite(found) || (range.whole && !Number.isInteger(found))) {

@@ -149,7 +149,7 @@ export class Scene {
       if (!this.has(group)) continue;
       const replaced = Object.entries(this.description.instead_of)
         .some(([other, keys]) => this.has(other) && keys.includes(name));
-      if (!this.has(beside) || replaced) this.drop(name);
+      if (!beside.every((other) => this.has(other)) || replaced) this.drop(name);
       else if (needed) this.start(name);
     }
   }
