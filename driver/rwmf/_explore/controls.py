@@ -69,7 +69,7 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "spectrum.n": (10, 1000, True),
 }
 # what a key begins with when it is set on the page; others begin in the middle of their range
-_STARTS: dict[str, float | list[float] | str | bool] = {
+_STARTS: dict[str, float | str | list[float] | list[str]] = {
     "wall.h": 2.0,
     "wall.b": 0.5,
     "wall.m_w": 20000.0,

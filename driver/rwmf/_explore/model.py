@@ -1,7 +1,7 @@
 """What the page shows, from the kernel: answers to its questions as texts, numbers and arrays.
 
-Nothing here knows HTTP. Arrays are sent as bytes of 32-bit floats in base64, which a browser reads a
-hundred times faster than numbers as text; the key numbers are texts of all their digits.
+Nothing here knows HTTP. Arrays are sent as bytes of 32-bit floats in base64, which is made and read
+ten times faster than numbers as text; the key numbers are texts of all their digits.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import shutil
 import tempfile
 import time
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -91,7 +91,7 @@ class Model:
         dict
             As `controls.describe`, with ``name``, ``version``, ``state``, ``record``.
         """
-        motion = self._case.groups.get("motion", {})
+        motion: Mapping[str, Any] = self._case.groups.get("motion", {})
         return describe() | {
             "name": Path(self._case.source or "in memory").name,
             "version": _library.version(),
@@ -197,21 +197,6 @@ class Model:
             "quantities": [[name, find(name).meaning] for name in case.kernel.applicable()],
             "kernel_seconds": seconds,
         }
-
-    def namelist(self, question: Question) -> str:
-        """Write the case that a question means.
-
-        Parameters
-        ----------
-        question : Question
-            Which case.
-
-        Returns
-        -------
-        str
-            Namelist text; that of an uploaded record names it as its owner does.
-        """
-        return self._namelist(self._case_of(question), question.record)
 
     def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
         """Measure what accuracy costs; other questions take their turns between the runs.
@@ -423,10 +408,14 @@ def _text(value: object) -> str:
 
 def _loops_of(columns: dict[str, Array], case: Case) -> list[dict[str, str]]:
     return [
-        {"spring": loop.spring, "displacement": _pack(loop.displacement), "force": _pack(loop.force),
-         "label": _FORCES[loop.spring.split()[-1]]}
+        {
+            "spring": loop.spring,
+            "displacement": _pack(loop.displacement),
+            "force": _pack(loop.force),
+            "label": _FORCES[loop.spring.split()[-1]],
+        }
         for loop in loops.springs_of(columns, case)
-    ]  # fmt: skip
+    ]
 
 
 _FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
@@ -434,7 +423,7 @@ _FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
 
 def _scene_of(case: Case) -> dict[str, Any]:
     """Measures that the picture of the wall and the marker in the spectrum need."""
-    found: dict[str, Any] = {name: True for name in case.groups}
+    found: dict[str, Any] = dict.fromkeys(case.groups, True)
     if case.wall is not None:
         h, b = float(case.wall.h), float(case.wall.b)
         found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
@@ -455,7 +444,7 @@ def _period_of(case: Case) -> float | None:
 def _grid(case: Case, points: int) -> Array:
     """Periods of the spectrum: those of the case's own range, with its own period in it."""
     low, high = _PERIODS
-    group = case.groups.get("spectrum", {})
+    group: Mapping[str, Any] = case.groups.get("spectrum", {})
     if group.get("T_s"):
         low, high = min(group["T_s"]), max(group["T_s"])
     elif group.get("T_s_min") and group.get("T_s_max"):

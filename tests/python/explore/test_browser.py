@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
@@ -21,7 +21,7 @@ from rwmf import Case
 from rwmf._explore.server import PageServer
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, BrowserContext, Page
+    from playwright.sync_api import Browser, BrowserContext, Locator, Page
 
 FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
 DESK = {"width": 1440, "height": 1000}
@@ -53,7 +53,7 @@ CONTRASTS = """
   };
   const found = [];
   for (const node of document.querySelectorAll('body *')) {
-    const own = [...node.childNodes].some((child) => child.nodeType === 3 && child.textContent.trim());
+    const own = [...node.childNodes].some((x) => x.nodeType === 3 && x.textContent.trim());
     if (!own || !node.checkVisibility() || node.closest('option')) continue;
     const style = getComputedStyle(node);
     const ink = node.namespaceURI.endsWith('svg') ? style.fill : style.color;
@@ -66,12 +66,15 @@ CONTRASTS = """
 # what a keyboard must reach, as far as it is shown
 CONTROLS = """
 () => [...document.querySelectorAll('button, input, select, summary, a[href], [tabindex="0"]')]
-  .filter((node) => !node.disabled && node.checkVisibility()).map((node, i) => { node.dataset.count = i; return i; })
+  .filter((node) => !node.disabled && node.checkVisibility())
+  .map((node, i) => { node.dataset.count = i; return i; })
 """
 NAMELESS = """
-() => [...document.querySelectorAll('button, input, select')].filter((node) => node.checkVisibility()
-  && !(node.textContent.trim() && node.tagName === 'BUTTON') && !node.getAttribute('aria-label')
-  && !node.labels?.length && !node.title).map((node) => node.outerHTML)
+() => [...document.querySelectorAll('button, input, select')].filter((node) => {
+  const words = node.tagName === 'BUTTON' && node.textContent.trim();
+  const named = node.getAttribute('aria-label') || node.labels?.length || node.title;
+  return node.checkVisibility() && !words && !named;
+}).map((node) => node.outerHTML)
 """
 
 
@@ -103,10 +106,12 @@ class Opened:
         """Wait until everything is shown."""
         self.page.evaluate(SETTLED)
 
-    def field(self, name: str) -> Any:
+    def field(self, name: str) -> Locator:
+        """Field, list or box of a key."""
         return self.page.locator(f'[id="{name}"]')
 
-    def slider(self, name: str) -> Any:
+    def slider(self, name: str) -> Locator:
+        """Slider of a key."""
         return self.page.locator(f'[id="{name}:slider"]')
 
     def open_all(self) -> None:
@@ -121,6 +126,7 @@ class Opened:
 
     @property
     def problem(self) -> str:
+        """What the page says of the state of its sliders, '' for nothing."""
         return str(self.page.locator("#problem").text_content())
 
 
@@ -138,7 +144,7 @@ def show(browser: Browser, server: PageServer) -> Iterator[Open]:
     """Open the page; at the end nothing may stand in its console, nothing may have been fetched."""
     opened: list[Opened] = []
 
-    def show(address: str = "", **words: Any) -> Opened:
+    def show(address: str = "", **words: object) -> Opened:
         words = {"viewport": DESK, "reduced_motion": "reduce"} | words
         found = Opened(browser.new_context(**words), address or server.address)
         opened.append(found)
@@ -150,7 +156,7 @@ def show(browser: Browser, server: PageServer) -> Iterator[Open]:
         found.page.context.close()
 
 
-def _peak(**groups: Any) -> str:
+def _peak(**groups: object) -> str:
     case = Case.from_namelist(FIG12).replace(**groups)
     return repr(float(rwmf.simulate(case)["u_s_max"]))
 
@@ -482,7 +488,7 @@ class _OtherSite(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(b"<!doctype html><title>other</title>")
 
-    def log_message(self, format: str, *args: object) -> None:  # noqa: A002
+    def log_message(self, format: str, *args: object) -> None:
         pass
 
 
