@@ -32,7 +32,10 @@ async ({ name, seconds, rate }) => {
   const steps = Math.round(seconds * rate);
   const before = slider.value;
   const most = Number(slider.max);
-  const set = (x) => { slider.value = x; slider.dispatchEvent(new Event('input', { bubbles: true })); };
+  const set = (x) => {
+    slider.value = x;
+    slider.dispatchEvent(new Event('input', { bubbles: true }));
+  };
   performance.clearMeasures();
   for (let i = 0; i <= steps; i++) {
     set(Math.round(most * i / steps));
@@ -42,12 +45,14 @@ async ({ name, seconds, rate }) => {
   const pictures = performance.getEntriesByName('history').length;
   const first = {};
   const wait = async (what, test) => {
-    while (!test() && performance.now() - stopped < 30000) await new Promise((done) => setTimeout(done, 5));
+    while (!test() && performance.now() - stopped < 30000)
+      await new Promise((done) => setTimeout(done, 5));
     first[what] = performance.now() - stopped;
   };
   const { explorer } = window;
   await wait('history', () => explorer.shown.history === explorer.version);
-  await wait('spectrum', () => explorer.coarse === explorer.version || explorer.shown.spectrum === explorer.version);
+  const { version } = explorer;
+  await wait('spectrum', () => [explorer.coarse, explorer.shown.spectrum].includes(version));
   await wait('full', () => !explorer.running);
   const problem = document.getElementById('problem').textContent;
   set(before);
@@ -61,7 +66,8 @@ async ({ name, by }) => {
   slider.value = Number(slider.value) + by;
   slider.dispatchEvent(new Event('input', { bubbles: true }));
   const last = (what) => performance.getEntriesByName(what).at(-1);
-  while (!(last('history') && last('spectrum')?.detail.points === 200)) await new Promise((done) => setTimeout(done, 2));
+  while (!(last('history') && last('spectrum')?.detail.points === 200))
+    await new Promise((done) => setTimeout(done, 2));
   return ['history', 'spectrum'].map((what) => [last(what).duration, last(what).detail.kernel]);
 }
 """

@@ -53,11 +53,12 @@ class Client:
         finally:
             connection.close()
 
-    def ask(self, path: str, question: object) -> Any:
+    def ask(self, path: str, question: object) -> dict[str, Any]:
         """Ask what must be answered."""
         status, content = self.post(path, json.dumps(question).encode())
         assert status == 200, content
-        return json.loads(content)
+        found: dict[str, Any] = json.loads(content)
+        return found
 
     def problem(self, path: str, question: object) -> tuple[int, str]:
         """Ask what must not be; status and message."""

@@ -69,7 +69,7 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "spectrum.n": (10, 1000, True),
 }
 # what a key begins with when it is set on the page; others begin in the middle of their range
-_STARTS: dict[str, float | list[float] | str | bool] = {
+_STARTS: dict[str, float | str | list[float] | list[str]] = {
     "wall.h": 2.0,
     "wall.b": 0.5,
     "wall.m_w": 20000.0,
@@ -177,11 +177,11 @@ _NEEDED_TOO = {
     "spectrum": ("T_s_min", "T_s_max", "n"),
     "initial": ("theta_over_alpha",),
 }
-# keys that a case has only beside a group, with whether it needs them there
+# keys that a case has only beside groups, with whether it needs them there
 _ONLY_WITH = {
-    "frame.gamma": ("wall", True),
-    "spectrum.gamma": ("wall", False),
-    "spectrum.b": ("wall", False),
+    "frame.gamma": (("wall",), True),
+    "spectrum.gamma": (("wall", "frame"), False),
+    "spectrum.b": (("wall",), False),
 }
 # keys that a group takes out, because it says the same in another way
 _INSTEAD_OF = {"storeys": ("frame.T_s", "frame.gamma", "p_delta.h_f")}

@@ -1,7 +1,7 @@
 """What the page shows, from the kernel: answers to its questions as texts, numbers and arrays.
 
-Nothing here knows HTTP. Arrays are sent as bytes of 32-bit floats in base64, which a browser reads a
-hundred times faster than numbers as text; the key numbers are texts of all their digits.
+Nothing here knows HTTP. Arrays are sent as bytes of 32-bit floats in base64, which is made and read
+ten times faster than numbers as text; the key numbers are texts of all their digits.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ import json
 import math
 import os
 import re
+import shutil
+import tempfile
 import time
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -89,7 +91,7 @@ class Model:
         dict
             As `controls.describe`, with ``name``, ``version``, ``state``, ``record``.
         """
-        motion = self._case.groups.get("motion", {})
+        motion: Mapping[str, Any] = self._case.groups.get("motion", {})
         return describe() | {
             "name": Path(self._case.source or "in memory").name,
             "version": _library.version(),
@@ -196,21 +198,6 @@ class Model:
             "kernel_seconds": seconds,
         }
 
-    def namelist(self, question: Question) -> str:
-        """Write the case that a question means.
-
-        Parameters
-        ----------
-        question : Question
-            Which case.
-
-        Returns
-        -------
-        str
-            Namelist text; that of an uploaded record names it as its owner does.
-        """
-        return self._namelist(self._case_of(question), question.record)
-
     def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
         """Measure what accuracy costs; other questions take their turns between the runs.
 
@@ -280,12 +267,15 @@ class Model:
         plain = Path(name.replace("\\", "/")).name
         if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
             raise BadQuestionError("the name of the record is no name of a file")
-        number = str(len(self._records) + 1)
-        folder = self._folder / number
-        folder.mkdir()
+        folder = Path(tempfile.mkdtemp(dir=self._folder))
         path = folder / plain
         path.write_bytes(content)
-        base = self._with_record(path, unit, dt)
+        try:
+            base = self._with_record(path, unit, dt)
+        except InputError:
+            shutil.rmtree(folder)
+            raise
+        number = str(len(self._records) + 1)
         self._records[number] = _Record(path, plain, base)
         end = base.kernel.end_of_motion()
         facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
@@ -308,7 +298,7 @@ class Model:
         for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
             text = text.removeprefix(label)
         # an uploaded record has the name that its owner gave it
-        return text.replace(f"{self._folder}{os.sep}", "")
+        return re.sub(rf"{re.escape(str(self._folder))}/[^/]+/", "", text)
 
     def _with_record(self, path: Path, unit: str | None, dt: float | None) -> Case:
         """Put a record into the case; which keys it takes is seen from the file by the kernel."""
@@ -316,13 +306,14 @@ class Model:
         # AT2 has unit and interval, two columns have times
         tries = [own, own | {"unit": unit}, own | {"unit": unit, "dt": dt}]
         problem: InputError | None = None
-        for keys in tries[: 1 + (unit is not None) + (unit is not None and dt is not None)]:
-            scene = self._case.replace(vertical=None, motion=None)
+        scene = self._case.replace(vertical=None, motion=None)
+        for keys in tries:
+            given_keys = {key: value for key, value in keys.items() if value is not None}
             try:
-                return scene.replace(motion=keys)
+                return scene.replace(motion=given_keys)
             except InputError as error:
                 problem = error
-        raise InputError(str(problem).rpartition(f"{path}: ")[2])
+        raise InputError(str(problem))
 
     def _case_of(self, question: Question) -> Case:
         if not question.record:
@@ -417,10 +408,14 @@ def _text(value: object) -> str:
 
 def _loops_of(columns: dict[str, Array], case: Case) -> list[dict[str, str]]:
     return [
-        {"spring": loop.spring, "displacement": _pack(loop.displacement), "force": _pack(loop.force),
-         "label": _FORCES[loop.spring.split()[-1]]}
+        {
+            "spring": loop.spring,
+            "displacement": _pack(loop.displacement),
+            "force": _pack(loop.force),
+            "label": _FORCES[loop.spring.split()[-1]],
+        }
         for loop in loops.springs_of(columns, case)
-    ]  # fmt: skip
+    ]
 
 
 _FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
@@ -428,7 +423,7 @@ _FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
 
 def _scene_of(case: Case) -> dict[str, Any]:
     """Measures that the picture of the wall and the marker in the spectrum need."""
-    found: dict[str, Any] = {name: True for name in case.groups}
+    found: dict[str, Any] = dict.fromkeys(case.groups, True)
     if case.wall is not None:
         h, b = float(case.wall.h), float(case.wall.b)
         found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
@@ -449,7 +444,7 @@ def _period_of(case: Case) -> float | None:
 def _grid(case: Case, points: int) -> Array:
     """Periods of the spectrum: those of the case's own range, with its own period in it."""
     low, high = _PERIODS
-    group = case.groups.get("spectrum", {})
+    group: Mapping[str, Any] = case.groups.get("spectrum", {})
     if group.get("T_s"):
         low, high = min(group["T_s"]), max(group["T_s"])
     elif group.get("T_s_min") and group.get("T_s_max"):

@@ -179,7 +179,8 @@ def case_of(question: Question, base: Case) -> Case:
         new: dict[str, object] = dict.fromkeys(old.keys() - keys.keys())
         new |= {key: value for key, value in keys.items() if key not in old or old[key] != value}
         # the name of a record's file is not the page's to give, but it may be left out
-        if base.groups.get(name, {}).get("file") and not _has_record(name, keys):
+        has_file = name in base.groups and bool(base.groups[name].get("file"))
+        if has_file and not _has_record(name, keys):
             new["file"] = None
         if new or name not in before:
             changes[name] = new

@@ -112,7 +112,15 @@ class PageServer(ThreadingHTTPServer):
         return f"http://{_HOST}:{self.server_port}/#{self.token}"
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Say nothing of connections that break off; show what was not foreseen."""
+        """Say nothing of connections that break off; show what was not foreseen.
+
+        Parameters
+        ----------
+        request : socket
+            The connection.
+        client_address : tuple
+            Who has opened it.
+        """
         error = sys.exc_info()[1]
         if not isinstance(error, OSError | _GoneError):
             traceback.print_exc()
@@ -120,7 +128,9 @@ class PageServer(ThreadingHTTPServer):
     def end(self) -> None:
         """Stop what the kernel computes, and give back port and folder."""
         self.ending.set()
-        self.model.turns.take(_PATIENCE)
+        # whoever waits for a turn behind this one sees that it has ended
+        if self.model.turns.take(_PATIENCE):
+            self.model.turns.give()
         self.server_close()
         self.folder.cleanup()
 
@@ -146,12 +156,14 @@ class _Handler(BaseHTTPRequestHandler):
         """Answer a question."""
         self._guarded(self._answer)
 
-    def log_message(self, format: str, *args: object) -> None:  # noqa: A002 (name of the base)
+    def log_message(self, format: str, *args: object) -> None:
         """Say nothing: the terminal belongs to whoever started the server."""
 
     def _guarded(self, serve: Callable[[], None]) -> None:
         """Check who asks, and answer what goes wrong with a status and one line."""
         try:
+            # a connection of before may last longer than the server
+            self._watch()
             self._check_sender()
             serve()
         except _RefusedError as error:
@@ -202,6 +214,7 @@ class _Handler(BaseHTTPRequestHandler):
                 return
             ask = model.history if url.path == "/api/history" else model.spectrum
             with model.turns:
+                # it may have been a long wait
                 self._watch()
                 answer = ask(question, self._watch)
         else:
@@ -237,8 +250,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Stop the kernel when the browser has closed the connection: it wants something newer."""
         if self.server.ending.is_set():
             raise _GoneError
-        readable, _, _ = select.select([self.connection], [], [], 0)
-        if readable:
+        if select.select([self.connection], [], [], 0)[0]:
             with suppress(BlockingIOError):
                 if not self.connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT):
                     raise _GoneError

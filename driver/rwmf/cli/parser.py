@@ -275,7 +275,11 @@ def _add_explore(commands: Subcommands) -> None:
         "case", metavar="CASE.nml", nargs="?", help="namelist file (default: the case of Fig. 12)"
     )
     parser.add_argument(
-        "--port", type=whole(0, 65535), default=0, metavar="N", help="of this machine (0: a free one)"
+        "--port",
+        type=whole(0, 65535),
+        default=0,
+        metavar="N",
+        help="of this machine (0: a free one)",
     )
     parser.add_argument(
         "--no-browser", action="store_true", help="print the address, open no browser"

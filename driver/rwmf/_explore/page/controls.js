@@ -1,5 +1,6 @@
-// A control for every key: slider and field for numbers, a list of words for choices, a box for yes or
-// no, a field for lists; keys that the case does not give stand below with what holds without them.
+// A control for every key: slider and field for numbers, a list of words for choices, a box for yes
+// or no, a field for lists; keys that the case does not give stand below with what holds without
+// them.
 
 import { byId, element, short, unit } from "./format.js";
 
@@ -30,7 +31,8 @@ class Range {
     const part = position / STEPS;
     if (part === 0 && !this.log) return this.whole ? Math.round(this.low) : this.low;
     if (part === 1) return this.whole ? Math.round(this.high) : this.high;
-    const raw = this.log ? this.low * (this.high / this.low) ** part : this.low + part * (this.high - this.low);
+    const raw = this.log ? this.low * (this.high / this.low) ** part : this.low
+      + part * (this.high - this.low);
     if (this.whole) return Math.round(raw);
     if (this.log) return Number(raw.toPrecision(3));
     // as many decimals as the step has, so that a namelist stays readable
@@ -57,11 +59,13 @@ export class Controls {
     const focus = document.activeElement?.id;
     const { scene } = this;
     byId("groups").replaceChildren(
-      ...scene.description.groups.filter((group) => scene.has(group.name)).map((group) => this.group(group)));
+      ...scene.description.groups.filter((group) => scene.has(group.name))
+        .map((group) => this.group(group)));
     byId("absent").replaceChildren(
       ...scene.description.groups.filter((group) => !scene.has(group.name)).map((group) =>
         element("button", { type: "button", id: `add-${group.name}`, title: `&${group.name}`,
-          onclick: () => { this.open.add(group.name); scene.add(group.name); } }, `+ ${group.title}`)));
+          onclick: () => { this.open.add(group.name); scene.add(group.name); } },
+            `+ ${group.title}`)));
     if (focus) byId(focus)?.focus();
   }
 
@@ -69,13 +73,17 @@ export class Controls {
     const { scene } = this;
     const given = group.keys.filter((key) => scene.get(`${group.name}.${key.key}`) !== undefined);
     const others = group.keys.filter((key) => !given.includes(key));
-    const box = element("details", { class: "group", id: `group-${group.name}`, open: this.open.has(group.name) },
+    const box = element("details",
+      { class: "group", id: `group-${group.name}`, open: this.open.has(group.name) },
       element("summary", {}, group.title, element("span", { class: "brief" }, `&${group.name}`)),
       ...(group.name === "motion" && scene.get("motion.kind") === "record"
-        ? [element("p", { class: "hint" }, `record: ${scene.recordName}`)] : []),
+        ? [element("p", { class: "hint" },
+          scene.recordName ? `record: ${scene.recordName}` : "Choose a file below: Own record")]
+            : []),
       ...given.map((key) => this.key(group.name, key)),
       this.others(group, others));
-    box.addEventListener("toggle", () => (box.open ? this.open.add(group.name) : this.open.delete(group.name)));
+    box.addEventListener("toggle",
+      () => (box.open ? this.open.add(group.name) : this.open.delete(group.name)));
     return box;
   }
 
@@ -83,13 +91,18 @@ export class Controls {
     const { scene } = this;
     const name = `${group.name}?`;
     const box = element("details", { class: "more", open: this.open.has(name) },
-      element("summary", {}, keys.length ? `${keys.length} more ${keys.length > 1 ? "keys" : "key"}` : "More"),
+      element("summary", {}, keys.length
+        ? `${keys.length} more ${keys.length > 1 ? "keys" : "key"}` : "More"),
       ...keys.map((key) => element("div", { class: "absent-key", title: key.allowed },
         element("span", {}, element("b", {}, key.key), ` ${key.help}`,
-          key.default === "none" || key.default === "required" ? "" : ` (${key.default} ${unit(key.unit)})`),
-        element("button", { type: "button", id: `set-${group.name}.${key.key}`, "aria-label": `Set ${key.key} of ${group.name}`,
-          onclick: () => scene.set(`${group.name}.${key.key}`, JSON.parse(JSON.stringify(key.start))) }, "Set"))),
-      element("button", { type: "button", class: "take-out", onclick: () => scene.remove(group.name) },
+          key.default === "none" || key.default === "required" ? ""
+            : ` (${key.default} ${unit(key.unit)})`),
+        element("button", { type: "button", id: `set-${group.name}.${key.key}`,
+          "aria-label": `Set ${key.key} of ${group.name}`,
+          onclick: () => scene.set(`${group.name}.${key.key}`,
+            JSON.parse(JSON.stringify(key.start))) }, "Set"))),
+      element("button", { type: "button", class: "take-out",
+        onclick: () => scene.remove(group.name) },
         `Take the whole group &${group.name} out`));
     box.addEventListener("toggle", () => (box.open ? this.open.add(name) : this.open.delete(name)));
     return box;
@@ -103,7 +116,8 @@ export class Controls {
     const parts = { real: "number", integer: "number", choice: "choice", logical: "box" };
     const row = this[parts[key.kind] ?? "list"](name, key);
     const out = key.default === "required" ? element("span")
-      : element("button", { type: "button", class: "out", title: "Take this key out: its default holds",
+      : element("button", { type: "button", class: "out",
+        title: "Take this key out: its default holds",
         "aria-label": `Take ${key.key} of ${group} out`, onclick: () => scene.unset(name) }, "×");
     row.append(element("span", { class: "unit" }, unit(key.unit)), out);
     return element("div", { class: "key" }, label, row,
@@ -116,10 +130,13 @@ export class Controls {
     const range = this.ranges.get(name);
     range.widen(value);
     const says = (x) => `${x} ${unit(key.unit)}`.trim();
-    const field = element("input", { type: "text", class: "field", id: name, inputmode: "decimal", value: shown(value),
+    const field = element("input",
+      { type: "text", class: "field", id: name, inputmode: "decimal", value: shown(value),
       "aria-describedby": `${name}:wrong`, autocomplete: "off", title: String(value) });
-    const slider = element("input", { type: "range", id: `${name}:slider`, min: 0, max: STEPS, step: 1,
-      value: range.position(value), "aria-label": `${key.key}: ${key.help}`, "aria-valuetext": says(value) });
+    const slider = element("input",
+      { type: "range", id: `${name}:slider`, min: 0, max: STEPS, step: 1,
+      value: range.position(value), "aria-label": `${key.key}: ${key.help}`,
+        "aria-valuetext": says(value) });
     slider.addEventListener("input", () => {
       const found = range.value(Number(slider.value));
       field.value = shown(found);
@@ -128,10 +145,17 @@ export class Controls {
       this.complain(field, "");
       this.scene.set(name, found);
     });
+    // all digits while it is edited
+    field.addEventListener("focus",
+      () => { if (field.value === shown(Number(field.title))) field.value = field.title; });
+    field.addEventListener("blur",
+      () => { if (field.value === field.title) field.value = shown(Number(field.title)); });
     field.addEventListener("change", () => {
       const found = Number(field.value.trim().replace(/d/i, "e"));
-      if (!field.value.trim() || !Number.isFinite(found) || (range.whole && !Number.isInteger(found))) {
-        this.complain(field, `must be a ${range.whole ? "whole " : ""}number${key.allowed ? `, ${key.allowed}` : ""}`);
+      if (!field.value.trim() || !Number.isFinite(found)
+        || (range.whole && !Number.isInteger(found))) {
+        this.complain(field,
+          `must be a ${range.whole ? "whole " : ""}number${key.allowed ? `, ${key.allowed}` : ""}`);
         return;
       }
       this.complain(field, "");
@@ -145,8 +169,10 @@ export class Controls {
   }
 
   choice(name, key) {
-    const select = element("select", { id: name, class: "field", onchange: () => this.scene.set(name, select.value) },
-      ...key.words.map((word) => element("option", { selected: word === this.scene.get(name) }, word)));
+    const select = element("select",
+      { id: name, class: "field", onchange: () => this.scene.set(name, select.value) },
+      ...key.words.map((word) => element("option", { selected: word === this.scene.get(name) },
+        word)));
     return element("div", { class: "row wide" }, select);
   }
 
@@ -163,7 +189,8 @@ export class Controls {
       const items = field.value.split(/[\s,;]+/).filter(Boolean);
       const found = key.kind === "real list" ? items.map(Number) : items;
       const wrong = !found.length || (key.kind === "real list" && !found.every(Number.isFinite));
-      this.complain(field, wrong ? `must be ${key.kind === "real list" ? "numbers" : "words"} with commas between them` : "");
+      const what = key.kind === "real list" ? "numbers" : "words";
+      this.complain(field, wrong ? `must be ${what} with commas between them` : "");
       if (!wrong) this.scene.set(name, found);
     });
     return element("div", { class: "row wide" }, field);
@@ -180,7 +207,8 @@ export class Controls {
 
   // Mark the key that a message of the kernel names, and nothing else.
   blame(message) {
-    for (const field of document.querySelectorAll("#groups [aria-invalid=true]")) this.complain(field, "");
+    const blamed = document.querySelectorAll("#groups [aria-invalid=true]");
+    for (const field of blamed) this.complain(field, "");
     const found = /&(\w+): (\w+)/.exec(message ?? "");
     const field = found && byId(`${found[1]}.${found[2]}`);
     if (field) field.setAttribute("aria-invalid", "true");

@@ -8,7 +8,8 @@ export class CostPanel {
   constructor(scene) {
     this.scene = scene;
     this.running = null;
-    byId("measure").addEventListener("click", () => (this.running ? this.running.abort() : this.measure()));
+    byId("measure").addEventListener("click",
+      () => (this.running ? this.running.abort() : this.measure()));
   }
 
   async measure() {
@@ -29,33 +30,49 @@ export class CostPanel {
   }
 
   show(found) {
-    const good = found.rows.filter((row) => row.status === "ok" && row.relative_error !== null && row.seconds > 0);
+    const good = found.rows.filter((row) => row.status === "ok" && row.relative_error !== null
+      && row.seconds > 0);
     // an error of zero is one below the digits of a number
     const error = (row) => Math.max(row.relative_error, 1e-16);
     const methods = [...new Set(good.map((row) => row.method))];
     const curves = methods.map((method) => {
       const mine = good.filter((row) => row.method === method);
-      return { x: mine.map(error), y: mine.map((row) => 1e3 * row.seconds), label: method, dots: 2.5 };
+      return { x: mine.map(error), y: mine.map((row) => 1e3 * row.seconds), label: method,
+        dots: 2.5 };
     });
-    const practices = found.practices.filter((row) => row.status === "ok" && row.relative_error !== null);
+    const practices = found.practices.filter((row) => row.status === "ok"
+      && row.relative_error !== null);
     if (practices.length) {
-      curves.push({ x: practices.map(error), y: practices.map((row) => 1e3 * row.seconds), label: "usual today",
+      curves.push({ x: practices.map(error), y: practices.map((row) => 1e3 * row.seconds),
+        label: "usual today",
         colour: "ink", dots: 4, width: 0 });
     }
     const { reference, recommended } = found;
-    byId("cost-state").textContent = `${reference.method}; ${reference.peak} = ${short(reference[reference.peak], 10)}`
-      + (recommended ? `. Cheapest for 1e-6: ${recommended.method}, rtol = ${recommended.rtol.toExponential(0)}, ${short(1e3 * recommended.seconds, 3)} ms`
+    byId("cost-state").textContent = `${reference.method}; ${reference.peak} = ${short(
+      reference[reference.peak], 10)}`
+      + (recommended
+        ? `. Cheapest for 1e-6: ${recommended.method}, rtol = ${recommended.rtol.toExponential(
+          0)}, ${short(1e3 * recommended.seconds, 3)} ms`
         : ". No setting has an error of 1e-6.");
     const cell = (text) => element("td", {}, text);
-    const rows = [...found.practices, ...good].sort((a, b) => (a.relative_error ?? 9) - (b.relative_error ?? 9));
-    const same = (row) => recommended && row.method === recommended.method && row.rtol === recommended.rtol;
+    const rows = [...found.practices, ...good]
+      .sort((a, b) => (a.relative_error ?? 9) - (b.relative_error ?? 9));
+    const same = (row) => recommended && row.method === recommended.method
+      && row.rtol === recommended.rtol;
     byId("cost").replaceChildren(
-      panel(curves, { width: 560, height: 340, logX: true, logY: true, xLabel: "relative error of the peak", yLabel: "time of a run [ms]" }),
-      element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Table of methods" },
-        element("table", {}, element("thead", {}, element("tr", {}, ...["method", "rtol", "error", "ms", "steps"].map((word) => element("th", { scope: "col" }, word)))),
-          element("tbody", {}, ...rows.map((row) => element("tr", { class: same(row) ? "best" : "" },
-            element("th", { scope: "row" }, row.method), cell(row.rtol === null ? "–" : row.rtol.toExponential(0)),
-            cell(row.status === "ok" ? short(row.relative_error, 2) : row.status.slice(0, 40)), cell(short(1e3 * (row.seconds ?? NaN), 3)),
+      panel(curves, { width: 560, height: 340, logX: true, logY: true,
+        xLabel: "relative error of the peak", yLabel: "time of a run [ms]" }),
+      element("div", { class: "scroll", tabindex: 0, role: "region",
+        "aria-label": "Table of methods" },
+        element("table", {}, element("thead", {},
+          element("tr", {}, ...["method", "rtol", "error", "ms", "steps"]
+            .map((word) => element("th", { scope: "col" }, word)))),
+          element("tbody", {}, ...rows.map((row) =>
+            element("tr", { class: same(row) ? "best" : "" },
+            element("th", { scope: "row" }, row.method),
+              cell(row.rtol === null ? "–" : row.rtol.toExponential(0)),
+            cell(row.status === "ok" ? short(row.relative_error, 2) : row.status.slice(0, 40)),
+              cell(short(1e3 * (row.seconds ?? NaN), 3)),
             cell(String(row.steps))))))));
   }
 }

@@ -1,10 +1,11 @@
-// Line pictures as SVG: loops and cost on the page, and the figure that is saved. A saved figure has its
-// colours in it, on white, whatever the page looks like.
+// Line pictures as SVG: loops and cost on the page, and the figure that is saved. A saved figure
+// has its colours in it, on white, whatever the page looks like.
 
 import { short } from "./format.js";
 
 const SPACE = "http://www.w3.org/2000/svg";
-const PRINT = { ink: "#1b1f24", soft: "#57606a", line: "#d3d9df", paper: "#ffffff", alone: "#6b7480",
+const PRINT = { ink: "#1b1f24", soft: "#57606a", line: "#d3d9df", paper: "#ffffff",
+  alone: "#6b7480",
   c0: "#0072b2", c1: "#c04a00", c2: "#00795a", c3: "#9a6a00", c4: "#a0517f", c5: "#2b7fae" };
 
 function node(name, attributes, ...children) {
@@ -20,7 +21,8 @@ function marks(low, high, most) {
   const decade = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((x) => x * decade).find((x) => x >= rough) ?? 10 * decade;
   const found = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) found.push(i * step);
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step;
+  i++) found.push(i * step);
   return found;
 }
 
@@ -46,8 +48,8 @@ function extent(curves, axis, log) {
   return [low - pad, high + pad];
 }
 
-// One panel. curves: {x, y, colour, dash, label, dots}; options: title, xLabel, yLabel, logX, logY, width,
-// height, print (own colours instead of the page's).
+// One panel. curves: {x, y, colour, dash, label, dots}; options: title, xLabel, yLabel, logX, logY,
+// width, height, print (own colours instead of the page's).
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
@@ -59,19 +61,24 @@ export function panel(curves, options) {
     : (v) => from + (v - low) / (high - low) * (to - from));
   const X = scale(x0, x1, left, right, logX);
   const Y = scale(y0, y1, bottom, top, logY);
-  const text = (x, y, words, more = {}) => node("text", { x, y, fill: tone("soft"), "font-size": 12, ...more }, words);
+  const text = (x, y, words, more = {}) =>
+    node("text", { x, y, fill: tone("soft"), "font-size": 12, ...more }, words);
   const body = node("g", { "font-family": "system-ui, 'DejaVu Sans', sans-serif" });
   for (const x of logX ? decades(x0, x1) : marks(x0, x1, 5)) {
-    body.append(node("path", { d: `M${X(x)} ${top}V${bottom}`, stroke: tone("line"), fill: "none" }),
+    body.append(node("path", { d: `M${X(x)} ${top}V${bottom}`, stroke: tone("line"),
+      fill: "none" }),
       text(X(x), bottom + 15, short(x, 4), { "text-anchor": "middle" }));
   }
   for (const y of logY ? decades(y0, y1) : marks(y0, y1, 5)) {
-    body.append(node("path", { d: `M${left} ${Y(y)}H${right}`, stroke: tone("line"), fill: "none" }),
+    body.append(node("path", { d: `M${left} ${Y(y)}H${right}`, stroke: tone("line"),
+      fill: "none" }),
       text(left - 6, Y(y) + 4, short(y, 4), { "text-anchor": "end" }));
   }
   body.append(text((left + right) / 2, height - 8, options.xLabel, { "text-anchor": "middle" }),
-    text(14, (top + bottom) / 2, options.yLabel, { "text-anchor": "middle", transform: `rotate(-90 14 ${(top + bottom) / 2})` }));
-  if (options.title) body.append(text(left, 15, options.title, { fill: tone("ink"), "font-weight": 600 }));
+    text(14, (top + bottom) / 2, options.yLabel,
+      { "text-anchor": "middle", transform: `rotate(-90 14 ${(top + bottom) / 2})` }));
+  if (options.title) body.append(
+    text(left, 15, options.title, { fill: tone("ink"), "font-weight": 600 }));
   curves.forEach((curve, i) => body.append(...drawn(curve, i, X, Y, tone)));
   body.append(...key(curves, right, top, tone));
   return node("svg", { xmlns: SPACE, viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
@@ -84,17 +91,21 @@ function drawn(curve, i, X, Y, tone) {
   let pen = "M";
   const dots = [];
   for (let j = 0; j < curve.x.length; j++) {
-    const [x, y] = [curve.x[j] === null ? NaN : X(curve.x[j]), curve.y[j] === null ? NaN : Y(curve.y[j])];
+    const [x, y] = [curve.x[j] === null ? NaN : X(curve.x[j]),
+      curve.y[j] === null ? NaN : Y(curve.y[j])];
     if (!Number.isFinite(x) || !Number.isFinite(y)) {
       pen = "M";
       continue;
     }
     d += `${pen}${x.toFixed(1)} ${y.toFixed(1)}`;
     pen = "L";
-    if (curve.dots) dots.push(node("circle", { cx: x.toFixed(1), cy: y.toFixed(1), r: curve.dots, fill: colour }));
+    if (curve.dots) dots.push(node("circle",
+      { cx: x.toFixed(1), cy: y.toFixed(1), r: curve.dots, fill: colour }));
   }
-  return [node("path", { d: d || "M0 0", fill: "none", stroke: colour, "stroke-width": curve.width ?? 1.4,
-    "stroke-linejoin": "round", ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) }), ...dots];
+  return [node("path", { d: d || "M0 0", fill: "none", stroke: colour,
+    "stroke-width": curve.width ?? 1.4,
+    "stroke-linejoin": "round", ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) }),
+      ...dots];
 }
 
 function key(curves, right, top, tone) {
@@ -102,9 +113,11 @@ function key(curves, right, top, tone) {
   return named.flatMap((curve, i) => {
     const y = top + 12 + 15 * i;
     const colour = tone(curve.colour ?? `c${curves.indexOf(curve) % 6}`);
-    return [node("path", { d: `M${right - 24} ${y - 4}H${right - 4}`, stroke: colour, "stroke-width": 2, fill: "none",
+    return [node("path", { d: `M${right - 24} ${y - 4}H${right - 4}`, stroke: colour,
+      "stroke-width": 2, fill: "none",
       ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) }),
-    node("text", { x: right - 28, y, "text-anchor": "end", "font-size": 11, fill: tone("ink") }, curve.label)];
+    node("text", { x: right - 28, y, "text-anchor": "end", "font-size": 11, fill: tone("ink") },
+      curve.label)];
   });
 }
 
@@ -113,7 +126,8 @@ export function sheet(panels, title, width = 720) {
   let y = 34;
   const all = node("svg", { xmlns: SPACE, width });
   all.append(node("rect", { width: "100%", height: "100%", fill: PRINT.paper }),
-    node("text", { x: 12, y: 22, "font-size": 14, "font-weight": 600, "font-family": "system-ui, 'DejaVu Sans', sans-serif",
+    node("text", { x: 12, y: 22, "font-size": 14, "font-weight": 600,
+      "font-family": "system-ui, 'DejaVu Sans', sans-serif",
       fill: PRINT.ink }, title));
   for (const [curves, options] of panels) {
     const made = panel(curves, { width, height: 230, ...options, print: true });

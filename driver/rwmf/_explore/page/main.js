@@ -1,5 +1,5 @@
-// The page: one question to the server at a time, and the newest state of the sliders next. No queue can
-// build up, however fast a hand moves and however slow a case is.
+// The page: one question to the server at a time, and the newest state of the sliders next. No
+// queue can build up, however fast a hand moves and however slow a case is.
 
 import { ask, unpack } from "./bridge.js";
 import { Controls } from "./controls.js";
@@ -40,8 +40,10 @@ class Explorer {
   }
 
   buttons() {
-    byId("reset").addEventListener("click", () => { this.controls.ranges.clear(); this.scene.reset(); });
-    byId("save").addEventListener("click", () => save("explored.nml", "text/plain", this.answer?.namelist ?? ""));
+    byId("reset").addEventListener("click",
+      () => { this.controls.ranges.clear(); this.scene.reset(); });
+    byId("save").addEventListener("click",
+      () => save("explored.nml", "text/plain", this.answer?.namelist ?? ""));
     byId("copy").addEventListener("click", (event) => this.copy(event.target));
     byId("figure").addEventListener("click", () => this.saveFigure());
     byId("compare").addEventListener("click", () => {
@@ -54,7 +56,8 @@ class Explorer {
       this.touch(false);
     });
     byId("file").addEventListener("change", () => this.upload());
-    for (const name of ["unit", "interval"]) byId(name).addEventListener("change", () => this.upload());
+    for (const name of ["unit", "interval"]) byId(name)
+      .addEventListener("change", () => this.upload());
     if (matchMedia("(max-width: 760px)").matches) byId("panel").open = false;
   }
 
@@ -106,7 +109,8 @@ class Explorer {
   otherFormulation() {
     const own = this.scene.get("model.formulation") ?? "exact";
     const question = this.scene.question();
-    question.groups.model = { ...question.groups.model, formulation: own === "exact" ? "published" : "exact" };
+    question.groups.model = { ...question.groups.model,
+      formulation: own === "exact" ? "published" : "exact" };
     return question;
   }
 
@@ -162,13 +166,15 @@ class Explorer {
     }
     let other = null;
     if (this.comparing && this.other && points === FULL) {
-      other = await this.question("spectrum", "/api/spectrum", { ...this.otherFormulation(), ...more });
+      other = await this.question("spectrum", "/api/spectrum",
+        { ...this.otherFormulation(), ...more });
     }
     this.perPeriod = answer.kernel_seconds / points;
     this.coarse = version;
     const { key } = answer.quantity;
     const own = this.answer.numbers.find((row) => row[0] === key);
-    this.pictures.drawSpectrum(answer, other, { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });
+    this.pictures.drawSpectrum(answer, other,
+      { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });
     this.offer(answer);
     const failed = Object.entries(answer.failed).map(([status, n]) => `${n} ${status}`).join(", ");
     byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
@@ -181,8 +187,10 @@ class Explorer {
   report(what, answer, touched, points) {
     const kernel = 1e3 * answer.kernel_seconds;
     this.seconds = { ...this.seconds, [what]: kernel };
-    byId("status").textContent = `kernel: ${Object.entries(this.seconds).map(([name, ms]) => `${name} ${short(ms, 2)} ms`).join(", ")}`;
-    requestAnimationFrame(() => performance.measure(what, { start: touched, end: performance.now(), detail: { kernel, points } }));
+    byId("status").textContent = `kernel: ${Object.entries(this.seconds)
+      .map(([name, ms]) => `${name} ${short(ms, 2)} ms`).join(", ")}`;
+    requestAnimationFrame(() => performance.measure(what,
+      { start: touched, end: performance.now(), detail: { kernel, points } }));
   }
 
   offer(answer) {
@@ -190,7 +198,8 @@ class Explorer {
     const keys = answer.quantities.map(([key]) => key).join();
     if (select.dataset.keys !== keys) {
       select.dataset.keys = keys;
-      select.replaceChildren(...answer.quantities.map(([key, help]) => element("option", { value: key, title: help }, bare(key))));
+      select.replaceChildren(...answer.quantities.map(([key, help]) =>
+        element("option", { value: key, title: help }, bare(key))));
     }
     select.value = answer.quantity.key;
   }
@@ -201,11 +210,16 @@ class Explorer {
       const kind = loop.spring.split(" ").at(-1);
       kinds.set(kind, [...(kinds.get(kind) ?? []), loop]);
     }
-    const abscissa = { frame: "u_s [mm]", cable: "elongation [mm]", fuse: "uplift of its corner [mm]" };
+    const abscissa = { frame: "u_s [mm]", cable: "elongation [mm]",
+      fuse: "uplift of its corner [mm]" };
     byId("loops").replaceChildren(...[...kinds].map(([kind, all]) => panel(all.map((loop) => ({
-      x: Array.from(unpack(loop.displacement), (x) => (x === null ? null : 1e3 * x)), y: unpack(loop.force),
-      label: all.length > 1 ? loop.spring : "" })), { title: kind, xLabel: abscissa[kind], yLabel: all[0].label })));
-    if (!loops.length) byId("loops").replaceChildren(element("p", { class: "hint" }, "No cable, fuse or yielding frame in this scene."));
+      x: Array.from(unpack(loop.displacement), (x) => (x === null ? null : 1e3 * x)),
+        y: unpack(loop.force),
+      label: all.length > 1 ? loop.spring : "" })),
+        { title: kind, xLabel: abscissa[kind], yLabel: all[0].label })));
+    if (!loops.length) byId("loops")
+      .replaceChildren(element("p", { class: "hint" },
+        "No cable, fuse or yielding frame in this scene."));
   }
 
   pickPeriod(T) {
@@ -231,12 +245,16 @@ class Explorer {
     if (spectrum) {
       const T = unpack(spectrum.T);
       const curves = [{ x: T, y: unpack(spectrum.values), label: "wall and frame" }];
-      if (spectrum.alone) curves.push({ x: T, y: unpack(spectrum.alone), label: "frame alone", colour: "alone", dash: "3 3" });
+      if (spectrum.alone) curves.push(
+        { x: T, y: unpack(spectrum.alone), label: "frame alone", colour: "alone", dash: "3 3" });
       const { key, unit } = spectrum.quantity;
-      panels.push([curves, { title: "Spectrum", xLabel: "period [s]", yLabel: `${bare(key)} [${unit === "1" ? "-" : unit}]` }]);
+      panels.push([curves, { title: "Spectrum", xLabel: "period [s]",
+        yLabel: `${bare(key)} [${unit === "1" ? "-" : unit}]` }]);
     }
     for (const [name, label] of [["u_s", "u_s [m]"], ["theta", "θ [rad]"]]) {
-      if (columns?.[name]) panels.push([[{ x: columns.time, y: columns[name] }], { title: label.split(" ")[0], xLabel: "t [s]", yLabel: label }]);
+      if (columns?.[name]) panels.push(
+        [[{ x: columns.time, y: columns[name] }],
+          { title: label.split(" ")[0], xLabel: "t [s]", yLabel: label }]);
     }
     save("explored.svg", "image/svg+xml", sheet(panels, `rwmf: ${this.scene.description.name}`));
   }

@@ -3,13 +3,16 @@
 import { unpack } from "./bridge.js";
 import { byId, element, short } from "./format.js";
 
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const line = (label, name, more = {}) => ({ label, stroke: () => colour(name), width: 1.6, points: { show: false },
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`)
+  .trim();
+const line = (label, name, more = {}) =>
+  ({ label, stroke: () => colour(name), width: 1.6, points: { show: false },
   value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
 
 // A range that is never empty: axis marks of an empty one have no end.
 function padded(_, low, high) {
-  if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
+  if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0,
+    1];
   const size = Math.max(Math.abs(low), Math.abs(high)) || 1;
   const pad = Math.max(0.06 * (high - low), 1e-6 * size, 1e-12);
   return [low === 0 ? 0 : low - pad, high + pad];
@@ -23,14 +26,14 @@ class Chart {
   constructor(place, height, labels, hooks = {}, sync = undefined) {
     Object.assign(this, { place, height, labels, hooks, sync, shape: "", plot: null });
     new ResizeObserver(() => this.resize()).observe(place);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw());
+    matchMedia("(prefers-color-scheme: dark)")
+      .addEventListener("change", () => this.plot?.redraw());
   }
 
   resize() {
     const width = this.place.clientWidth;
     if (this.plot && width > 0 && Math.abs(this.plot.width - width) > 1) {
       this.plot.setSize({ width, height: this.height });
-      this.onresize?.();
     }
   }
 
@@ -46,16 +49,22 @@ class Chart {
     this.shape = shape;
     // an empty place is not shown, and has no width
     this.place.replaceChildren(element("span"));
-    const axis = { stroke: () => colour("soft"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif",
-      grid: { stroke: () => colour("line"), width: 1 }, ticks: { stroke: () => colour("line"), width: 1 } };
+    const axis = { stroke: () => colour("soft"), font: "12px system-ui, sans-serif",
+      labelFont: "12px system-ui, sans-serif",
+      grid: { stroke: () => colour("line"), width: 1 },
+        ticks: { stroke: () => colour("line"), width: 1 } };
     const options = {
       width: Math.max(this.place.clientWidth, 200), height: this.height, bands,
-      series: [{ label: this.labels[0], value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)) }, ...series],
+      series: [{ label: this.labels[0],
+        value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)) }, ...series],
       axes: [{ ...axis, label: this.labels[0], labelSize: 18, size: 34 },
-        { ...axis, label: this.labels[1], labelSize: 18, size: 62, values: (_, all) => all.map((x) => short(x, 5)) }],
+        { ...axis, label: this.labels[1], labelSize: 18, size: 62,
+          values: (_, all) => all.map((x) => short(x, 5)) }],
       scales: { x: { time: false, range: exact }, y: { range: padded } },
-      cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 6 }, ...(this.sync ? { sync: { key: this.sync } } : {}) },
-      hooks: this.hooks,
+      cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 6 },
+        ...(this.sync ? { sync: { key: this.sync } } : {}) },
+      // scales are known when the first picture is drawn
+      hooks: { draw: [...(this.hooks.draw ?? []), () => this.ondraw?.()] },
     };
     this.place.replaceChildren();
     this.plot = new uPlot(options, data, this.place);
@@ -63,7 +72,6 @@ class Chart {
       if (this.plot.cursor.left >= 0) this.onpick?.(this.plot.posToVal(this.plot.cursor.left, "x"));
     });
     this.now = null;
-    this.onmake?.();
   }
 
   clear() {
@@ -85,7 +93,8 @@ class Chart {
   }
 }
 
-const NAMES = { input: "input", kinetic: "kinetic", strain: "frame springs", gravity: "gravity", cable: "cable",
+const NAMES = { input: "input", kinetic: "kinetic", strain: "frame springs", gravity: "gravity",
+  cable: "cable",
   effects: "fuses, others", viscous: "viscous", hysteretic: "yielding", impact: "impacts" };
 
 export class Pictures {
@@ -93,7 +102,8 @@ export class Pictures {
     this.impacts = [];
     this.marker = null;
     this.overturned = [];
-    this.spectrum = new Chart(byId("spectrum"), 300, ["period [s]", ""], { draw: [(u) => this.drawMarker(u)] });
+    this.spectrum = new Chart(byId("spectrum"), 300, ["period [s]", ""],
+      { draw: [(u) => this.drawMarker(u)] });
     this.spectrum.onpick = onPeriod;
     const ticks = { draw: [(u) => this.drawImpacts(u)] };
     this.charts = {
@@ -104,7 +114,7 @@ export class Pictures {
     };
     for (const chart of Object.values(this.charts)) {
       chart.onpick = onTime;
-      chart.onmake = chart.onresize = () => chart.mark(this.t ?? 0);
+      chart.ondraw = () => chart.mark(this.t ?? 0);
     }
   }
 
@@ -132,33 +142,40 @@ export class Pictures {
   lines(chart, columns, others, names) {
     const here = names.filter((name) => name in columns);
     if (!here.length) return this.charts[chart].clear();
-    const own = here.map((name, i) => line(this.compared ? this.compared[0] : name === "theta" ? "θ" : name, `c${i}`));
+    const own = here.map((name, i) =>
+      line(this.compared ? this.compared[0] : name === "theta" ? "θ" : name, `c${i}`));
     const second = others ? here.map(() => line(this.compared[1], "c1", { dash: [6, 4] })) : [];
     // both runs have the same rows: their number, not their interval, is fixed
     this.charts[chart].draw([...own, ...second],
-      [columns.time, ...here.map((name) => columns[name]), ...(others ? here.map((name) => others[name]) : [])]);
+      [columns.time, ...here.map((name) => columns[name]),
+        ...(others ? here.map((name) => others[name]) : [])]);
   }
 
   // Parts one upon the other; their sum is what the ground has put in.
   energies(columns) {
-    const parts = Object.keys(columns).filter((name) => name.startsWith("energy_") && name !== "energy_input");
+    const parts = Object.keys(columns)
+      .filter((name) => name.startsWith("energy_") && name !== "energy_input");
     if (!parts.length) return this.charts.energies.clear();
     const sums = [];
     for (const name of parts) {
       const below = sums.at(-1);
-      sums.push(Array.from(columns[name], (x, i) => (x === null ? null : x + (below ? below[i] : 0))));
+      sums.push(Array.from(columns[name],
+        (x, i) => (x === null ? null : x + (below ? below[i] : 0))));
     }
     const labels = parts.map((name) => NAMES[name.slice(7)] ?? name.slice(7));
-    const own = (i) => (_, x, __, row) => (row === null || row === undefined ? "–" : short(columns[parts[i]]?.[row] ?? null, 3));
+    const own = (i) => (_, x, __, row) =>
+      (row === null || row === undefined ? "–" : short(columns[parts[i]]?.[row] ?? null, 3));
     const series = labels.map((label, i) => line(label, `c${i % 6}`, { width: 1, value: own(i) }));
-    const bands = series.slice(1).map((_, i) => ({ series: [i + 2, i + 1], fill: alpha(`c${(i + 1) % 6}`) }));
+    const bands = series.slice(1).map((_, i) =>
+      ({ series: [i + 2, i + 1], fill: alpha(`c${(i + 1) % 6}`) }));
     series[0].fill = alpha("c0");
     this.charts.energies.draw([...series, line("input", "ink", { dash: [2, 3], width: 1.2 })],
       [columns.time, ...sums, columns.energy_input], bands);
   }
 
   drawSpectrum(answer, other, marker) {
-    const series = [line(other ? this.compared?.[0] ?? "this" : "wall and frame", "c0", { width: 2 })];
+    const series = [line(other ? this.compared?.[0] ?? "this" : "wall and frame", "c0",
+      { width: 2 })];
     const data = [unpack(answer.T), unpack(answer.values)];
     if (answer.alone) {
       series.push(line("frame alone", "alone", { dash: [3, 3] }));
@@ -228,4 +245,5 @@ export const bare = (key) => key.replace(/_(m|s|rad_s|rad|J_per_kg|N)$/, "");
 
 const alpha = (name) => () => colour(name) + "40";
 
-const mapValues = (object, change) => Object.fromEntries(Object.entries(object).map(([key, x]) => [key, change(x)]));
+const mapValues = (object, change) =>
+  Object.fromEntries(Object.entries(object).map(([key, x]) => [key, change(x)]));

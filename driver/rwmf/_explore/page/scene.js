@@ -1,5 +1,5 @@
-// The case that the sliders say: groups with the keys that are given. Every change goes through here,
-// so that what excludes or needs each other follows, by the tables of the server.
+// The case that the sliders say: groups with the keys that are given. Every change goes through
+// here, so that what excludes or needs each other follows, by the tables of the server.
 
 const copy = (value) => JSON.parse(JSON.stringify(value));
 
@@ -28,7 +28,8 @@ export class Scene {
 
   remember() {
     const token = location.hash.slice(1).split("&")[0];
-    const own = JSON.stringify(this.description.state) === JSON.stringify(this.groups) || this.record;
+    const own = JSON.stringify(this.description.state) === JSON.stringify(this.groups)
+      || this.record;
     const text = own ? "" : `&${encodeURIComponent(JSON.stringify(this.groups))}`;
     history.replaceState(null, "", `#${token}${text}`);
   }
@@ -57,7 +58,8 @@ export class Scene {
     if (name === "wall.h" && this.has("storeys")) anew = this.stretchStoreys(value) || anew;
     before[key] = value;
     for (const same of this.description.alternatives) {
-      if (same.includes(name)) for (const other of same) if (other !== name) anew = this.drop(other) || anew;
+      if (same.includes(name)) for (const other of same) if (other !== name) anew = this.drop(
+        other) || anew;
     }
     if (name in this.description.belonging) anew = this.follow(name, value) || anew;
     this.changed(anew);
@@ -133,7 +135,8 @@ export class Scene {
   take(name) {
     if (!this.has(name)) return;
     delete this.groups[name];
-    for (const group of this.description.groups) if (group.needs.includes(name)) this.take(group.name);
+    for (const group of this.description.groups) if (group.needs.includes(name)) this.take(
+      group.name);
     for (const key of this.description.instead_of[name] ?? []) {
       const [group, word] = key.split(".");
       if (this.has(group) && this.group(group).needed_too.includes(word)) this.start(key);
@@ -149,7 +152,7 @@ export class Scene {
       if (!this.has(group)) continue;
       const replaced = Object.entries(this.description.instead_of)
         .some(([other, keys]) => this.has(other) && keys.includes(name));
-      if (!this.has(beside) || replaced) this.drop(name);
+      if (!beside.every((other) => this.has(other)) || replaced) this.drop(name);
       else if (needed) this.start(name);
     }
   }

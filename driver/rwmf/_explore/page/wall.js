@@ -1,10 +1,11 @@
-// Wall, frame, cable and ground at the time of the clock, on a canvas. Rotations are drawn larger than
-// they are, by the factor that rwmf animate takes.
+// Wall, frame, cable and ground at the time of the clock, on a canvas. Rotations are drawn larger
+// than they are, by the factor that rwmf animate takes.
 
 const FLASH = 0.12; // how long an impact stays marked [s]
 const VISIBLE = 0.12; // a rotation that a person sees [rad]
 
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`)
+  .trim();
 
 // 1, 2, 5 or 10 times a power of ten, 1 for large rotations.
 export function magnification(largest) {
@@ -14,7 +15,8 @@ export function magnification(largest) {
   return decade * Math.max(...[1, 2, 5, 10].filter((step) => step * decade <= wanted));
 }
 
-// Corners of the wall turned about the one that is down: left bottom, right bottom, right top, left top.
+// Corners of the wall turned about the one that is down: left bottom, right bottom, right top, left
+// top.
 function corners(h, b, theta, pinned) {
   const pivot = pinned ? 0 : theta > 0 ? b : -b;
   const [sine, cosine] = [Math.sin(theta), Math.cos(theta)];
@@ -28,7 +30,8 @@ export class Stage {
     this.factorPlace = factorPlace;
     this.answer = null;
     new ResizeObserver(() => this.draw(this.t ?? 0)).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw(this.t ?? 0));
+    matchMedia("(prefers-color-scheme: dark)")
+      .addEventListener("change", () => this.draw(this.t ?? 0));
   }
 
   // `columns` and `ground` are arrays over the rows of the history, `impacts` instants.
@@ -38,9 +41,11 @@ export class Stage {
     const largest = columns.theta ? peak(columns.theta) : peak(columns.u_s) / this.height;
     this.factor = magnification(largest);
     // what stands left and right of the middle of the base, moving with roof and ground
-    const sway = this.factor * (columns.theta ? this.height * peak(columns.theta) : peak(columns.u_s));
+    const sway = this.factor * (columns.theta ? this.height * peak(columns.theta)
+      : peak(columns.u_s));
     const moves = sway + peak(ground) + 0.08 * this.height;
-    this.left = moves + (scene.h ? scene.b + (scene.frame ? 1.1 * this.height : 0) : 0.3 * this.height);
+    this.left = moves + (scene.h ? scene.b + (scene.frame ? 1.1 * this.height : 0)
+      : 0.3 * this.height);
     this.right = moves + (scene.h ? scene.b : 0.3 * this.height);
     this.factorPlace.textContent = this.factor > 1 ? `rotations drawn ${this.factor} times` : "";
   }
@@ -114,7 +119,8 @@ export class Stage {
       this.path([[ground, 0], top], "c2", 2);
     }
     for (const [name, tone] of [["fuse", "c4"], ["damper", "c3"], ["inerter", "c5"]]) {
-      if (this.scene[name]) for (const corner of [box[0], box[1]]) this.path([[corner[0], 0], corner], tone, 3);
+      if (this.scene[name]) for (const corner of [box[0], box[1]]) this.path(
+        [[corner[0], 0], corner], tone, 3);
     }
     const hit = this.impacts.some((instant) => t >= instant && t - instant < FLASH);
     if (hit) {
@@ -141,7 +147,8 @@ export class Stage {
     const shape = this.scene.heights
       ? [[0, 0], ...floors.map((y, i) => [moves[i], y])]
       // clamped at the foot, guided at the roof
-      : Array.from({ length: 13 }, (_, i) => [sway * (3 * (i / 12) ** 2 - 2 * (i / 12) ** 3), H * i / 12]);
+      : Array.from({ length: 13 }, (_, i) =>
+        [sway * (3 * (i / 12) ** 2 - 2 * (i / 12) ** 3), H * i / 12]);
     for (const x of [left, right]) this.path(shape.map(([u, y]) => [x + u, y]), "c0", 3);
     floors.forEach((y, i) => this.path([[left + moves[i], y], [right + moves[i], y]], "c0", 4));
     if (corner) this.path([[right + sway, H], corner], "ink", 1.2);

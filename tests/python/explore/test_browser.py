@@ -1,0 +1,540 @@
+"""The page of `rwmf explore` in a real browser: hands, eyes, keyboard, and what it saves."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import threading
+from collections.abc import Callable, Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import rwmf
+from checkout import ROOT, Runner
+from page_client import served
+from rwmf import Case
+from rwmf._explore.server import PageServer
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, BrowserContext, Locator, Page
+
+FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
+DESK = {"width": 1440, "height": 1000}
+PHONE = {"width": 400, "height": 850}
+# ratios that WCAG asks of text, AA; of large text less
+LEAST_CONTRAST = 4.5
+SETTLED = """
+async () => {
+  const begun = performance.now();
+  for (let still = 0; still < 3; still = window.explorer?.running === false ? still + 1 : 0) {
+    if (performance.now() - begun > 20000) throw new Error('the page does not come to rest');
+    await new Promise((done) => setTimeout(done, 10));
+  }
+}
+"""
+# text that is shown, with the colours of its letters and of what lies below them
+CONTRASTS = """
+() => {
+  const parts = (text) => text.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => [r, g, b].map((x) => x / 255)
+    .map((x) => (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4))
+    .reduce((sum, x, i) => sum + x * [0.2126, 0.7152, 0.0722][i], 0);
+  const below = (node) => {
+    for (; node; node = node.parentElement) {
+      const found = parts(getComputedStyle(node).backgroundColor);
+      if (found.length === 3 || found[3] > 0.99) return found;
+    }
+    return [255, 255, 255];
+  };
+  const found = [];
+  for (const node of document.querySelectorAll('body *')) {
+    const own = [...node.childNodes].some((x) => x.nodeType === 3 && x.textContent.trim());
+    if (!own || !node.checkVisibility() || node.closest('option')) continue;
+    const style = getComputedStyle(node);
+    const ink = node.namespaceURI.endsWith('svg') ? style.fill : style.color;
+    const [a, b] = [light(parts(ink)), light(below(node))].sort((x, y) => y - x);
+    found.push([(a + 0.05) / (b + 0.05), `${node.tagName} ${node.textContent.slice(0, 30)}`]);
+  }
+  return found;
+}
+"""
+# what a keyboard must reach, as far as it is shown
+CONTROLS = """
+() => [...document.querySelectorAll('button, input, select, summary, a[href], [tabindex="0"]')]
+  .filter((node) => !node.disabled && node.checkVisibility())
+  .map((node, i) => { node.dataset.count = i; return i; })
+"""
+NAMELESS = """
+() => [...document.querySelectorAll('button, input, select')].filter((node) => {
+  const words = node.tagName === 'BUTTON' && node.textContent.trim();
+  const named = node.getAttribute('aria-label') || node.labels?.length || node.title;
+  return node.checkVisibility() && !words && !named;
+}).map((node) => node.outerHTML)
+"""
+
+
+class Opened:
+    """A page that has been opened, and what its console and network said."""
+
+    def __init__(self, context: BrowserContext, address: str) -> None:
+        self.page: Page = context.new_page()
+        self.console: list[str] = []
+        self.foreign: list[str] = []
+        self.page.on("console", lambda message: self._hear(message.type, message.text))
+        self.page.on("pageerror", lambda error: self.console.append(str(error)))
+        own = address.split("#")[0]
+        self.page.on("request", lambda request: self._see(request.url, own))
+        self.page.goto(address)
+        self.page.locator("#numbers td").first.wait_for()
+        self.settle()
+
+    def _hear(self, kind: str, text: str) -> None:
+        # what the kernel refuses is an answer, which a browser notes
+        if kind in ("error", "warning") and "422 (" not in text:
+            self.console.append(text)
+
+    def _see(self, url: str, own: str) -> None:
+        if not url.startswith((own, "data:", "blob:")):
+            self.foreign.append(url)
+
+    def settle(self) -> None:
+        """Wait until everything is shown."""
+        self.page.evaluate(SETTLED)
+
+    def field(self, name: str) -> Locator:
+        """Field, list or box of a key."""
+        return self.page.locator(f'[id="{name}"]')
+
+    def slider(self, name: str) -> Locator:
+        """Slider of a key."""
+        return self.page.locator(f'[id="{name}:slider"]')
+
+    def open_all(self) -> None:
+        """Open what is folded."""
+        self.page.evaluate("document.querySelectorAll('details').forEach((x) => { x.open = true })")
+
+    def number(self, key: str) -> str:
+        """All digits of a key number."""
+        found = self.page.locator(f'[data-key="{key}"]').get_attribute("data-exact")
+        assert found is not None
+        return found
+
+    @property
+    def problem(self) -> str:
+        """What the page says of the state of its sliders, '' for nothing."""
+        return str(self.page.locator("#problem").text_content())
+
+
+Open = Callable[..., Opened]
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[PageServer]:
+    with served(Case.from_namelist(FIG12)) as (found, _):
+        yield found
+
+
+@pytest.fixture
+def show(browser: Browser, server: PageServer) -> Iterator[Open]:
+    """Open the page; at the end nothing may stand in its console, nothing may have been fetched."""
+    opened: list[Opened] = []
+
+    def show(address: str = "", **words: object) -> Opened:
+        words = {"viewport": DESK, "reduced_motion": "reduce"} | words
+        found = Opened(browser.new_context(**words), address or server.address)
+        opened.append(found)
+        return found
+
+    yield show
+    for found in opened:
+        assert (found.console, found.foreign) == ([], [])
+        found.page.context.close()
+
+
+def _peak(**groups: object) -> str:
+    case = Case.from_namelist(FIG12).replace(**groups)
+    return repr(float(rwmf.simulate(case)["u_s_max"]))
+
+
+def test_a_slider_moves_everything(show: Open) -> None:
+    opened = show()
+    assert opened.number("u_s_max_m") == _peak()
+    slider = opened.slider("frame.T_s")
+    slider.focus()
+    for _ in range(3):
+        opened.page.keyboard.press("ArrowRight")
+    opened.settle()
+    value = opened.field("frame.T_s").input_value()
+    assert float(value) > 1.0
+    assert slider.get_attribute("aria-valuetext") == f"{value} s"
+    assert f"T_s = {float(value)!r}" in opened.page.locator("#namelist").text_content()
+    assert opened.number("u_s_max_m") == _peak(frame={"T_s": float(value)})
+    # the marker of the spectrum has moved along
+    assert opened.page.evaluate("explorer.pictures.marker.T") == float(value)
+
+
+def test_every_slider_over_its_range(show: Open) -> None:
+    """No end of a range hangs the page, b/h beyond 0.5, gamma below 5 and no motion included."""
+    opened = show()
+    opened.open_all()
+    names = opened.page.evaluate(
+        "[...document.querySelectorAll('[id$=\":slider\"]')].map((x) => x.id.slice(0, -7))"
+    )
+    assert {"wall.b", "frame.gamma", "impact.e", "motion.a_max_g"} <= set(names)
+    refused = {}
+    for name in names:
+        before = opened.field(name).get_attribute("title")
+        opened.slider(name).focus()
+        for key in ("Home", "End"):
+            opened.page.keyboard.press(key)
+            opened.settle()
+            if opened.problem:
+                refused[name] = opened.problem
+        opened.field(name).fill(before)
+        opened.field(name).press("Enter")
+        opened.settle()
+        assert opened.problem == ""
+    # the periods of runs may not cross: the kernel says so
+    assert set(refused) <= {"spectrum.T_s_min", "spectrum.T_s_max"}, refused
+    assert opened.number("u_s_max_m") == _peak()
+
+
+@pytest.mark.parametrize("name", ["storeys_full", "study_block", "fig06_mild_frame_alone_one_sine",
+                                  "which_spring_takes_the_energy"])  # fmt: skip
+def test_other_scenes(show: Open, name: str) -> None:
+    with served(Case.from_namelist(ROOT / "inputs" / f"{name}.nml")) as (server, _):
+        opened = show(server.address)
+        drifts = opened.page.locator("#drifts canvas").count()
+        assert drifts == (name == "storeys_full")
+        assert opened.page.locator("#theta canvas").count() == ("alone" not in name)
+        loops = {"storeys_full": 1, "which_spring_takes_the_energy": 3}.get(name, 0)
+        assert opened.page.locator("#loops svg").count() == loops
+        opened.page.get_by_role("button", name="Next impact").click()
+
+
+def test_every_effect_can_be_added_and_taken_out(show: Open) -> None:
+    opened = show()
+    opened.field("model.formulation").select_option("exact")
+    buttons = opened.page.locator("#absent button")
+    labels = buttons.all_text_contents()
+    assert len(labels) >= 9
+    for label in labels:
+        opened.page.get_by_role("button", name=label, exact=True).click()
+        opened.settle()
+        assert opened.problem == "", label
+        opened.open_all()
+        opened.page.get_by_role("button", name="Reset").click()
+        opened.field("model.formulation").select_option("exact")
+    # the frame alone, and back
+    for name in ("wall", "frame"):
+        opened.open_all()
+        opened.page.get_by_role("button", name=f"Take the whole group &{name} out").click()
+        opened.settle()
+        assert opened.problem == "", name
+        assert opened.page.locator("#theta canvas").count() == (name != "wall")
+        opened.page.locator(f"#add-{name}").click()
+        opened.settle()
+        assert opened.problem == "", name
+        opened.page.get_by_role("button", name="Reset").click()
+
+
+def test_every_choice_brings_what_it_needs(show: Open) -> None:
+    opened = show()
+    opened.field("model.formulation").select_option("exact")
+    for name in ("fuse", "yielding"):
+        opened.page.locator(f"#add-{name}").click()
+    opened.open_all()
+    for button in ("set-fuse.law", "set-yielding.law"):
+        opened.page.locator(f'[id="{button}"]').click()
+        opened.open_all()
+    for name in ("motion.kind", "impact.rule", "cable.law", "fuse.law", "yielding.law"):
+        words = opened.field(name).locator("option").all_text_contents()
+        # one that says what is missing, and the way back
+        for word in sorted(words, key=lambda word: word == "record") + words[:2]:
+            opened.field(name).select_option(word)
+            opened.settle()
+            if word == "record":
+                assert "file" in opened.problem
+            else:
+                assert opened.problem == "", (name, word)
+
+
+def test_a_wrong_value_is_said_and_shown(show: Open) -> None:
+    opened = show()
+    field = opened.field("frame.T_s")
+    field.fill("fast")
+    field.press("Enter")
+    assert "must be a number" in opened.page.locator('[id="frame.T_s:wrong"]').text_content()
+    # nothing was asked: the pictures stand
+    assert opened.problem == ""
+    field.fill("-1")
+    field.press("Enter")
+    opened.settle()
+    assert opened.problem.startswith("&frame: T_s = -1.0: must be")
+    assert field.get_attribute("aria-invalid") == "true"
+    assert "stale" in opened.page.locator("#pictures").get_attribute("class")
+    field.fill("0.5")
+    field.press("Enter")
+    opened.settle()
+    assert opened.problem == ""
+    assert field.get_attribute("aria-invalid") == "false"
+    assert opened.number("u_s_max_m") == _peak(frame={"T_s": 0.5})
+
+
+def test_published_and_exact(show: Open) -> None:
+    opened = show()
+    toggle = opened.page.get_by_role("button", name="Published and exact")
+    toggle.click()
+    opened.settle()
+    assert toggle.get_attribute("aria-pressed") == "true"
+    for chart in ("u_s", "theta", "spectrum"):
+        text = opened.page.locator(f"#{chart} .u-legend").text_content()
+        assert "published" in text
+        assert "exact" in text
+    toggle.click()
+    opened.settle()
+    assert "exact" not in opened.page.locator("#u_s .u-legend").text_content()
+
+
+def test_records_good_and_damaged(show: Open) -> None:
+    opened = show()
+    t = np.arange(0, 4, 0.01)
+    good = "\n".join(f"{x:.6g}" for x in 0.5 * np.sin(6 * t) * (t < 1)).encode()
+    upload = opened.page.locator("#file")
+    state = opened.page.locator("#upload-state")
+    upload.set_input_files({"name": "own.csv", "mimeType": "text/csv", "buffer": good})
+    opened.page.locator("#upload-state.wrong").wait_for()
+    assert "needs the key dt" in state.text_content()
+    opened.page.locator("#interval").fill("0.01")
+    opened.page.locator("#interval").press("Tab")
+    opened.page.get_by_text("own.csv: 3.99 s, peak 0.5 g").wait_for()
+    opened.settle()
+    assert "file = 'own.csv'" in opened.page.locator("#namelist").text_content()
+    before = opened.number("u_s_max_m")
+    assert before != _peak()
+    damaged = good.replace(b"0.", b"O.", 1)
+    upload.set_input_files({"name": "bad.csv", "mimeType": "text/csv", "buffer": damaged})
+    opened.page.locator("#upload-state.wrong").wait_for()
+    assert "bad.csv" in state.text_content()
+    assert opened.number("u_s_max_m") == before
+
+
+def test_what_is_saved_gives_the_same_bits(show: Open, command: Runner, tmp_path: Path) -> None:
+    opened = show()
+    opened.slider("frame.gamma").focus()
+    for _ in range(5):
+        opened.page.keyboard.press("ArrowRight")
+    opened.settle()
+    with opened.page.expect_download() as saved:
+        opened.page.get_by_role("button", name="Save namelist").click()
+    path = tmp_path / "explored.nml"
+    saved.value.save_as(path)
+    expected = json.loads(command("run", path, "--json").stdout)
+    cells = opened.page.locator("#numbers [data-key]")
+    shown = {cell.get_attribute("data-key"): cell.get_attribute("data-exact")
+             for cell in cells.all()}  # fmt: skip
+    same = [key for key in expected if key in shown and isinstance(expected[key], float)]
+    assert len(same) > 5
+    assert {key: shown[key] for key in same} == {key: repr(expected[key]) for key in same}
+    with opened.page.expect_download() as saved:
+        opened.page.get_by_role("button", name="Save figure").click()
+    figure = ElementTree.fromstring(saved.value.path().read_bytes())
+    paths = figure.findall(".//{http://www.w3.org/2000/svg}path")
+    assert max(len(path.get("d", "")) for path in paths) > 2000
+    text = ElementTree.tostring(figure, encoding="unicode")
+    assert "var(" not in text
+    assert "href" not in text
+
+
+def test_copying_the_namelist(show: Open) -> None:
+    opened = show(permissions=["clipboard-read", "clipboard-write"])
+    opened.page.get_by_role("button", name="Copy").click()
+    opened.page.get_by_role("button", name="Copied").wait_for()
+    text = opened.page.evaluate("navigator.clipboard.readText()")
+    assert Case.from_text(text) == Case.from_namelist(FIG12)
+
+
+@pytest.mark.parametrize("view", [DESK, PHONE])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_letters_can_be_read(show: Open, view: dict[str, int], scheme: str) -> None:
+    opened = show(viewport=view, color_scheme=scheme)
+    opened.open_all()
+    found = opened.page.evaluate(CONTRASTS)
+    assert len(found) > 80
+    assert [item for item in found if item[0] < LEAST_CONTRAST] == []
+    assert opened.page.evaluate("document.documentElement.scrollWidth") <= view["width"]
+
+
+def test_the_keyboard_reaches_everything(show: Open) -> None:
+    opened = show()
+    opened.open_all()
+    opened.page.wait_for_timeout(100)
+    wanted = set(opened.page.evaluate(CONTROLS))
+    assert len(wanted) > 60
+    reached = set()
+    for _ in range(len(wanted) + 10):
+        opened.page.keyboard.press("Tab")
+        reached.add(opened.page.evaluate("Number(document.activeElement.dataset.count ?? -1)"))
+    assert wanted <= reached
+    assert opened.page.evaluate(NAMELESS) == []
+
+
+def test_the_clock(show: Open) -> None:
+    opened = show()
+    now = opened.page.locator("#now")
+    first = now.text_content()
+    opened.page.wait_for_timeout(200)
+    # who wants nothing to move sees the wall at its largest rotation, standing
+    assert now.text_content() == first
+    events = rwmf.simulate(Case.from_namelist(FIG12))
+    impacts = events["event_time"].values[events["event"].values == "impact"]
+    opened.page.get_by_role("button", name="Next impact").click()
+    peak = float(str(first).removesuffix(" s"))
+    assert now.text_content() == f"{impacts[impacts > peak][0]:.2f} s"
+    opened.page.get_by_role("button", name="Play").click()
+    opened.page.wait_for_timeout(300)
+    opened.page.get_by_role("button", name="Pause").click()
+    assert float(now.text_content().removesuffix(" s")) > impacts[impacts > peak][0] + 0.1
+    # one clock: a click in a history sets it
+    box = opened.page.locator("#u_s .u-over").bounding_box()
+    opened.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 20)
+    assert abs(float(now.text_content().removesuffix(" s")) - 5.0) < 0.1
+
+
+def test_it_moves_by_itself_once(show: Open) -> None:
+    opened = show(reduced_motion="no-preference")
+    assert opened.page.evaluate("explorer.clock.playing")
+
+
+def test_a_click_in_the_spectrum_sets_the_period(show: Open) -> None:
+    opened = show()
+    box = opened.page.locator("#spectrum .u-over").bounding_box()
+    opened.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 20)
+    opened.settle()
+    assert abs(float(opened.field("frame.T_s").input_value()) - 1.52) < 0.03
+
+
+def test_loading_again_keeps_what_was_set(show: Open) -> None:
+    opened = show()
+    field = opened.field("wall.b")
+    field.fill("0.61")
+    field.press("Enter")
+    opened.settle()
+    opened.page.wait_for_timeout(500)
+    opened.page.reload()
+    opened.page.locator("#numbers td").first.wait_for()
+    opened.settle()
+    assert opened.field("wall.b").input_value() == "0.61"
+    assert opened.number("u_s_max_m") == _peak(wall={"b": 0.61})
+
+
+def test_a_hand_that_moves_fast(show: Open) -> None:
+    """After a drag the last state is shown, whatever was asked in between."""
+    opened = show()
+    opened.page.evaluate(
+        """async () => {
+          const slider = document.getElementById('wall.b:slider');
+          for (let i = 0; i <= 60; i++) {
+            slider.value = Math.round(Number(slider.max) * i / 60);
+            slider.dispatchEvent(new Event('input', { bubbles: true }));
+            await new Promise((done) => setTimeout(done, 8));
+          }
+        }"""
+    )
+    opened.settle()
+    assert opened.field("wall.b").input_value() == "3"
+    assert opened.number("u_s_max_m") == _peak(wall={"b": 3.0})
+    assert opened.page.locator("#failed").text_content().startswith("200 periods")
+
+
+def test_two_pages_do_not_meet(show: Open) -> None:
+    first, second = show(), show()
+    first.field("wall.b").fill("0.7")
+    first.field("wall.b").press("Enter")
+    second.field("wall.b").fill("0.3")
+    second.field("wall.b").press("Enter")
+    first.settle()
+    second.settle()
+    assert first.number("u_s_max_m") == _peak(wall={"b": 0.7})
+    assert second.number("u_s_max_m") == _peak(wall={"b": 0.3})
+
+
+def test_what_accuracy_costs(show: Open) -> None:
+    opened = show()
+    field = opened.field("solver.t_end")
+    opened.open_all()
+    field.fill("2")
+    field.press("Enter")
+    opened.page.get_by_role("button", name="Measure this case").click()
+    opened.page.get_by_role("button", name="Cancel").click()
+    opened.page.get_by_text("Cancelled.").wait_for()
+    opened.page.get_by_role("button", name="Measure this case").click()
+    opened.page.locator("#cost svg").wait_for(timeout=60000)
+    assert "Cheapest for 1e-6" in opened.page.locator("#cost-state").text_content()
+    assert opened.page.locator("#cost tbody tr").count() > 30
+
+
+class _OtherSite(BaseHTTPRequestHandler):
+    """A page of another origin that knows the port."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", "text/html")
+        self.end_headers()
+        self.wfile.write(b"<!doctype html><title>other</title>")
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+
+def test_another_site_gets_nothing(browser: Browser, server: PageServer) -> None:
+    other = ThreadingHTTPServer(("127.0.0.1", 0), _OtherSite)
+    threading.Thread(target=other.serve_forever, daemon=True).start()
+    page = browser.new_page()
+    page.goto(f"http://127.0.0.1:{other.server_port}/")
+    url = server.address.split("#")[0]
+    found = page.evaluate(
+        """async ([url, token]) => Promise.all([
+          fetch(url + 'api/start', { method: 'POST', body: '{}', headers: { 'X-Token': token } }),
+          fetch(url + 'api/start', { method: 'POST', body: '{}' }),
+          fetch(url),
+        ].map((answer) => answer.then((x) => x.status, (error) => error.message)))""",
+        [url, server.token],
+    )
+    page.close()
+    other.shutdown()
+    other.server_close()
+    assert found == ["Failed to fetch"] * 3
+
+
+def test_the_end_of_the_server_is_said(browser: Browser) -> None:
+    with served(Case.from_namelist(FIG12)) as (server, _):
+        opened = Opened(browser.new_context(reduced_motion="reduce"), server.address)
+    opened.slider("frame.T_s").focus()
+    opened.page.keyboard.press("ArrowRight")
+    opened.settle()
+    assert "it has ended" in opened.problem
+    opened.page.context.close()
+
+
+def test_screenshot(show: Open, tmp_path: Path) -> None:
+    """The picture of README and site; RWMF_SCREENSHOT=1 puts it there."""
+    opened = show(viewport={"width": 1280, "height": 900})
+    keep = os.environ.get("RWMF_SCREENSHOT") == "1"
+    path = (ROOT / "plots" if keep else tmp_path) / "explorer.png"
+    opened.page.screenshot(path=path)
+    assert path.stat().st_size < 200_000
+    assert (ROOT / "plots" / "explorer.png").stat().st_size < 200_000
+
+
+def test_every_script_is_used() -> None:
+    """The page loads each of its files, directly or through another."""
+    folder = ROOT / "driver" / "rwmf" / "_explore" / "page"
+    text = "".join(path.read_text(encoding="utf-8") for path in folder.iterdir() if path.is_file())
+    for path in folder.glob("*.js"):
+        assert re.search(rf'["/]{path.name}"', text), path.name
