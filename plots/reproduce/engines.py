@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -96,7 +97,9 @@ def read(path: Path) -> EngineHistory:
     return EngineHistory(facts, dict(zip(names, values.T, strict=True)))
 
 
-def write(path: Path, facts: dict[str, Any], history: Array) -> None:
+def write(
+    path: Path, facts: dict[str, Any], history: Array, names: Sequence[str] = COLUMNS
+) -> None:
     """Store a history: facts as JSON in the first line, then columns to six digits.
 
     Parameters
@@ -105,16 +108,18 @@ def write(path: Path, facts: dict[str, Any], history: Array) -> None:
         File to write.
     facts : dict
         Engine, version and parameters.
-    history : numpy.ndarray, shape (n, 6)
-        `COLUMNS`; a column of NaN, the displacement of a scene without frame, is left out.
+    history : numpy.ndarray, shape (n, m)
+        The columns; one of NaN, the displacement of a scene without frame, is left out.
+    names : sequence of str
+        Names of the m columns.
 
     Raises
     ------
     OutputError
         When the file cannot be written.
     """
-    used = np.flatnonzero(~np.isnan(history).all(axis=0))
-    lines = [f"# {json.dumps(facts)}", ",".join(COLUMNS[i] for i in used)]
+    used = np.flatnonzero(~np.isnan(history).all(axis=0)).tolist()
+    lines = [f"# {json.dumps(facts)}", ",".join(names[i] for i in used)]
     lines += [
         ",".join([f"{row[0]:.4f}", *(f"{x:.6g}" for x in row[1:])]) for row in history[:, used]
     ]

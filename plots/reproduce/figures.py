@@ -14,7 +14,7 @@ from rwmf.errors import InputError
 from rwmf.plotting import files as figures
 from rwmf.plotting.style import new_figure
 
-from reproduce import cable, histories, rotations, spectra
+from reproduce import cable, histories, rotations, six_storeys_figure, spectra
 from reproduce.response_cache import ResponseCache
 
 if TYPE_CHECKING:
@@ -112,6 +112,11 @@ FIGURES: dict[str, FigureRecipe] = {
     "g5": _validation("g5", f"Validation: {_PANELS} (gamma = 5, T_s = 1 s, one-cosine)"),
     "disc": _validation(
         "disc", f"Validation: {_PANELS} (squat wall, stiff cable, gamma = 5, T_s = 2 s)"
+    ),
+    "six_storeys": FigureRecipe(
+        six_storeys_figure.draw,
+        6.4,
+        "Validation: six storeys with and without yielding and P-Delta against OpenSees",
     ),
 }
 

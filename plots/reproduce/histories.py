@@ -19,19 +19,26 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["ENGINES", "VALIDATION", "draw_pulses", "draw_validation", "respond", "stored"]
+__all__ = ["ENGINES", "RIGID", "VALIDATION", "draw_pulses", "draw_validation", "respond", "stored"]
 
 # folder of stored histories, name in a legend
-ENGINES = {"mujoco": "MuJoCo, rigid contact", "calculix": "CalculiX, deformable wall"}
+ENGINES = {
+    "mujoco": "MuJoCo, rigid contact",
+    "opensees": "OpenSees, no-tension corners",
+    "calculix": "CalculiX, deformable wall",
+}
+# those whose wall does not deform
+RIGID = ("mujoco", "opensees")
 VALIDATION = ("free", "block", "g5", "g1800", "disc")
 _MARKERS: dict[str, dict[str, Any]] = {
     "mujoco": {"marker": "o"},
+    "opensees": {"marker": "s", "color": COLOURS[4], "markersize": 3.2},
     "calculix": {"marker": "x", "color": COLOURS[2], "markersize": 4, "markeredgewidth": 1.0},
 }
 # interval of an engine's dots and when they begin [s]: sparse enough to leave the lines visible,
-# and those of two engines beside each other
+# and those of the engines beside each other
 _DOTS = 0.08
-_FIRST_DOT = {"mujoco": 0.0, "calculix": 0.04}
+_FIRST_DOT = {"mujoco": 0.0, "opensees": 0.027, "calculix": 0.053}
 
 
 def respond(cache: ResponseCache, name: str, form: Formulation) -> xr.Dataset:

@@ -14,9 +14,11 @@ from rwmf.errors import InputError
 from reproduce.claims import Judgement, judge
 from reproduce.claims_histories import CLAIMS as HISTORY_CLAIMS
 from reproduce.claims_spectra import CLAIMS as SPECTRUM_CLAIMS
-from reproduce.engines import Difference
-from reproduce.histories import ENGINES, VALIDATION, stored
+from reproduce.engines import Difference, EngineHistory
+from reproduce.histories import ENGINES, RIGID, VALIDATION, stored
 from reproduce.response_cache import ResponseCache
+from reproduce.six_storeys import CASES as FRAMES
+from reproduce.six_storeys import frame_history
 from reproduce.validation import Row, agrees, fitted_restitution, measure, tolerance
 
 __all__ = [
@@ -202,13 +204,15 @@ def tolerances_table(cache: ResponseCache) -> Table:
     return Table(heads, rows)
 
 
-def contact_table(cache: ResponseCache) -> Table:
-    """Read how far the exact form is from CalculiX with other settings of the contact.
+def contact_table(cache: ResponseCache, name: str) -> Table:
+    """Read how far the exact form is from an engine with other settings of the contact.
 
     Parameters
     ----------
     cache : ResponseCache
-        Where the table of ``bench/calculix/variants.py`` is.
+        Where the tables of ``bench/calculix/variants.py`` and ``bench/opensees_contact.py`` are.
+    name : str
+        Which: ``calculix/variants.csv`` or ``opensees/contact.csv``.
 
     Returns
     -------
@@ -220,7 +224,7 @@ def contact_table(cache: ResponseCache) -> Table:
     InputError
         When the table is missing.
     """
-    path = cache.validation / "calculix" / "variants.csv"
+    path = cache.validation / name
     try:
         with path.open(encoding="utf-8", newline="") as stream:
             heads, *rows = csv.reader(stream)
@@ -230,7 +234,7 @@ def contact_table(cache: ResponseCache) -> Table:
 
 
 def restitution_table(cache: ResponseCache) -> Table:
-    """Find the restitution of the engine and compare it with the momentum balance.
+    """Find the restitution of engines with a rigid wall and compare it with the momentum balance.
 
     Parameters
     ----------
@@ -240,18 +244,25 @@ def restitution_table(cache: ResponseCache) -> Table:
     Returns
     -------
     Table
-        Restitution that fits the engine best, that of the momentum balance, largest slip.
+        Restitution that fits each engine best, that of the momentum balance, largest slips.
     """
     rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
         case = Case.from_namelist(cache.validation / f"{name}.nml")
-        history = stored(cache, name).get("mujoco")
-        if history is not None:
-            e_max = float(simulate(case)["e_max"])
-            found = fitted_restitution(case, history)
-            slip = 1e3 * float(history.facts["slip_max_m"])
-            rows.append((name, f"{found:.5f}", f"{e_max:.5f}", f"{slip:.3f} mm"))
-    return Table(("case", "e that fits MuJoCo best", "momentum balance", "slip of the base"), rows)
+        histories = stored(cache, name)
+        engines = [histories[engine] for engine in RIGID]
+        rows.append(
+            (
+                name,
+                *(f"{fitted_restitution(case, history):.5f}" for history in engines),
+                f"{float(simulate(case)['e_max']):.5f}",
+                *(f"{1e3 * float(history.facts['slip_max_m']):.3f} mm" for history in engines),
+            )
+        )
+    names = [_engine_name(engine) for engine in RIGID]
+    fits = (f"e that fits {name} best" for name in names)
+    slips = (f"slip of the base, {name}" for name in names)
+    return Table(("case", *fits, "momentum balance", *slips), rows)
 
 
 def engines_table(cache: ResponseCache) -> Table:
@@ -269,11 +280,15 @@ def engines_table(cache: ResponseCache) -> Table:
     """
     rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
-        for history in stored(cache, name).values():
-            facts = dict(history.facts)
-            engine = str(facts.pop("engine"))
-            rows.append((name, engine, ", ".join(f"{k} = {v}" for k, v in facts.items())))
+        rows += [_engine_row(name, history) for history in stored(cache, name).values()]
+    rows += [_engine_row(name, frame_history(cache, name)) for name in FRAMES]
     return Table(("case", "engine", "parameters"), rows)
+
+
+def _engine_row(name: str, history: EngineHistory) -> tuple[str, ...]:
+    facts = dict(history.facts)
+    engine = str(facts.pop("engine"))
+    return name, engine, ", ".join(f"{k} = {v}" for k, v in facts.items())
 
 
 def _engine_name(engine: str) -> str:

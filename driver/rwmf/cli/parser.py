@@ -229,7 +229,7 @@ def _add_reproduce(commands: Subcommands) -> None:
         "figures",
         nargs="*",
         metavar="FIGURE",
-        help="4 to 13, benefit, band, free, block, g5, disc; all when absent",
+        help="4 to 13, benefit, band, free, block, g5, disc, six_storeys; all when absent",
     )
     parser.add_argument(
         "--docs", type=Path, metavar="DIR", help="write claims.md and validation.md there"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -12,14 +13,19 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
+from reproduce import six_storeys
 from reproduce.engines import COLUMNS, EngineHistory, compare, crossings, read, write
-from reproduce.histories import VALIDATION
+from reproduce.histories import RIGID, VALIDATION
+from reproduce.six_storeys import CASES, FULL, compare_frame, peaks_of, read_peaks
 from reproduce.validation import VARIANTS, agrees, fitted_restitution, tolerance
 
 EXACT, LINEAR, SYMMETRIC, PUBLISHED = VARIANTS
-STORED = [("mujoco", name) for name in VALIDATION] + [("calculix", n) for n in ("g5", "g1800")]
+RIGID_STORED = [(engine, name) for engine in RIGID for name in VALIDATION]
+STORED = [*RIGID_STORED, ("calculix", "g5"), ("calculix", "g1800")]
 # the engine's restitution against the momentum balance: contact takes 0.5 ms, not no time
 RESTITUTION = 2e-4
+# drifts and accelerations of storeys, over their peaks
+STOREYS = 1e-3
 # the engine again, another build of the same version or a later one: far below the tolerance
 AGAIN = 5e-4
 
@@ -50,7 +56,7 @@ def test_published_form_fails(engine: str, name: str) -> None:
         del changes["cable"]
     found = compare(rwmf.simulate(case(name).replace(**changes)), stored(engine, name))
     assert not agrees(found, tolerance(engine, name)), found
-    if engine == "mujoco" and name in ("g5", "disc"):
+    if engine in RIGID and name in ("g5", "disc"):
         assert found.theta_rms > 0.1
         assert found.u_s_rms > 0.1
 
@@ -63,28 +69,69 @@ def test_deformable_wall_in_the_cases_asked_for() -> None:
         assert history.facts["support"] == "nodes"
 
 
+@pytest.mark.parametrize("engine", RIGID)
 @pytest.mark.parametrize("variant", [LINEAR, SYMMETRIC])
-def test_disc_tells_arm_and_cable_apart(variant: str) -> None:
+def test_disc_tells_arm_and_cable_apart(variant: str, engine: str) -> None:
     response = rwmf.simulate(case("disc").replace(**VARIANTS[variant]))
-    found = compare(response, mujoco("disc"))
-    assert not agrees(found, tolerance("mujoco", "disc")), found
+    found = compare(response, stored(engine, "disc"))
+    assert not agrees(found, tolerance(engine, "disc")), found
     assert found.theta_rms > 0.01
 
 
-@pytest.mark.parametrize("name", ["free", "block", "g5", "disc"])
-def test_engine_has_the_restitution_of_the_momentum_balance(name: str) -> None:
+@pytest.mark.parametrize(("engine", "name"), [x for x in RIGID_STORED if x[1] != "g1800"])
+def test_engine_has_the_restitution_of_the_momentum_balance(engine: str, name: str) -> None:
     allowed = float(rwmf.simulate(case(name))["e_max"])
-    found = fitted_restitution(case(name), mujoco(name))
+    found = fitted_restitution(case(name), stored(engine, name))
     assert found == pytest.approx(allowed, abs=RESTITUTION)
 
 
 @pytest.mark.parametrize(("engine", "name"), STORED)
 def test_history_names_engine_and_parameters(engine: str, name: str) -> None:
     facts = stored(engine, name).facts
-    assert str(facts["engine"]).startswith({"mujoco": "MuJoCo ", "calculix": "CalculiX "}[engine])
-    assert {"dt", "friction"} <= set(facts)
+    names = {"mujoco": "MuJoCo ", "opensees": "OpenSees ", "calculix": "CalculiX "}
+    assert str(facts["engine"]).startswith(names[engine])
+    assert {"dt", "stiffness" if engine == "opensees" else "friction"} <= set(facts)
     # a wall that slides is not the scene of the model; the deformable one does a little at a blow
-    assert facts["slip_max_m"] < {"mujoco": 1e-3, "calculix": 2e-3}[engine]
+    assert facts["slip_max_m"] < (1e-3 if engine in RIGID else 2e-3)
+
+
+def frame(name: str, elcentro: Path) -> rwmf.Case:
+    found = case(name)
+    if found.motion.kind == "record":
+        found = found.replace(motion={"file": str(elcentro)})
+    return found
+
+
+def stored_peaks(name: str) -> dict[str, np.ndarray]:
+    return read_peaks(ROOT / "validation" / "opensees" / f"{name}_peaks.csv")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_six_storeys_follow_opensees(name: str, elcentro: Path) -> None:
+    """Drift of every storey and acceleration of every floor, at all times and at the peaks."""
+    history = stored("opensees", name)
+    found = compare_frame(frame(name, elcentro), history, stored_peaks(name)[FULL])
+    assert len(found.peak) == 12
+    assert found.peak.max() < STOREYS
+    assert found.history.max() < STOREYS
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("less", six_storeys.VARIANTS)
+def test_what_yielding_and_p_delta_are_worth(name: str, less: str, elcentro: Path) -> None:
+    peaks = stored_peaks(name)
+    ours = peaks_of(six_storeys.variant(frame(name, elcentro), less))
+    assert ours == pytest.approx(peaks[less], rel=STOREYS)
+    # the control: each of the others is another frame
+    for other in set(six_storeys.VARIANTS) - {less}:
+        assert np.abs(ours / peaks[other] - 1).max() > 10 * STOREYS, other
+
+
+def test_damaged_peaks(tmp_path: Path) -> None:
+    path = tmp_path / "peaks.csv"
+    path.write_text("peak,neither\nstorey_1_drift,high\n", encoding="utf-8")
+    with pytest.raises(rwmf.InputError, match="not a table of peaks"):
+        read_peaks(path)
 
 
 def test_crossings_are_between_excursions() -> None:
@@ -127,6 +174,34 @@ def test_rigid_engine_again() -> None:
     expected = mujoco("g5")
     difference = rows[:, 1] - expected["theta_rad"]
     assert np.abs(difference).max() < AGAIN * np.abs(expected["theta_rad"]).max()
+
+
+def opensees() -> ModuleType:
+    if not os.environ.get("RWMF_OPENSEES"):
+        pytest.skip("no OpenSees: RWMF_OPENSEES names no Python that has openseespy")
+    return _bench_module("bench", "opensees_cases")
+
+
+def test_no_tension_corners_again() -> None:
+    """Where OpenSees is, it computes the beginning of its stored history again, impact and all."""
+    module = opensees()
+    _, rows = module.compute_wall(case("g5").replace(solver={"t_end": 0.55}), module.Engine())
+    expected = stored("opensees", "g5")["theta_rad"][: len(rows)]
+    assert len(rows) == 276
+    assert expected.min() < 0 < expected.max()
+    assert np.abs(rows[:, 1] - expected).max() < AGAIN * np.abs(expected).max()
+
+
+def test_six_storeys_again() -> None:
+    module = opensees()
+    name = "six_storeys_pulse"
+    until = case(name).replace(solver={"t_end": 1.0})
+    _, rows, peaks = module.compute_frame(until, module.FrameEngine())
+    history = stored("opensees", name)
+    expected = np.column_stack(list(history.columns.values()))[: len(rows)]
+    assert len(rows) == 51
+    assert np.abs(rows - expected).max() < AGAIN
+    assert (peaks >= np.abs(rows[:, 1:]).max(axis=0)).all()
 
 
 def test_finite_elements_again() -> None:

@@ -1,0 +1,208 @@
+"""A frame of six storeys that yields and leans, against OpenSees."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from rwmf._files import files
+from rwmf._simulation import simulate
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+from reproduce.engines import EngineHistory, read
+from reproduce.response_cache import ResponseCache
+
+__all__ = [
+    "CASES",
+    "COLUMNS",
+    "FULL",
+    "VARIANTS",
+    "FrameDifference",
+    "compare_frame",
+    "frame_history",
+    "peaks_of",
+    "read_peaks",
+    "variant",
+    "write_peaks",
+]
+
+Array = npt.NDArray[np.float64]
+
+CASES = ("six_storeys", "six_storeys_pulse")
+_FLOORS = range(1, 7)
+# of a stored history
+COLUMNS = (
+    "t_s",
+    *(f"storey_{i}_drift" for i in _FLOORS),
+    *(f"floor_{i}_acceleration_g" for i in _FLOORS),
+)
+FULL = "yielding and P-Delta"
+# what of the case is left out
+VARIANTS: dict[str, tuple[str, ...]] = {
+    FULL: (),
+    "yielding": ("p_delta",),
+    "P-Delta": ("yielding",),
+    "neither": ("yielding", "p_delta"),
+}
+
+
+@dataclass(frozen=True)
+class FrameDifference:
+    """How far a frame is from an engine's, storey by storey.
+
+    Attributes
+    ----------
+    ours, theirs : numpy.ndarray, shape (12,)
+        Largest drifts [-] and accelerations [g], in the order of `COLUMNS`.
+    history : numpy.ndarray, shape (12,)
+        Largest difference over time, over the engine's peak [-].
+    """
+
+    ours: Array
+    theirs: Array
+    history: Array
+
+    @property
+    def peak(self) -> Array:
+        """Relative differences of the peaks [-]."""
+        return np.abs(self.ours / self.theirs - 1)
+
+
+def frame_history(cache: ResponseCache, name: str) -> EngineHistory:
+    """Read the engine's history of a frame.
+
+    Parameters
+    ----------
+    cache : ResponseCache
+        Where the histories are.
+    name : str
+        A name of `CASES`.
+
+    Returns
+    -------
+    EngineHistory
+        Drifts and accelerations, `COLUMNS`.
+
+    Raises
+    ------
+    InputError
+        When the file is missing or damaged.
+    """
+    return read(cache.validation / "opensees" / f"{name}.csv")
+
+
+def variant(case: Case, name: str) -> Case:
+    """Leave out what a variant does not have.
+
+    Parameters
+    ----------
+    case : rwmf.Case
+        A case of `CASES`.
+    name : str
+        A name of `VARIANTS`.
+
+    Returns
+    -------
+    rwmf.Case
+        The variant.
+    """
+    for group in VARIANTS[name]:
+        case = case.without(group)
+    return case
+
+
+def peaks_of(case: Case) -> Array:
+    """Simulate a frame for its largest drifts [-] and accelerations [g].
+
+    Parameters
+    ----------
+    case : rwmf.Case
+        A variant of a case of `CASES`.
+
+    Returns
+    -------
+    numpy.ndarray, shape (12,)
+        In the order of `COLUMNS`, located between samples.
+    """
+    response = simulate(case)
+    names = [*(f"storey_{i}_drift_max" for i in _FLOORS)]
+    names += [f"floor_{i}_acceleration_max_g" for i in _FLOORS]
+    return np.array([float(response[name]) for name in names])
+
+
+def compare_frame(case: Case, engine: EngineHistory, peaks: Array) -> FrameDifference:
+    """Measure how far a frame is from an engine's.
+
+    Parameters
+    ----------
+    case : rwmf.Case
+        A case of `CASES`, with the interval of the engine's history for its own.
+    engine : EngineHistory
+        The engine's history.
+    peaks : numpy.ndarray, shape (12,)
+        The engine's peaks between the rows of its history.
+
+    Returns
+    -------
+    FrameDifference
+        The measures.
+    """
+    response = simulate(case)
+    t = response["time"].values
+    history = [
+        np.abs(np.interp(engine["t_s"], t, response[name].values) - engine[name]).max()
+        for name in COLUMNS[1:]
+    ]
+    return FrameDifference(peaks_of(case), peaks, np.array(history) / peaks)
+
+
+def write_peaks(path: Path, peaks: dict[str, Array]) -> None:
+    """Store the peaks of all variants.
+
+    Parameters
+    ----------
+    path : path
+        File to write.
+    peaks : dict of str to numpy.ndarray, each shape (12,)
+        Peaks by the name of the variant, in the order of `COLUMNS`.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    lines = [",".join(["peak", *peaks])]
+    for i, name in enumerate(COLUMNS[1:]):
+        lines.append(",".join([name, *(f"{values[i]:.7g}" for values in peaks.values())]))
+    files.write_bytes(path, ("\n".join(lines) + "\n").encode())
+
+
+def read_peaks(path: Path) -> dict[str, Array]:
+    """Read the peaks of all variants.
+
+    Parameters
+    ----------
+    path : path
+        File of `write_peaks`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, each shape (12,)
+        Peaks by the name of the variant, in the order of `COLUMNS`.
+
+    Raises
+    ------
+    InputError
+        When the file is missing or damaged.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            heads, *rows = csv.reader(stream)
+        values = np.array([[float(cell) for cell in row[1:]] for row in rows]).T
+        return dict(zip(heads[1:], values, strict=True))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: not a table of peaks: {error}") from error
