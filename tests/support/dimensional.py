@@ -47,6 +47,9 @@ def in_units(groups: Groups) -> Groups:
         frame["m_s"] = frame.pop("gamma", 1.0) * m_w
         if "T_s" in frame:
             frame["k_s"] = frame["m_s"] * (2 * math.pi / frame.pop("T_s")) ** 2
+    if "m_g_over_m_s" in found.get("p_delta", {}):
+        mass = sum(found["storeys"]["m"]) if "storeys" in found else found["frame"]["m_s"]
+        found["p_delta"]["m_g"] = mass * found["p_delta"].pop("m_g_over_m_s")
     if "yielding" in found:
         _yield(found)
     if "cable" in found:

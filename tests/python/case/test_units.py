@@ -56,6 +56,8 @@ SCENES: dict[str, dict[str, Any]] = {
     }
     for coupling in ("reduced", "every_floor", "full")
 }
+SCENES["p_delta"] = {"p_delta": {"m_g_over_m_s": 1.2}}
+SCENES["storeys p_delta"] = SCENES["storeys full"] | SCENES["p_delta"]
 SCENES["bare storeys"] = {"wall": None, "frame": {"xi_s": 0.05}, "storeys": _STOREYS}
 
 
@@ -123,6 +125,9 @@ def test_text_gives_the_same_case(both: tuple[rwmf.Case, rwmf.Case]) -> None:
     again = rwmf.Case.from_text(case.to_namelist())
     assert again == case
     changed = again.replace(motion={"a_max_g": 0.3})
+    if "cable" in case.groups:
+        changed = changed.replace(cable={"initial_stress": 0.9 * case.cable.initial_stress})
+        assert changed.cable.eta_0 == pytest.approx(0.9 * case.cable.eta_0, rel=1e-14)
     assert _numbers(changed) == _numbers(rwmf.Case.from_text(changed.to_namelist()))
 
 
