@@ -81,8 +81,8 @@ def main(n: int = 240, seed: int = 1, quantity: str = "u_s_max_m", storeys: int 
                 )
     frames = f"{storeys} storeys" if storeys else "one degree of freedom"
     print(f"rwmf {rwmf.__version__}, {quantity}, {n} scenes of {frames}, seed {seed}; {skipped}")
-    print("left out because the", end=" ")
-    print(f"wall never lifts off or the trusted methods differ by more than {TRUSTED:g}.\n")
+    print("left out, in which nothing happens or the trusted methods differ by more than", end=" ")
+    print(f"{TRUSTED:g}.\n")
     print("| asked | kept in | largest error / asked | estimate within a factor of 10 | cost |")
     print("|---|---|---|---|---|")
     for asked, found in rows.items():

@@ -76,10 +76,13 @@ class KernelCase:
         Of the kernel.
     origin : KernelCase, optional
         Of a changed case: that which was read.
+    source : str
+        What a message begins with.
     """
 
-    def __init__(self, memory: Memory, origin: KernelCase | None = None) -> None:
+    def __init__(self, memory: Memory, origin: KernelCase | None = None, source: str = "") -> None:
         self._memory = memory
+        self._source = source
         # what was read: of a changed case that with the samples of its records
         self._origin = origin
         self._looked_up: tuple[Changes, Memory] | None = None
@@ -146,7 +149,7 @@ class KernelCase:
             self.handle, found.handle, numbers, encode(source), message
         )
         raise_for(status, message, n)
-        return KernelCase(Memory(handle), self._origin or self)
+        return KernelCase(Memory(handle), self._origin or self, source)
 
     def ordinates(self) -> int:
         """Count the ordinates of the case's spectrum.
@@ -250,7 +253,7 @@ class KernelCase:
         def call(buffer: npt.NDArray[np.int8]) -> int:
             message = message_buffer()
             length, status, n = procedure(self.handle, buffer, message)
-            raise_for(status, message, n)
+            raise_for(status, message, n, source=self._source)
             return length
 
         return fetch_text(call)
@@ -311,7 +314,7 @@ def read_case(
     others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
     handle, status, n = _cases.case_read(encode(text), encode(source), others, message)
     raise_for(status, message, n)
-    return KernelCase(Memory(handle))
+    return KernelCase(Memory(handle), source=source)
 
 
 def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Samples:

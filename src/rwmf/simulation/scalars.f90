@@ -121,7 +121,8 @@ contains
       case ('lift_offs')
          if (result%has_impacts) scalar = of_count(result%lift_offs)
       case ('overturned')
-         if (allocated(result%theta_max)) scalar = of_logical(result%overturned)
+         if (result%has_impacts .or. allocated(result%theta_max)) scalar = of_logical( &
+            result%overturned)
       case ('collapsed')
          scalar = of_logical(result%collapsed)
       case ('t_collapse_s')

@@ -119,6 +119,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(control_t) :: no_control
 
+      ! the instant does not know where its values stand
+      call check_peak(case, motion, error)
+      if (allocated(error)) return
       call begin_instant(case, instant)
       call simulate_with_motion(instant, motion, no_control, result, error)
    end subroutine simulate_instant

@@ -5,12 +5,14 @@ The full count (240 cases) runs by `bench/accuracy_promise.py`, which also measu
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
 from random_cases import random_cases, with_storeys
+from rwmf import cli
 
 ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
 # two independent methods agree to this, relative to the peak and its sensitivity
@@ -118,6 +120,20 @@ def test_what_is_named_is_a_peak_of_the_scene(
         rwmf.simulate(case.replace(solver=solver))
     with pytest.raises(rwmf.InputError, match=f"accuracy_of = .*{problem}"):
         rwmf.spectrum(case.replace(solver=solver), T_s=[0.5, 1.0])
+
+
+def test_a_check_tells_where_it_is_named(
+    tmp_path: Path, record_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = _pulsed(record_folder, 2).replace(solver={"verify": True})
+    path = tmp_path / "named.nml"
+    for name, status in (("storey_2_drift_max", 0), ("storey_3_drift_max", 2)):
+        case.replace(solver={"accuracy_of": name}).to_namelist(path)
+        assert cli.main(["check", str(path)]) == status
+    assert re.search(
+        rf"{path}: &solver: accuracy_of = '{name}' \(line \d+\): .* does not apply",
+        capsys.readouterr().err,
+    )
 
 
 def test_verify_estimates_the_error_of_what_is_named(record_folder: Path) -> None:
