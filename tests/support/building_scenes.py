@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 import rwmf
-from bodies import G, Body, Building, Ground, Scene
+from bodies import Body, Building, Ground, Scene
 
+G = 9.81
 T_END = 3.0
 SHORTEST = 0.02  # flight that the program follows [s]
 
