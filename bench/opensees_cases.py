@@ -235,7 +235,7 @@ def _pulse(case: rwmf.Case) -> dict[str, Any] | None:
 def frame_scene(case: rwmf.Case, engine: FrameEngine) -> dict[str, Any]:
     """Return masses, springs, strengths, weights and the ground motion of a bare frame."""
     storeys, motion = case.storeys, case.motion
-    yielding, p_delta = getattr(case, "yielding", None), getattr(case, "p_delta", None)
+    yielding, p_delta = case.yielding, case.p_delta
     if motion.kind == "record":
         t, a = np.loadtxt(case.inputs[1], delimiter=",", skiprows=5, unpack=True)
         dt, a, t_end = t[1] - t[0], a * motion.scale * case.model.g, t[-1]
@@ -273,8 +273,10 @@ def _ask(program: str, scene: dict[str, Any], engine: dict[str, Any]) -> dict[st
             check=False,
         )
         if not answer.is_file():
-            reasons = [line for line in done.stderr.splitlines() if "Error: " in line]
-            raise EngineStoppedError(reasons[-1] if reasons else done.stderr[-2000:])
+            mark = "RuntimeError: "
+            reasons = [line for line in done.stderr.splitlines() if line.startswith(mark)]
+            why = reasons[-1].removeprefix(mark) if reasons else done.stderr[-2000:]
+            raise EngineStoppedError(why)
         found = json.loads(answer.read_text(encoding="utf-8"))
     return {"engine": f"OpenSees {found['version']}", **found}
 

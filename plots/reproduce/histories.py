@@ -37,8 +37,8 @@ _MARKERS: dict[str, dict[str, Any]] = {
 }
 # interval of an engine's dots and when they begin [s]: sparse enough to leave the lines visible,
 # and those of the engines beside each other
-_DOTS = 0.08
-_FIRST_DOT = {"mujoco": 0.0, "opensees": 0.027, "calculix": 0.053}
+_DOTS = 0.12
+_FIRST_DOT = {"mujoco": 0.0, "opensees": 0.04, "calculix": 0.08}
 
 
 def respond(cache: ResponseCache, name: str, form: Formulation) -> xr.Dataset:

@@ -204,14 +204,14 @@ The blow lasts about 1/omega with omega^2 = 2 k/m_w, 0.03 ms here; a softer pad 
 lean before it lifts off. `free` over its first 3 s, with other settings than the stored ones,
 against the exact form with its e = 0.91176:
 """
-_LOSS = """`python bench/opensees_contact.py` computes the table. Damping is what makes the loss, not
-the springs without tension: with little of it the corner bounces, and the loss of an impact becomes
-an accident of the settings. Numerical damping (HHT, TRBDF2) does not replace it: how much it takes
-depends on the time step. Damping in proportion to the current stiffness of the springs themselves
-(`-doRayleigh`, betaKcurrent) pulls at the other corner while that one leaves, and so takes more
-than the momentum balance; its force jumps where a corner opens or closes, and Newton's method may
-find neither. A dashpot that the corner can leave, the pad, has neither fault: its forces are
-continuous, and no step of the five scenes failed.
+_LOSS = """`python bench/opensees_contact.py` computes the table. Damping is what makes the loss,
+not the springs without tension: with little of it the corner bounces, and what an impact takes
+becomes an accident of the settings. Numerical damping (HHT, TRBDF2) does not replace it: how much
+it takes depends on the time step. Damping in proportion to the current stiffness of the springs
+themselves (`-doRayleigh`, betaKcurrent) pulls at the other corner while that one leaves, and so
+takes more than the momentum balance; its force jumps where a corner opens or closes, and Newton's
+method may find neither. A dashpot that the corner can leave, the pad, has neither fault: its forces
+are continuous, and no step of the five scenes failed.
 """
 _STOREYS = """## Six storeys that yield and lean
 
@@ -224,13 +224,15 @@ acceleration of each floor, and the largest difference at any time over the peak
 """
 _WORTH = """The push of a leaning column is exact in OpenSees and linear here: the difference,
 (drift)^2/2 of the push, 6e-4 at a drift of 3.5 %, shows under the pulse; without P-Delta it is
-gone. Largest values with and without yielding and P-Delta, and the largest differences of a peak
-from OpenSees':
+gone. Peaks of OpenSees are those of its steps, 0.07 % low where an acceleration turns sharply as a
+storey yields. Largest values with and without yielding and P-Delta, and the largest differences of
+a peak from OpenSees':
 """
 _MISSING = """## What is not validated here
 
 * The deformable wall over the later impacts of `g5`, and in `block`, `free` and `disc`.
 * Sliding of the base: the model has none. `slip_max_m` in the table of engines is the range of the
-  place of the corner that is down. The rigid wall hardly slides; the deformable one does at a blow,
-  in `g5` by about as much as its u_s differs from the model's.
+  place of the corner that is down. The rigid wall of MuJoCo hardly slides. That of OpenSees hops
+  after a blow, in `free` for 20 ms, and is back in its groove after it. The deformable one slides
+  at a blow, in `g5` by about as much as its u_s differs from the model's.
 """
