@@ -77,6 +77,8 @@ def profile(
         if name == _DRIFTS:
             _draw_beside_drifts(ax, dataset, case, look | {"marker": None})
         ax.set_xlabel(label)
+        # of all that is drawn, by earlier calls too
+        ax.autoscale(axis="x")
         ax.set_xlim(left=0)
         ax.set_ylim(0, values.size)
         ax.set_yticks(np.arange(0, values.size + 1, 1 + values.size // 8))
@@ -119,7 +121,8 @@ def _draw_beside_drifts(
     factor = DEMANDS[_DRIFTS][1]
     residuals = np.abs(_values(dataset, _RESIDUALS))
     if residuals.size:
-        _draw_storeys(ax, factor * residuals, look | {"linestyle": ":", "label": "residual"})
+        label = f"{look['label']}, residual" if "label" in look else "residual"
+        _draw_storeys(ax, factor * residuals, look | {"linestyle": ":", "label": label})
     if case is None:
         return
     drifts = _values(dataset, _DRIFTS)

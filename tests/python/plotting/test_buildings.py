@@ -190,6 +190,11 @@ def test_profile_against_the_dataset(tmp_path: Path) -> None:
         named = {line.get_label(): line.get_xdata() for line in drifts.lines}
         assert named["yield"] == pytest.approx(100 * 0.02 / 3.2)
         assert named["residual"][0] == 100 * abs(float(run["storey_1_residual_drift"]))
+        larger = run.assign(floor_5_acceleration_max_g=5.0)
+        rwmf.plot.profile(larger, panels, label="larger")
+        assert accelerations.get_xlim()[1] > 5.0
+        labels = [text.get_text() for text in drifts.get_legend().get_texts()]
+        assert labels == ["residual", "yield", "larger", "larger, residual"]
     with pytest.raises(ValueError, match="simulate storeys with &output reactions"):
         rwmf.plot.profile(rwmf.simulate(case.replace(output={"reactions": False})))
 
