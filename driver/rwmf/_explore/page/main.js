@@ -176,7 +176,8 @@ class Explorer {
     this.pictures.drawSpectrum(answer, other,
       { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });
     this.offer(answer);
-    const failed = Object.entries(answer.failed).map(([status, n]) => `${n} ${status}`).join(", ");
+    const failed = Object.entries(answer.failed)
+      .map(([status, n]) => `${n} ${status.replaceAll("_", " ")}`).join(", ");
     byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
       + (this.scene.get("frame.T_s") === undefined ? "" : " A click sets the period.");
     if (points === FULL || this.version !== version) this.shown.spectrum = version;

@@ -93,9 +93,11 @@ class Chart {
   }
 }
 
-const NAMES = { input: "input", kinetic: "kinetic", strain: "frame springs", gravity: "gravity",
-  cable: "cable",
-  effects: "fuses, others", viscous: "viscous", hysteretic: "yielding", impact: "impacts" };
+// parts of the energy: name and colour, the same in every scene
+const PARTS = { kinetic: ["kinetic", "c0"], strain: ["frame springs", "c1"],
+  gravity: ["gravity", "c2"],
+  cable: ["cable", "c3"], effects: ["fuses, others", "c4"], viscous: ["viscous", "c5"],
+  hysteretic: ["yielding", "alone"], impact: ["impacts", "bad"] };
 
 export class Pictures {
   constructor(onTime, onPeriod) {
@@ -162,13 +164,12 @@ export class Pictures {
       sums.push(Array.from(columns[name],
         (x, i) => (x === null ? null : x + (below ? below[i] : 0))));
     }
-    const labels = parts.map((name) => NAMES[name.slice(7)] ?? name.slice(7));
-    const own = (i) => (_, x, __, row) =>
-      (row === null || row === undefined ? "–" : short(columns[parts[i]]?.[row] ?? null, 3));
-    const series = labels.map((label, i) => line(label, `c${i % 6}`, { width: 1, value: own(i) }));
-    const bands = series.slice(1).map((_, i) =>
-      ({ series: [i + 2, i + 1], fill: alpha(`c${(i + 1) % 6}`) }));
-    series[0].fill = alpha("c0");
+    const looks = parts.map((name) => PARTS[name.slice(7)] ?? [name.slice(7), "ink"]);
+    const own = (i) => (_, x, __, row) => short(this.columns[parts[i]]?.[row] ?? NaN, 3);
+    const series = looks.map(([label, tone], i) => line(label, tone, { width: 1, value: own(i) }));
+    const bands = looks.slice(1).map(([, tone], i) =>
+      ({ series: [i + 2, i + 1], fill: alpha(tone) }));
+    series[0].fill = alpha(looks[0][1]);
     this.charts.energies.draw([...series, line("input", "ink", { dash: [2, 3], width: 1.2 })],
       [columns.time, ...sums, columns.energy_input], bands);
   }
