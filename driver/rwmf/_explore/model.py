@@ -183,6 +183,7 @@ class Model:
         periods = _grid(case, question.points)
         begun = time.perf_counter()
         values, status = self._row_of(case, periods, key, watch)
+        alone = self._frame_alone(question, case, periods, key, watch)
         seconds = time.perf_counter() - begun
         # status names of what is no number
         names, counts = np.unique(status[status != "ok"], return_counts=True)
@@ -190,7 +191,7 @@ class Model:
         return {
             "T": _pack(periods),
             "values": _pack(values),
-            "alone": self._frame_alone(question, case, periods, key, watch),
+            "alone": alone,
             "failed": dict(zip(names.tolist(), counts.tolist(), strict=True)),
             "overturned": _pack(periods[np.isin(status, ("overturned", "collapsed"))]),
             "quantity": {"key": key, "unit": quantity.unit, "help": quantity.meaning},

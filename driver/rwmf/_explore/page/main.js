@@ -98,9 +98,11 @@ class Explorer {
   async question(kind, path, body) {
     const abort = new AbortController();
     this.flight = { kind, abort };
+    const patience = setTimeout(() => { byId("status").textContent = "computing …"; }, 300);
     try {
       return await ask(path, body, abort.signal);
     } finally {
+      clearTimeout(patience);
       clearTimeout(this.flight.timer);
       this.flight = null;
     }
