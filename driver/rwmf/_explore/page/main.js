@@ -243,22 +243,11 @@ class Explorer {
   }
 
   saveFigure() {
-    const panels = [];
-    const { columns, spectrumAnswer: spectrum } = this.pictures;
-    if (spectrum) {
-      const T = unpack(spectrum.T);
-      const curves = [{ x: T, y: unpack(spectrum.values), label: "wall and frame" }];
-      if (spectrum.alone) curves.push(
-        { x: T, y: unpack(spectrum.alone), label: "frame alone", colour: "alone", dash: "3 3" });
-      const { key, unit } = spectrum.quantity;
-      panels.push([curves, { title: "Spectrum", xLabel: "period [s]",
-        yLabel: `${bare(key)} [${unit === "1" ? "-" : unit}]` }]);
-    }
-    for (const [name, label] of [["u_s", "u_s [m]"], ["theta", "θ [rad]"]]) {
-      if (columns?.[name]) panels.push(
-        [[{ x: columns.time, y: columns[name] }],
-          { title: label.split(" ")[0], xLabel: "t [s]", yLabel: label }]);
-    }
+    const { spectrum, charts } = this.pictures;
+    const named = { Spectrum: spectrum, "Displacement of the frame": charts.u_s,
+      "Rotation of the wall": charts.theta, "Drifts of the storeys": charts.drifts };
+    const panels = Object.entries(named).filter(([, chart]) => chart.plot).map(([title, chart]) =>
+      [chart.curves(), { title, xLabel: chart.labels[0], yLabel: chart.labels[1] }]);
     save("explored.svg", "image/svg+xml", sheet(panels, `rwmf: ${this.scene.description.name}`));
   }
 

@@ -6,8 +6,8 @@ import { byId, element, short } from "./format.js";
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`)
   .trim();
 const line = (label, name, more = {}) =>
-  ({ label, stroke: () => colour(name), width: 1.6, points: { show: false },
-  value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
+  ({ label, tone: name, stroke: () => colour(name), width: 1.6, points: { show: false },
+    value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
 
 // A range that is never empty: axis marks of an empty one have no end.
 function padded(_, low, high) {
@@ -39,6 +39,7 @@ class Chart {
 
   // Put data in; the plot is made anew only when there are other lines.
   draw(series, data, bands = []) {
+    Object.assign(this, { series, data });
     const shape = JSON.stringify([series.map((item) => item.label), this.labels]);
     if (shape !== this.shape) this.make(series, data, bands, shape);
     else this.plot.setData(data);
@@ -72,6 +73,12 @@ class Chart {
       if (this.plot.cursor.left >= 0) this.onpick?.(this.plot.posToVal(this.plot.cursor.left, "x"));
     });
     this.now = null;
+  }
+
+  // The same for a figure that is saved.
+  curves() {
+    return this.series.map(({ label, tone, dash }, i) => ({ x: this.data[0], y: this.data[i + 1],
+      label: this.series.length > 1 ? label : "", colour: tone, dash: dash?.join(" ") }));
   }
 
   clear() {
@@ -130,6 +137,7 @@ export class Pictures {
     const columns = this.columns = mapValues(answer.columns, unpack);
     const others = other ? mapValues(other.columns, unpack) : null;
     this.impacts = unpack(answer.impacts);
+    this.scene = answer.scene;
     this.compared = other ? [answer.scene.formulation, other.scene.formulation] : null;
     this.lines("u_s", columns, others, ["u_s"]);
     this.lines("theta", columns, others, ["theta"]);
@@ -175,8 +183,9 @@ export class Pictures {
   }
 
   drawSpectrum(answer, other, marker) {
-    const series = [line(other ? this.compared?.[0] ?? "this" : "wall and frame", "c0",
-      { width: 2 })];
+    const { wall, frame } = this.scene;
+    const what = wall && frame ? "wall and frame" : wall ? "wall" : "frame";
+    const series = [line(other ? this.compared?.[0] ?? "this" : what, "c0", { width: 2 })];
     const data = [unpack(answer.T), unpack(answer.values)];
     if (answer.alone) {
       series.push(line("frame alone", "alone", { dash: [3, 3] }));
@@ -191,7 +200,6 @@ export class Pictures {
     const { key, unit } = answer.quantity;
     this.spectrum.labels = ["period T_s [s]", `${bare(key)} [${unit === "1" ? "-" : unit}]`];
     this.spectrum.draw(series, data);
-    this.spectrumAnswer = answer;
   }
 
   drawMarker(u) {
