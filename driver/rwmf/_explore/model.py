@@ -89,12 +89,11 @@ class Model:
         Returns
         -------
         dict
-            As `controls.describe`, with ``name``, ``version``, ``state``, ``record``.
+            As `controls.describe`, with ``name``, ``state``, ``record``.
         """
         motion: Mapping[str, Any] = self._case.groups.get("motion", {})
         return describe() | {
             "name": Path(self._case.source or "in memory").name,
-            "version": _library.version(),
             "state": given(self._case),
             "record": Path(str(motion["file"])).name if motion.get("file") else "",
         }
@@ -145,7 +144,6 @@ class Model:
             answer["ground"] = _pack(ground)
         return answer | {
             "numbers": _key_numbers(summary),
-            "effects": summary["effects"],
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
             "warnings": summary["warnings"],
             "namelist": self._namelist(case, question.record),
