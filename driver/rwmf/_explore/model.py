@@ -72,11 +72,13 @@ class Model:
     def __init__(self, case: Case, folder: Path) -> None:
         self.turns = Turns()
         self._folder = folder
+        # records that a case from arrays has no files of: they are saved with its namelist
+        self._made: list[Path] = []
         if case.motions:
-            # a record that the namelist can name, and that is saved with it
             path = folder / "case.nml"
             case.to_namelist(path)
             case = Case.from_namelist(path)
+            self._made = sorted(folder.glob("case_*.txt"))
         self._case = case
         self._records: dict[str, _Record] = {}
         self._alone: OrderedDict[str, str] = OrderedDict()
@@ -89,14 +91,25 @@ class Model:
         Returns
         -------
         dict
-            As `controls.describe`, with ``name``, ``state``, ``record``.
+            As `controls.describe`, with ``name``, ``state``, ``record``, ``made``.
         """
         motion: Mapping[str, Any] = self._case.groups.get("motion", {})
         return describe() | {
             "name": Path(self._case.source or "in memory").name,
             "state": given(self._case),
             "record": Path(str(motion["file"])).name if motion.get("file") else "",
+            "made": [path.name for path in self._made],
         }
+
+    def made(self) -> dict[str, str]:
+        """Return the records of a case from arrays.
+
+        Returns
+        -------
+        dict of str to str
+            Text of each by the name that the namelist has for it.
+        """
+        return {path.name: path.read_text(encoding="ascii") for path in self._made}
 
     def history(self, question: Question, watch: Watch) -> dict[str, Any]:
         """Run a case.
@@ -323,6 +336,8 @@ class Model:
 
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
+        for path in self._made:
+            text = text.replace(str(path), path.name)
         if record:
             kept = self._records[record]
             text = text.replace(str(kept.path), kept.name)

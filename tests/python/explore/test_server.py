@@ -400,13 +400,19 @@ def test_a_record_of_200_000_samples(client: Client, start: dict[str, Any]) -> N
 
 
 def test_a_motion_from_arrays(tmp_path: Path) -> None:
+    """Its samples are saved with the namelist, which names them."""
     quake = rwmf.Motion(_pulse(200, 0.01), dt=0.01, unit="g", name="made here")
     case = Case.from_namelist(FIG12).replace(motion=quake)
     with served(case) as (_, client):
-        state = client.ask("/api/start", {})["state"]
-        found = client.ask("/api/history", {"groups": state})
+        start = client.ask("/api/start", {})
+        found = client.ask("/api/history", {"groups": start["state"]})
+        files = client.ask("/api/made", {})
+    assert list(files) == start["made"]
+    for name, text in (files | {"explored.nml": found["namelist"]}).items():
+        (tmp_path / name).write_text(text, encoding="ascii")
     shown = dict(row[:2] for row in found["numbers"])
     assert shown["u_s_max_m"] == repr(float(rwmf.simulate(case)["u_s_max"]))
+    assert shown["u_s_max_m"] == repr(_summary(tmp_path / "explored.nml")["u_s_max_m"])
 
 
 def test_the_case_of_the_package_is_the_one_of_inputs() -> None:

@@ -42,8 +42,7 @@ class Explorer {
   buttons() {
     byId("reset").addEventListener("click",
       () => { this.controls.ranges.clear(); this.scene.reset(); });
-    byId("save").addEventListener("click",
-      () => save("explored.nml", "text/plain", this.answer?.namelist ?? ""));
+    byId("save").addEventListener("click", () => this.saveNamelist());
     byId("copy").addEventListener("click", (event) => this.copy(event.target));
     byId("figure").addEventListener("click", () => this.saveFigure());
     byId("compare").addEventListener("click", () => {
@@ -240,6 +239,14 @@ class Explorer {
       button.textContent = "Selected: Ctrl-C";
     }
     setTimeout(() => { button.textContent = "Copy"; }, 1500);
+  }
+
+  // With the records that no file has, where the case came from arrays.
+  async saveNamelist() {
+    save("explored.nml", "text/plain", byId("namelist").textContent);
+    if (!this.scene.description.made.length) return;
+    const files = Object.entries(await ask("/api/made", {}));
+    for (const [name, text] of files) save(name, "text/plain", text);
   }
 
   saveFigure() {
