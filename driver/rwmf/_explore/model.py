@@ -72,11 +72,13 @@ class Model:
     def __init__(self, case: Case, folder: Path) -> None:
         self.turns = Turns()
         self._folder = folder
+        # records that a case from arrays has no files of: they are saved with its namelist
+        self._made: list[Path] = []
         if case.motions:
-            # a record that the namelist can name, and that is saved with it
             path = folder / "case.nml"
             case.to_namelist(path)
             case = Case.from_namelist(path)
+            self._made = sorted(folder.glob("case_*.txt"))
         self._case = case
         self._records: dict[str, _Record] = {}
         self._alone: OrderedDict[str, str] = OrderedDict()
@@ -89,15 +91,25 @@ class Model:
         Returns
         -------
         dict
-            As `controls.describe`, with ``name``, ``version``, ``state``, ``record``.
+            As `controls.describe`, with ``name``, ``state``, ``record``, ``made``.
         """
         motion: Mapping[str, Any] = self._case.groups.get("motion", {})
         return describe() | {
             "name": Path(self._case.source or "in memory").name,
-            "version": _library.version(),
             "state": given(self._case),
             "record": Path(str(motion["file"])).name if motion.get("file") else "",
+            "made": [path.name for path in self._made],
         }
+
+    def made(self) -> dict[str, str]:
+        """Return the records of a case from arrays.
+
+        Returns
+        -------
+        dict of str to str
+            Text of each by the name that the namelist has for it.
+        """
+        return {path.name: path.read_text(encoding="ascii") for path in self._made}
 
     def history(self, question: Question, watch: Watch) -> dict[str, Any]:
         """Run a case.
@@ -145,7 +157,6 @@ class Model:
             answer["ground"] = _pack(ground)
         return answer | {
             "numbers": _key_numbers(summary),
-            "effects": summary["effects"],
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
             "warnings": summary["warnings"],
             "namelist": self._namelist(case, question.record),
@@ -183,6 +194,7 @@ class Model:
         periods = _grid(case, question.points)
         begun = time.perf_counter()
         values, status = self._row_of(case, periods, key, watch)
+        alone = self._frame_alone(question, case, periods, key, watch)
         seconds = time.perf_counter() - begun
         # status names of what is no number
         names, counts = np.unique(status[status != "ok"], return_counts=True)
@@ -190,7 +202,7 @@ class Model:
         return {
             "T": _pack(periods),
             "values": _pack(values),
-            "alone": self._frame_alone(question, case, periods, key, watch),
+            "alone": alone,
             "failed": dict(zip(names.tolist(), counts.tolist(), strict=True)),
             "overturned": _pack(periods[np.isin(status, ("overturned", "collapsed"))]),
             "quantity": {"key": key, "unit": quantity.unit, "help": quantity.meaning},
@@ -324,6 +336,8 @@ class Model:
 
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
+        for path in self._made:
+            text = text.replace(str(path), path.name)
         if record:
             kept = self._records[record]
             text = text.replace(str(kept.path), kept.name)

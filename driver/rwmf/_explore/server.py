@@ -206,6 +206,9 @@ class _Handler(BaseHTTPRequestHandler):
         elif url.path == "/api/start":
             self._body(_MOST_QUESTION)
             answer = self.server.model.start()
+        elif url.path == "/api/made":
+            self._body(_MOST_QUESTION)
+            answer = self.server.model.made()
         elif url.path in ("/api/history", "/api/spectrum", "/api/cost"):
             question = read(_json(self._body(_MOST_QUESTION)))
             model = self.server.model

@@ -452,6 +452,26 @@ def test_a_hand_that_moves_fast(show: Open) -> None:
     assert opened.page.locator("#failed").text_content().startswith("200 periods")
 
 
+def test_a_run_without_end_is_given_up(show: Open) -> None:
+    """What takes too long is stopped by the next thing that a hand does, and by closing the tab."""
+    opened = show()
+    opened.open_all()
+    for name, value in (("impact.e", "1"), ("frame.xi_s", "0"), ("solver.t_end", "1e7")):
+        opened.field(name).fill(value)
+        opened.field(name).press("Enter")
+    opened.page.get_by_text("computing").wait_for()
+    opened.page.get_by_role("button", name="Reset").click()
+    opened.settle()
+    assert opened.number("u_s_max_m") == _peak()
+    opened.open_all()
+    opened.field("solver.t_end").fill("1e7")
+    opened.field("solver.t_end").press("Enter")
+    opened.page.get_by_text("computing").wait_for()
+    opened.page.close()
+    another = show()
+    assert another.number("u_s_max_m") == _peak()
+
+
 def test_two_pages_do_not_meet(show: Open) -> None:
     first, second = show(), show()
     first.field("wall.b").fill("0.7")

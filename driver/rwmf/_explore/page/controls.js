@@ -96,7 +96,7 @@ export class Controls {
       ...keys.map((key) => element("div", { class: "absent-key", title: key.allowed },
         element("span", {}, element("b", {}, key.key), ` ${key.help}`,
           key.default === "none" || key.default === "required" ? ""
-            : ` (${key.default} ${unit(key.unit)})`),
+            : ` (${`${key.default} ${unit(key.unit)}`.trim()})`),
         element("button", { type: "button", id: `set-${group.name}.${key.key}`,
           "aria-label": `Set ${key.key} of ${group.name}`,
           onclick: () => scene.set(`${group.name}.${key.key}`,

@@ -53,7 +53,7 @@ function extent(curves, axis, log) {
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
-  const [left, right, top, bottom] = [62, width - 10, options.title ? 26 : 12, height - 40];
+  const [left, right, top, bottom] = [62, width - 10, 26, height - 40];
   const [x0, x1] = extent(curves, "x", logX);
   const [y0, y1] = extent(curves, "y", logY);
   const scale = (low, high, from, to, log) => (log
@@ -80,7 +80,7 @@ export function panel(curves, options) {
   if (options.title) body.append(
     text(left, 15, options.title, { fill: tone("ink"), "font-weight": 600 }));
   curves.forEach((curve, i) => body.append(...drawn(curve, i, X, Y, tone)));
-  body.append(...key(curves, right, top, tone));
+  body.append(...key(curves, right, tone));
   return node("svg", { xmlns: SPACE, viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
     "aria-label": `${options.title ?? ""} ${options.yLabel} over ${options.xLabel}`.trim() }, body);
 }
@@ -108,16 +108,19 @@ function drawn(curve, i, X, Y, tone) {
       ...dots];
 }
 
-function key(curves, right, top, tone) {
-  const named = curves.filter((curve) => curve.label);
-  return named.flatMap((curve, i) => {
-    const y = top + 12 + 15 * i;
+// Names in a row above the panel, from the right.
+function key(curves, right, tone) {
+  let x = right;
+  return curves.filter((curve) => curve.label).reverse().flatMap((curve) => {
     const colour = tone(curve.colour ?? `c${curves.indexOf(curve) % 6}`);
-    return [node("path", { d: `M${right - 24} ${y - 4}H${right - 4}`, stroke: colour,
-      "stroke-width": 2, fill: "none",
-      ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) }),
-    node("text", { x: right - 28, y, "text-anchor": "end", "font-size": 11, fill: tone("ink") },
-      curve.label)];
+    const words = node("text", { x, y: 15, "text-anchor": "end", "font-size": 11,
+      fill: tone("ink") }, curve.label);
+    // letters of this size are about 6 wide
+    x -= 6 * curve.label.length + 8;
+    const mark = node("path", { d: `M${x - 16} 11H${x}`, stroke: colour, "stroke-width": 2,
+      fill: "none", ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) });
+    x -= 26;
+    return [words, mark];
   });
 }
 

@@ -42,8 +42,7 @@ class Explorer {
   buttons() {
     byId("reset").addEventListener("click",
       () => { this.controls.ranges.clear(); this.scene.reset(); });
-    byId("save").addEventListener("click",
-      () => save("explored.nml", "text/plain", this.answer?.namelist ?? ""));
+    byId("save").addEventListener("click", () => this.saveNamelist());
     byId("copy").addEventListener("click", (event) => this.copy(event.target));
     byId("figure").addEventListener("click", () => this.saveFigure());
     byId("compare").addEventListener("click", () => {
@@ -98,9 +97,11 @@ class Explorer {
   async question(kind, path, body) {
     const abort = new AbortController();
     this.flight = { kind, abort };
+    const patience = setTimeout(() => { byId("status").textContent = "computing …"; }, 300);
     try {
       return await ask(path, body, abort.signal);
     } finally {
+      clearTimeout(patience);
       clearTimeout(this.flight.timer);
       this.flight = null;
     }
@@ -176,7 +177,8 @@ class Explorer {
     this.pictures.drawSpectrum(answer, other,
       { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });
     this.offer(answer);
-    const failed = Object.entries(answer.failed).map(([status, n]) => `${n} ${status}`).join(", ");
+    const failed = Object.entries(answer.failed)
+      .map(([status, n]) => `${n} ${status.replaceAll("_", " ")}`).join(", ");
     byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
       + (this.scene.get("frame.T_s") === undefined ? "" : " A click sets the period.");
     if (points === FULL || this.version !== version) this.shown.spectrum = version;
@@ -239,23 +241,20 @@ class Explorer {
     setTimeout(() => { button.textContent = "Copy"; }, 1500);
   }
 
+  // With the records that no file has, where the case came from arrays.
+  async saveNamelist() {
+    save("explored.nml", "text/plain", byId("namelist").textContent);
+    if (!this.scene.description.made.length) return;
+    const files = Object.entries(await ask("/api/made", {}));
+    for (const [name, text] of files) save(name, "text/plain", text);
+  }
+
   saveFigure() {
-    const panels = [];
-    const { columns, spectrumAnswer: spectrum } = this.pictures;
-    if (spectrum) {
-      const T = unpack(spectrum.T);
-      const curves = [{ x: T, y: unpack(spectrum.values), label: "wall and frame" }];
-      if (spectrum.alone) curves.push(
-        { x: T, y: unpack(spectrum.alone), label: "frame alone", colour: "alone", dash: "3 3" });
-      const { key, unit } = spectrum.quantity;
-      panels.push([curves, { title: "Spectrum", xLabel: "period [s]",
-        yLabel: `${bare(key)} [${unit === "1" ? "-" : unit}]` }]);
-    }
-    for (const [name, label] of [["u_s", "u_s [m]"], ["theta", "θ [rad]"]]) {
-      if (columns?.[name]) panels.push(
-        [[{ x: columns.time, y: columns[name] }],
-          { title: label.split(" ")[0], xLabel: "t [s]", yLabel: label }]);
-    }
+    const { spectrum, charts } = this.pictures;
+    const named = { Spectrum: spectrum, "Displacement of the frame": charts.u_s,
+      "Rotation of the wall": charts.theta, "Drifts of the storeys": charts.drifts };
+    const panels = Object.entries(named).filter(([, chart]) => chart.plot).map(([title, chart]) =>
+      [chart.curves(), { title, xLabel: chart.labels[0], yLabel: chart.labels[1] }]);
     save("explored.svg", "image/svg+xml", sheet(panels, `rwmf: ${this.scene.description.name}`));
   }
 

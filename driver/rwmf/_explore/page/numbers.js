@@ -37,7 +37,8 @@ export function showNamelist(answer, scene) {
   byId("namelist").textContent = answer.namelist;
   byId("place").textContent = scene.get("motion.kind") !== "record" ? ""
     : scene.record ? `It names ${scene.recordName}: save it beside that file.`
-      : "It names the record by its full path on this machine.";
+      : scene.description.made.length ? "Its record is saved with it."
+        : "It names the record by its full path on this machine.";
 }
 
 export function showProblem(text) {

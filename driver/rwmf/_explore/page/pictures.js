@@ -6,8 +6,8 @@ import { byId, element, short } from "./format.js";
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`)
   .trim();
 const line = (label, name, more = {}) =>
-  ({ label, stroke: () => colour(name), width: 1.6, points: { show: false },
-  value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
+  ({ label, tone: name, stroke: () => colour(name), width: 1.6, points: { show: false },
+    value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
 
 // A range that is never empty: axis marks of an empty one have no end.
 function padded(_, low, high) {
@@ -39,6 +39,7 @@ class Chart {
 
   // Put data in; the plot is made anew only when there are other lines.
   draw(series, data, bands = []) {
+    Object.assign(this, { series, data });
     const shape = JSON.stringify([series.map((item) => item.label), this.labels]);
     if (shape !== this.shape) this.make(series, data, bands, shape);
     else this.plot.setData(data);
@@ -74,6 +75,12 @@ class Chart {
     this.now = null;
   }
 
+  // The same for a figure that is saved.
+  curves() {
+    return this.series.map(({ label, tone, dash }, i) => ({ x: this.data[0], y: this.data[i + 1],
+      label: this.series.length > 1 ? label : "", colour: tone, dash: dash?.join(" ") }));
+  }
+
   clear() {
     this.plot?.destroy();
     this.plot = null;
@@ -93,9 +100,11 @@ class Chart {
   }
 }
 
-const NAMES = { input: "input", kinetic: "kinetic", strain: "frame springs", gravity: "gravity",
-  cable: "cable",
-  effects: "fuses, others", viscous: "viscous", hysteretic: "yielding", impact: "impacts" };
+// parts of the energy: name and colour, the same in every scene
+const PARTS = { kinetic: ["kinetic", "c0"], strain: ["frame springs", "c1"],
+  gravity: ["gravity", "c2"],
+  cable: ["cable", "c3"], effects: ["fuses, others", "c4"], viscous: ["viscous", "c5"],
+  hysteretic: ["yielding", "alone"], impact: ["impacts", "bad"] };
 
 export class Pictures {
   constructor(onTime, onPeriod) {
@@ -128,6 +137,7 @@ export class Pictures {
     const columns = this.columns = mapValues(answer.columns, unpack);
     const others = other ? mapValues(other.columns, unpack) : null;
     this.impacts = unpack(answer.impacts);
+    this.scene = answer.scene;
     this.compared = other ? [answer.scene.formulation, other.scene.formulation] : null;
     this.lines("u_s", columns, others, ["u_s"]);
     this.lines("theta", columns, others, ["theta"]);
@@ -162,20 +172,20 @@ export class Pictures {
       sums.push(Array.from(columns[name],
         (x, i) => (x === null ? null : x + (below ? below[i] : 0))));
     }
-    const labels = parts.map((name) => NAMES[name.slice(7)] ?? name.slice(7));
-    const own = (i) => (_, x, __, row) =>
-      (row === null || row === undefined ? "–" : short(columns[parts[i]]?.[row] ?? null, 3));
-    const series = labels.map((label, i) => line(label, `c${i % 6}`, { width: 1, value: own(i) }));
-    const bands = series.slice(1).map((_, i) =>
-      ({ series: [i + 2, i + 1], fill: alpha(`c${(i + 1) % 6}`) }));
-    series[0].fill = alpha("c0");
+    const looks = parts.map((name) => PARTS[name.slice(7)] ?? [name.slice(7), "ink"]);
+    const own = (i) => (_, x, __, row) => short(this.columns[parts[i]]?.[row] ?? NaN, 3);
+    const series = looks.map(([label, tone], i) => line(label, tone, { width: 1, value: own(i) }));
+    const bands = looks.slice(1).map(([, tone], i) =>
+      ({ series: [i + 2, i + 1], fill: alpha(tone) }));
+    series[0].fill = alpha(looks[0][1]);
     this.charts.energies.draw([...series, line("input", "ink", { dash: [2, 3], width: 1.2 })],
       [columns.time, ...sums, columns.energy_input], bands);
   }
 
   drawSpectrum(answer, other, marker) {
-    const series = [line(other ? this.compared?.[0] ?? "this" : "wall and frame", "c0",
-      { width: 2 })];
+    const { wall, frame } = this.scene;
+    const what = wall && frame ? "wall and frame" : wall ? "wall" : "frame";
+    const series = [line(other ? this.compared?.[0] ?? "this" : what, "c0", { width: 2 })];
     const data = [unpack(answer.T), unpack(answer.values)];
     if (answer.alone) {
       series.push(line("frame alone", "alone", { dash: [3, 3] }));
@@ -190,7 +200,6 @@ export class Pictures {
     const { key, unit } = answer.quantity;
     this.spectrum.labels = ["period T_s [s]", `${bare(key)} [${unit === "1" ? "-" : unit}]`];
     this.spectrum.draw(series, data);
-    this.spectrumAnswer = answer;
   }
 
   drawMarker(u) {
