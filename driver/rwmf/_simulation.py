@@ -33,7 +33,8 @@ def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
         Variables over ``time`` (none without an interval), coordinates over ``event``, maxima
         and counts without dimension, each with its unit in ``attrs``; what the computation took
         in the attributes of the dataset, of which ``warnings`` has a line each. Names are without
-        units (docs/reference/outputs.md): energies over time are ``energy_input`` and so on, those at the end ``energy_input_end``.
+        units (docs/reference/outputs.md): energies over time are ``energy_input`` and so on, those
+        at the end ``energy_input_end``.
 
     Raises
     ------

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
+import xarray as xr
 from checkout import Runner
 from rwmf import studies
 from scenes import block, coupled
@@ -108,6 +109,23 @@ def test_the_line_is_true_for_energy() -> None:
         assert int(run.impacts) == 0
         residual[formulation] = abs(float(run.energy_balance_relative))
     assert residual["exact"] < 1e-8 < 1e-5 < residual["published"]
+
+
+def test_warnings_come_back_from_a_file(tmp_path: Path) -> None:
+    """None, one and several: the same text in memory and in NetCDF."""
+    pytest.importorskip("h5netcdf")
+    case = coupled(solver=SHORT, **PAPER)
+    falling = {"cable": {"eta_0": 1.0, "eta_alpha": 5.0}}
+    told = [
+        rwmf.simulate(coupled(solver=SHORT, **TRUE)),
+        rwmf.simulate(case.replace(**falling)),
+        rwmf.spectrum(case, T_s=[0.5, 1.0]),
+    ]
+    for found in told:
+        found.drop_vars("status", errors="ignore").to_netcdf(tmp_path / "w.nc", engine="h5netcdf")
+        with xr.open_dataset(tmp_path / "w.nc", engine="h5netcdf") as kept:
+            assert kept.attrs["warnings"] == found.attrs["warnings"]
+    assert [len(found.attrs["warnings"].splitlines()) for found in told] == [0, 2, 1]
 
 
 def test_every_way_in_says_it_once(command: Runner, batch: Runner, tmp_path: Path) -> None:
