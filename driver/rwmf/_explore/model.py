@@ -40,6 +40,9 @@ Array = npt.NDArray[np.float64]
 _ROWS = 1500
 # a period axis that contains the case's own, where the case has none [s]
 _PERIODS = (0.05, 3.0)
+# of an ordinate: beyond the samples of a long record; an elastic wall (e = 1) on a stiff frame
+# chatters through a record without end, and would hold up all other periods
+_MOST_STEPS = 500_000
 # curves of the frame alone that are kept
 _KEPT = 32
 # columns of a history that the page draws
@@ -190,6 +193,7 @@ class Model:
         case = self._case_of(question)
         if "T_s" not in case.kernel.axes():
             raise InputError("the scene has no period to vary: it has no spectrum")
+        case = case.replace(solver={"max_steps": min(int(case.solver.max_steps), _MOST_STEPS)})
         key = question.quantity or case.kernel.default_quantity()
         periods = _grid(case, question.points)
         begun = time.perf_counter()

@@ -239,6 +239,17 @@ def test_spectrum_is_that_of_the_package(client: Client, start: dict[str, Any]) 
     assert other["alone"] != found["alone"]
 
 
+def test_periods_without_an_end_are_left_out(record_folder: Path) -> None:
+    """An elastic wall on a stiff frame chatters through a record for ever."""
+    del record_folder
+    case = Case.from_namelist(ROOT / "inputs" / "fig13_elcentro_slender_wall.nml")
+    with served(case.replace(impact={"e": 1.0})) as (_, client):
+        question = {"groups": client.ask("/api/start", {})["state"], "points": 41}
+        found = client.ask("/api/spectrum", question)
+    assert found["failed"] == {"too_many_steps": 1}
+    assert np.isnan(_floats(found["values"])).sum() == 1
+
+
 def test_two_pages_at_once(client: Client, start: dict[str, Any]) -> None:
     """Each gets the answer to its own question."""
     periods = np.linspace(0.3, 2.0, 8)
