@@ -152,6 +152,10 @@ contains
             .false., .false., 0, 0, 0)
          values%codes(i) = key_code(keys(i)%group, keys(i)%key)
       end do
+      do i = 1, size(names)
+         values%groups(i)%first_key = findloc(keys%group, names(i), dim=1)
+         values%groups(i)%last_key = findloc(keys%group, names(i), dim=1, back=.true.)
+      end do
    end subroutine make_room
 
    !> Is the group known, and new?

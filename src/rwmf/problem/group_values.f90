@@ -23,6 +23,10 @@ module rwmf_problem_group_values
       !! 0 when it is not given
       integer :: code
       !! `key_code` of the group
+      integer :: first_key = 1
+      !! place of its first key
+      integer :: last_key = 0
+      !! and of its last
    end type group_place_t
 
    !> The values of one key.
@@ -92,16 +96,19 @@ contains
       !! its name, without &
       character(*), intent(in) :: key
       !! letters may be small or capital
+      integer :: at
       integer :: code
 
+      at = group_place(values, group)
       place = 0
-      if (.not. allocated(values%keys)) return
+      if (at == 0) return
       ! a case is filled with some hundred look-ups: few of them compare letters
-      code = key_code(group, key)
-      do place = size(values%keys), 1, -1
+      code = continued(values%groups(at)%code, key)
+      do place = values%groups(at)%last_key, values%groups(at)%first_key, -1
          if (values%codes(place) /= code) cycle
-         if (values%keys(place)%name == to_lower(key) .and. values%keys(place)%group == group) exit
+         if (values%keys(place)%name == to_lower(key) .and. values%keys(place)%group == group) return
       end do
+      place = 0
    end function key_place
 
    !> A number that most keys have for themselves.
@@ -110,21 +117,27 @@ contains
       !! its name, without &, in small letters
       character(*), intent(in) :: key
       !! its name, '' for the group itself; letters may be small or capital
+
+      code = continued(continued(0, group), key)
+   end function key_code
+
+   !> The number that a name makes of the one before it.
+   pure integer function continued(before, name) result(code)
+      integer, intent(in) :: before
+      character(*), intent(in) :: name
+      !! letters may be small or capital
       integer, parameter :: most = 2**24 - 1
       !! 31 times as much is still an integer
       integer :: letter
       integer :: i
 
-      code = 0
-      do i = 1, len_trim(group)
-         code = iand(31*code + iachar(group(i:i)), most)
-      end do
-      do i = 1, len_trim(key)
-         letter = iachar(key(i:i))
-         if (key(i:i) >= 'A' .and. key(i:i) <= 'Z') letter = letter + 32
+      code = before
+      do i = 1, len_trim(name)
+         letter = iachar(name(i:i))
+         if (name(i:i) >= 'A' .and. name(i:i) <= 'Z') letter = letter + 32
          code = iand(31*code + letter, most)
       end do
-   end function key_code
+   end function continued
 
    !> Is the group given?
    pure logical function has_group(values, name)

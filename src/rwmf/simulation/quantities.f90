@@ -247,15 +247,15 @@ module rwmf_simulation_quantities
       quantity_t('storey_{i}_drift_max', 'storey_{i}_drift_max', '1', 'real', 'peak', &
       'run ordinate', 'storeys', 'reactions', '', 'largest drift of storey {i} over its height'), &
       quantity_t('storey_drift_max', 'storey_drift_max', '1', 'real', 'peak', 'run ordinate', &
-      'storeys', 'reactions', '', 'the largest of them'), &
+      'storeys', 'reactions', '', 'largest drift of all storeys over their heights'), &
       quantity_t('t_storey_drift_max_s', 't_storey_drift_max', 's', 'real', 'time', &
-      'run ordinate', 'storeys', 'reactions', '', 'its time'), &
+      'run ordinate', 'storeys', 'reactions', '', 'time of the largest drift of a storey'), &
       quantity_t('roof_drift_max', 'roof_drift_max', '1', 'real', 'peak', 'run ordinate', 'frame', &
       'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
       'largest displacement of the roof over its height'), &
       quantity_t('t_roof_drift_max_s', 't_roof_drift_max', 's', 'real', 'time', &
       'run ordinate', 'frame', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
-      'its time'), &
+      'time of the largest drift of the roof'), &
       quantity_t('storey_residual_drift_max', 'storey_residual_drift_max', '1', 'real', 'end', &
       'run ordinate', 'yielding', 'reactions', '`&storeys`', &
       'largest drift of a storey that unloading would leave in the end'), &
@@ -266,9 +266,11 @@ module rwmf_simulation_quantities
       'peak', 'run ordinate', 'frame', 'reactions', '', &
       'largest absolute acceleration of floor {i} over g'), &
       quantity_t('floor_acceleration_max_g', 'floor_acceleration_max_g', '1', 'real', 'peak', &
-      'run ordinate', 'frame', 'reactions', '', 'the largest of them'), &
+      'run ordinate', 'frame', 'reactions', '', &
+      'largest absolute acceleration of all floors over g'), &
       quantity_t('t_floor_acceleration_max_s', 't_floor_acceleration_max', 's', 'real', 'time', &
-      'run ordinate', 'frame', 'reactions', '', 'its time'), &
+      'run ordinate', 'frame', 'reactions', '', &
+      'time of the largest acceleration of a floor'), &
       quantity_t('storey_{i}_shear_max_over_m_w_g', 'storey_{i}_shear_max_over_m_w_g', '1', &
       'real', 'peak', 'run ordinate', 'storeys', 'reactions', '', &
       'largest shear of the columns of storey {i} over the weight that its mass is over'), &
@@ -277,7 +279,8 @@ module rwmf_simulation_quantities
       'a height: `&wall`, `&storeys` or `h_f`', &
       'largest moment of all horizontal inertia about the ground over the weight'), &
       quantity_t('t_overturning_moment_max_s', 't_overturning_moment_max', 's', 'real', 'time', &
-      'run ordinate', '', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', 'its time'), &
+      'run ordinate', '', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'time of the largest overturning moment'), &
       quantity_t('wall_shear_max_over_m_w_g', 'wall_shear_max_over_m_w_g', '1', 'real', 'peak', &
       'run ordinate', 'wall', 'reactions', '', 'largest shear inside the wall over its weight'), &
       quantity_t('wall_shear_max_height_m', 'wall_shear_max_height', 'm', 'real', 'peak', &
