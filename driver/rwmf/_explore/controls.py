@@ -134,8 +134,13 @@ _ALTERNATIVES = (
     ("inerter.inertance_over_m_w", "inerter.inertance"),
     ("fuse.eta_y", "fuse.F_y"),
     ("fuse.stroke_y", "fuse.k"),
-    ("yielding.u_y", "yielding.f_y_over_m_s_g", "yielding.F_y", "yielding.storey_u_y",
-     "yielding.storey_F_y"),
+    (
+        "yielding.u_y",
+        "yielding.f_y_over_m_s_g",
+        "yielding.F_y",
+        "yielding.storey_u_y",
+        "yielding.storey_F_y",
+    ),
     ("p_delta.m_g_over_m_s", "p_delta.m_g"),
     ("spectrum.T_s", "spectrum.n"),
     ("spectrum.T_s", "spectrum.T_s_min"),
@@ -298,6 +303,8 @@ def _describe_key(
     elif kind == "logical":
         # what is set is what differs from the default
         found["start"] = default != ".true."
+    elif kind == "text":
+        found["start"] = _STARTS.get(name, "u_s_max_m")
     else:
         # a list holds at least one number, or one word
         found["start"] = _STARTS.get(name, ["u_s_max_m"] if kind == "text list" else [1.0])

@@ -341,10 +341,10 @@ class Model:
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
         for path in self._made:
-            text = text.replace(str(path), path.name)
+            text = text.replace(_quoted(str(path)), _quoted(path.name))
         if record:
             kept = self._records[record]
-            text = text.replace(str(kept.path), kept.name)
+            text = text.replace(_quoted(str(kept.path)), _quoted(kept.name))
         return text
 
     def _row_of(
@@ -401,6 +401,11 @@ class _TurnOfRuns:
         if self._mine:
             self._turns.give()
         self._mine = has_one and self._turns.take()
+
+
+def _quoted(text: str) -> str:
+    """Write a text as it stands between the quotes of a namelist."""
+    return text.replace("'", "''")
 
 
 def _pack(values: npt.ArrayLike) -> str:

@@ -129,6 +129,10 @@ def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any: 
         if value not in words:
             raise BadQuestionError(f"{name}: must be one of {', '.join(words)}")
         return value
+    if kind == "text":
+        if not isinstance(value, str) or not _WORD.fullmatch(value):
+            raise BadQuestionError(f"{name}: must be a word")
+        return value
     if not isinstance(value, list) or not value:
         raise BadQuestionError(f"{name}: must be a list")
     if kind == "real list":

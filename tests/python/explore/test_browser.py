@@ -272,6 +272,12 @@ def test_a_wrong_value_is_said_and_shown(show: Open) -> None:
     assert "must be a number" in opened.page.locator('[id="frame.T_s:wrong"]').text_content()
     # nothing was asked: the pictures stand
     assert opened.problem == ""
+    opened.slider("wall.b").focus()
+    opened.page.keyboard.press("ArrowRight")
+    opened.settle()
+    # what stands there is not what was computed with
+    assert field.get_attribute("aria-invalid") == "true"
+    opened.page.get_by_role("button", name="Reset").click()
     field.fill("-1")
     field.press("Enter")
     opened.settle()
@@ -284,6 +290,59 @@ def test_a_wrong_value_is_said_and_shown(show: Open) -> None:
     assert opened.problem == ""
     assert field.get_attribute("aria-invalid") == "false"
     assert opened.number("u_s_max_m") == _peak(frame={"T_s": 0.5})
+
+
+def test_typing_replaces_a_number_that_is_shown_short(show: Open) -> None:
+    opened = show()
+    field = opened.field("frame.T_s")
+    field.fill("0.123456789012")
+    field.press("Enter")
+    opened.slider("frame.T_s").focus()
+    assert field.input_value() == "0.123457"
+    opened.page.keyboard.press("Tab")
+    assert field.input_value() == "0.123456789012"
+    opened.page.keyboard.type("0.7")
+    opened.page.keyboard.press("Enter")
+    opened.settle()
+    assert opened.number("u_s_max_m") == _peak(frame={"T_s": 0.7})
+
+
+def test_a_wall_far_from_the_proportions_of_walls(show: Open) -> None:
+    """No picture of it takes longer than a hand notices."""
+    opened = show()
+    for name, value in (("wall.h", "1e-5"), ("wall.b", "1e6")):
+        opened.field(name).fill(value)
+        opened.field(name).press("Enter")
+        opened.settle()
+        seconds = opened.page.evaluate(
+            """() => {
+              const begun = performance.now();
+              explorer.stage.draw(0);
+              return (performance.now() - begun) / 1000;
+            }"""
+        )
+        assert seconds < 0.1
+
+
+def test_a_key_that_is_a_word(show: Open) -> None:
+    solver = {"accuracy": 1e-6, "accuracy_of": "u_s_max_m"}
+    case = Case.from_namelist(FIG12).replace(solver=solver)
+    with served(case) as (server, _):
+        opened = show(server.address)
+        opened.open_all()
+        field = opened.field("solver.accuracy_of")
+        assert field.input_value() == "u_s_max_m"
+        field.fill("two words")
+        field.press("Enter")
+        assert field.get_attribute("aria-invalid") == "true"
+        field.fill("no_peak")
+        field.press("Enter")
+        opened.settle()
+        assert "accuracy_of" in opened.problem
+        field.fill("u_s_max_m")
+        field.press("Enter")
+        opened.settle()
+        assert opened.problem == ""
 
 
 def test_published_and_exact(show: Open) -> None:

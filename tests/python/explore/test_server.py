@@ -151,6 +151,8 @@ def test_headers_forbid_everything_foreign(both: tuple[PageServer, Client]) -> N
         (b'{"groups": {"output": {"energy": 1}}}', "output.energy"),
         (b'{"groups": {"solver": {"max_steps": 1.5}}}', "solver.max_steps"),
         (b'{"groups": {"model": {"formulation": "wrong"}}}', "model.formulation"),
+        (b'{"groups": {"solver": {"accuracy_of": ["x"]}}}', "solver.accuracy_of"),
+        (b'{"groups": {"solver": {"accuracy_of": "a b"}}}', "solver.accuracy_of"),
         (b'{"groups": {"spectrum": {"T_s": []}}}', "spectrum.T_s"),
         (b'{"groups": {"spectrum": {"quantities": ["a\'/ &wall"]}}}', "spectrum.quantities"),
         (b'{"groups": {}, "points": 100000}', "points"),
@@ -330,6 +332,7 @@ _CUT = _at2(_pulse(50, 0.01), 0.01).replace(b"NPTS=     50", b"NPTS=     90")
     [
         (_at2(_pulse(200, 0.01), 0.01), "name=own.AT2&unit=g"),
         (b"\n".join(b"%.9g" % x for x in _pulse(200, 0.01)), "name=own.csv&unit=g&dt=0.01"),
+        (b"\n".join(b"%.9g" % x for x in _pulse(200, 0.01)), "name=l'Aquila.csv&unit=g&dt=0.01"),
         (b"t,a\n" + b"\n".join(b"%.9g,%.9g" % pair for pair in _PAIRS), "name=own.csv&unit=g"),
     ],
 )  # fmt: skip

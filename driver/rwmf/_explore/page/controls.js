@@ -113,7 +113,8 @@ export class Controls {
     const name = `${group}.${key.key}`;
     const label = element("label", { for: name, title: `${key.help}; ${key.allowed}` },
       element("b", {}, key.key), key.help);
-    const parts = { real: "number", integer: "number", choice: "choice", logical: "box" };
+    const parts = { real: "number", integer: "number", choice: "choice", logical: "box",
+      text: "word" };
     const row = this[parts[key.kind] ?? "list"](name, key);
     const out = key.default === "required" ? element("span")
       : element("button", { type: "button", class: "out",
@@ -145,9 +146,13 @@ export class Controls {
       this.complain(field, "");
       this.scene.set(name, found);
     });
-    // all digits while it is edited
-    field.addEventListener("focus",
-      () => { if (field.value === shown(Number(field.title))) field.value = field.title; });
+    // all digits while it is edited; another value takes the selection away, with which a typed
+    // digit replaces the number
+    field.addEventListener("focus", () => {
+      if (field.value !== shown(Number(field.title))) return;
+      field.value = field.title;
+      field.select();
+    });
     field.addEventListener("blur",
       () => { if (field.value === field.title) field.value = shown(Number(field.title)); });
     field.addEventListener("change", () => {
@@ -182,6 +187,18 @@ export class Controls {
     return element("div", { class: "row wide" }, element("span", {}, box));
   }
 
+  word(name) {
+    const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
+      value: this.scene.get(name), "aria-describedby": `${name}:wrong` });
+    field.addEventListener("change", () => {
+      const found = field.value.trim();
+      const wrong = !/^\w{1,60}$/.test(found);
+      this.complain(field, wrong ? "must be a word of letters, digits and _" : "");
+      if (!wrong) this.scene.set(name, found);
+    });
+    return element("div", { class: "row wide" }, field);
+  }
+
   list(name, key) {
     const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
       value: this.scene.get(name).join(", "), "aria-describedby": `${name}:wrong` });
@@ -208,7 +225,8 @@ export class Controls {
   // Mark the key that a message of the kernel names, and nothing else.
   blame(message) {
     const blamed = document.querySelectorAll("#groups [aria-invalid=true]");
-    for (const field of blamed) this.complain(field, "");
+    // a text that is no value keeps its mark: the scene does not know it
+    for (const field of blamed) if (byId(`${field.id}:wrong`).hidden) this.complain(field, "");
     const found = /&(\w+): (\w+)/.exec(message ?? "");
     const field = found && byId(`${found[1]}.${found[2]}`);
     if (field) field.setAttribute("aria-invalid", "true");

@@ -103,7 +103,9 @@ export class Stage {
   soil(ground, H) {
     const y = -0.015 * H;
     this.path([[ground - this.left, y], [ground + this.right, y]], "alone", 3);
-    for (let x = ground - this.left; x <= ground + this.right; x += 0.12 * H) {
+    // a wall that is far wider than high has no more strokes than can be seen
+    const step = Math.max(0.12 * H, (this.left + this.right) / 200);
+    for (let x = ground - this.left; x <= ground + this.right; x += step) {
       this.path([[x, y], [x - 0.05 * H, y - 0.05 * H]], "alone", 1);
     }
   }
