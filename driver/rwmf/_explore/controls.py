@@ -73,28 +73,50 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "wall.h": 2.0,
     "wall.b": 0.5,
     "wall.m_w": 20000.0,
+    "wall.density": 2500.0,
+    "wall.thickness": 0.3,
     "frame.T_s": 1.0,
     "frame.gamma": 5.0,
     "frame.xi_s": 0.05,
+    "frame.m_s": 100000.0,
+    "frame.k_s": 4e6,
     "storeys.m_over_m_w": [1.0, 1.0, 1.0],
     "storeys.k_over_m_w": [200.0, 200.0, 200.0],
     "storeys.height": [3.0, 3.0, 3.0],
+    "storeys.m": [20000.0],
+    "storeys.k": [4e6],
+    "storeys.n": 3,
+    "storeys.T_1": 1.0,
+    "storeys.distribution": "linear",
     "link.L": 8.0,
     "damper.c_over_m_w": 2.0,
+    "damper.c": 40000.0,
     "inerter.inertance_over_m_w": 0.5,
+    "inerter.inertance": 10000.0,
     "fuse.eta_y": 0.3,
     "fuse.stroke_y": 0.005,
+    "fuse.F_y": 60000.0,
+    "fuse.k": 1.2e7,
     "yielding.u_y": 0.05,
     "yielding.f_y_over_m_s_g": 0.2,
+    "yielding.F_y": 100000.0,
     "yielding.storey_u_y": [0.01],
+    "yielding.storey_F_y": [40000.0],
     "yielding.ultimate": 10.0,
     "yielding.cap": 4.0,
     "yielding.post_cap": 4.0,
     "yielding.lambda": [30.0],
     "p_delta.h_f": 4.0,
+    "p_delta.m_g": 100000.0,
     "cable.eta_0": 1.0,
     "cable.eta_y": 3.0,
     "cable.rupture_strain": 0.03,
+    "cable.length": 6.0,
+    "cable.strands": 4,
+    "cable.strand_area": 1.4e-4,
+    "cable.modulus": 1.95e11,
+    "cable.initial_stress": 5e8,
+    "cable.yield_stress": 1.6e9,
     "impact.e": 0.9,
     "impact.r": 0.81,
     "impact.table_theta_dot": [0.0, 1.0],
@@ -119,21 +141,34 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "spectrum.b": [0.5],
     "spectrum.quantities": ["u_s_max_m"],
 }
+_STRANDS = ("strands", "strand_area", "modulus", "initial_stress")
 # ways to say the same: setting one takes the others out
 _ALTERNATIVES = (
     ("motion.a_max_g", "motion.v_p"),
     ("motion.omega_p", "motion.T_p"),
     ("impact.e", "impact.r"),
+    *(
+        (f"impact.{factor}", f"impact.{column}")
+        for factor in ("e", "r")
+        for column in ("table_theta_dot", "table_e")
+    ),
+    *(
+        (f"cable.{ratio}", f"cable.{key}")
+        for ratio in ("eta_0", "eta_alpha", "eta_y")
+        for key in (*_STRANDS, "yield_stress")
+    ),
     ("wall.m_w", "wall.density"),
     ("wall.m_w", "wall.thickness"),
     ("frame.gamma", "frame.m_s"),
     ("frame.T_s", "frame.k_s"),
+    ("frame.gamma", "frame.k_s"),
     ("storeys.m_over_m_w", "storeys.m"),
     ("storeys.k_over_m_w", "storeys.k"),
     ("damper.c_over_m_w", "damper.c"),
     ("inerter.inertance_over_m_w", "inerter.inertance"),
     ("fuse.eta_y", "fuse.F_y"),
     ("fuse.stroke_y", "fuse.k"),
+    ("fuse.eta_y", "fuse.k"),
     (
         "yielding.u_y",
         "yielding.f_y_over_m_s_g",
@@ -145,8 +180,59 @@ _ALTERNATIVES = (
     ("spectrum.T_s", "spectrum.n"),
     ("spectrum.T_s", "spectrum.T_s_min"),
     ("spectrum.T_s", "spectrum.T_s_max"),
+    ("spectrum.T_s", "spectrum.spacing"),
     ("solver.accuracy", "solver.rtol"),
 )
+_MASS = "wall.m_w|density"
+_AXIS = ("spectrum.T_s_min", "spectrum.T_s_max", "spectrum.n")
+# keys that a key cannot do without, where their group is there; 'a|b' is one of two
+_BRINGS: dict[str, tuple[str, ...]] = {
+    "wall.density": ("wall.thickness",),
+    "wall.thickness": ("wall.density",),
+    "frame.m_s": (_MASS,),
+    "frame.k_s": ("frame.m_s", _MASS),
+    "storeys.m": ("storeys.k|T_1", _MASS),
+    "storeys.k": ("storeys.m", _MASS),
+    "storeys.distribution": ("storeys.n",),
+    "damper.c": (_MASS,),
+    "inerter.inertance": (_MASS,),
+    "fuse.F_y": (_MASS,),
+    "fuse.k": ("fuse.F_y", _MASS),
+    "yielding.F_y": ("frame.gamma|m_s", _MASS),
+    "yielding.storey_F_y": (_MASS,),
+    "yielding.cap": ("yielding.post_cap",),
+    "yielding.post_cap": ("yielding.cap",),
+    "yielding.lambda_exponent": ("yielding.lambda",),
+    "p_delta.m_g": ("frame.gamma|m_s", _MASS),
+    "cable.eta_y": ("cable.eta_alpha",),
+    "cable.rupture_strain": ("cable.eta_alpha|modulus",),
+    **{f"cable.{key}": (*(f"cable.{other}" for other in _STRANDS if other != key), _MASS)
+       for key in _STRANDS},
+    "cable.yield_stress": ("cable.strands",),
+    "impact.table_theta_dot": ("impact.table_e",),
+    "impact.table_e": ("impact.table_theta_dot",),
+    **{key: tuple(other for other in _AXIS if other != key) for key in _AXIS},
+    "spectrum.spacing": _AXIS,
+}  # fmt: skip
+# keys that need one of these, or none of them (!), but not in order to be complete
+_ONLY_BESIDE: dict[str, tuple[str, ...]] = {
+    "cable.length": ("cable.strands", "cable.rupture_strain"),
+    "cable.hardening": ("cable.eta_y", "cable.yield_stress"),
+    "output.friction_limit": ("output.reactions=true",),
+    "solver.accuracy_of": ("solver.accuracy", "solver.verify=true"),
+    "yielding.storey_u_y": ("storeys.coupling=full", "storeys.coupling=every_floor"),
+    "yielding.storey_F_y": ("storeys.coupling=full", "storeys.coupling=every_floor"),
+    **dict.fromkeys(
+        ("yielding.u_y", "yielding.f_y_over_m_s_g", "yielding.F_y"),
+        ("!storeys.coupling", "storeys.coupling=reduced", "storeys.coupling=every_floor"),
+    ),
+    "vertical.dt": ("!vertical.ratio",),
+    "vertical.unit": ("!vertical.ratio",),
+    "vertical.scale": ("!vertical.ratio",),
+}
+# what Eq. (15) as printed does not have: it comes with the exact formulation
+_NOT_PUBLISHED = ("link", "cable.eta_y", "cable.yield_stress", "cable.rupture_strain",
+                  "cable.law=truss")  # fmt: skip
 _PULSE = {"a_max_g|v_p": True, "T_p|omega_p": True, "t_0": False}
 _LOSING = {"cap": True, "post_cap": True, "residual": False, "lambda": False,
            "lambda_exponent": False}  # fmt: skip
@@ -188,7 +274,7 @@ _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
 _NEEDED_TOO = {
     "frame": ("T_s",),
     "storeys": ("k_over_m_w",),
-    "yielding": ("u_y",),
+    "yielding": ("u_y", "storey_u_y"),
     "vertical": ("ratio",),
     "motion": ("a_max_g", "T_p"),
     "solver": ("t_end",),
@@ -202,7 +288,9 @@ _ONLY_WITH = {
     "spectrum.b": (("wall",), False),
 }
 # keys that a group takes out, because it says the same in another way
-_INSTEAD_OF = {"storeys": ("frame.T_s", "frame.gamma", "p_delta.h_f")}
+_INSTEAD_OF = {
+    "storeys": ("frame.T_s", "frame.gamma", "frame.m_s", "frame.k_s", "p_delta.h_f"),
+}
 _TITLES = {
     "wall": "Wall",
     "frame": "Frame",
@@ -270,6 +358,9 @@ def describe() -> dict[str, Any]:
         ],
         "alternatives": _ALTERNATIVES,
         "belonging": _BELONGING,
+        "brings": _BRINGS,
+        "only_beside": _ONLY_BESIDE,
+        "not_published": _NOT_PUBLISHED,
         "only_with": _ONLY_WITH,
         "instead_of": _INSTEAD_OF,
     }

@@ -280,7 +280,8 @@ class Model:
         BadQuestionError
             When the name is none of a file.
         """
-        plain = Path(name.replace("\\", "/")).name
+        # a namelist takes blanks at its ends for none of it
+        plain = Path(name.replace("\\", "/")).name.strip()
         if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
             raise BadQuestionError("the name of the record is no name of a file")
         folder = Path(tempfile.mkdtemp(dir=self._folder))

@@ -13,6 +13,7 @@ import json
 import os
 import secrets
 import select
+import signal
 import socket
 import sys
 import tempfile
@@ -156,6 +157,18 @@ class _Handler(BaseHTTPRequestHandler):
         """Answer a question."""
         self._guarded(self._answer)
 
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Answer what is no request of a page, with the headers of all answers.
+
+        Parameters
+        ----------
+        code : int
+            Status.
+        message, explain : str, optional
+            What is wrong.
+        """
+        self._fail(code, explain or message or "this is no request of the page")
+
     def log_message(self, format: str, *args: object) -> None:
         """Say nothing: the terminal belongs to whoever started the server."""
 
@@ -242,7 +255,8 @@ class _Handler(BaseHTTPRequestHandler):
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdigit()) or "Transfer-Encoding" in self.headers:
             raise _RefusedError(411, "a question says how long it is")
-        if int(length) > most:
+        # so many digits are no length, whatever they say
+        if len(length) > 12 or int(length) > most:
             raise _RefusedError(413, f"too long: at most {most // 1024} KiB are taken")
         content = self.rfile.read(int(length))
         if len(content) < int(length):
@@ -291,7 +305,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _send(self, status: int, kind: str, content: bytes) -> None:
         self._head(status, kind, len(content))
-        self.wfile.write(content)
+        if self.command != "HEAD":
+            self.wfile.write(content)
         self.wfile.flush()
 
     def _head(self, status: int, kind: str, length: int | None) -> None:
@@ -319,6 +334,23 @@ def _json(content: bytes) -> object:
 def _encode(value: object) -> bytes:
     # a name of a file may hold bytes that are no text
     return json.dumps(value, allow_nan=False).encode("ascii", "replace")
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _interrupted_by_the_end() -> Any:  # noqa: ANN401 (what signal.signal returns)
+    """Let whoever ends the process end it as Ctrl-C does: no folder stays behind.
+
+    Returns
+    -------
+    handler or None
+        What was in its place; None in a thread, which has no say in this.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return None
+    return signal.signal(signal.SIGTERM, _interrupt)
 
 
 def explore(
@@ -355,6 +387,7 @@ def explore(
     elif not isinstance(case, Case):
         case = Case.from_namelist(case)
     server = PageServer(case, port)
+    terminated = _interrupted_by_the_end()
     try:
         print(f"{server.address}\nCtrl-C ends it", flush=True)
         if open_browser:
@@ -365,3 +398,5 @@ def explore(
         print("ended", flush=True)
     finally:
         server.end()
+        if terminated is not None:
+            signal.signal(signal.SIGTERM, terminated)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,6 +19,7 @@ import rwmf
 from checkout import ROOT, Runner
 from page_client import served
 from rwmf import Case
+from rwmf._explore.questions import given
 from rwmf._explore.server import PageServer
 
 if TYPE_CHECKING:
@@ -75,6 +77,31 @@ NAMELESS = """
   const named = node.getAttribute('aria-label') || node.labels?.length || node.title;
   return node.checkVisibility() && !words && !named;
 }).map((node) => node.outerHTML)
+"""
+
+
+# every key that is offered, set, and taken out again where it can be
+OFFERED = """
+async (prepare) => {
+  const { Scene } = await import('/scene.js');
+  const fresh = () => {
+    const scene = new Scene(explorer.scene.description, () => {});
+    for (const [verb, ...words] of prepare) scene[verb](...words);
+    return scene;
+  };
+  const offered = [...fresh().keys.keys()].filter((name) => fresh().has(name.split('.')[0])
+    && fresh().get(name) === undefined && fresh().possible(name));
+  return offered.map((name) => {
+    const scene = fresh();
+    scene.begin(name);
+    const set = scene.question();
+    const [group, key] = name.split('.');
+    const needed = scene.keys.get(name).default === 'required'
+      || scene.group(group).needed_too.includes(key);
+    if (!needed) scene.unset(name);
+    return [name, set, scene.question()];
+  });
+}
 """
 
 
@@ -243,6 +270,54 @@ def test_every_effect_can_be_added_and_taken_out(show: Open) -> None:
         opened.page.get_by_role("button", name="Reset").click()
 
 
+@pytest.mark.parametrize(
+    "prepare",
+    [
+        [],
+        [["add", "storeys"], ["add", "yielding"], ["set", "storeys.coupling", "full"]],
+        [["add", name] for name in ("damper", "inerter", "fuse", "vertical", "spectrum",
+                                    "yielding", "p_delta", "output", "initial")],
+        [["begin", "cable.strands"], ["begin", "wall.thickness"], ["begin", "frame.k_s"]],
+        [["add", "storeys"], ["begin", "storeys.k"], ["begin", "storeys.distribution"]],
+        [["add", "yielding"], ["begin", "yielding.F_y"], ["remove", "wall"]],
+        [["add", "yielding"], ["set", "yielding.law", "pinched"], ["set", "impact.rule", "table"]],
+        [["add", "spectrum"], ["begin", "spectrum.T_s"], ["set", "motion.kind", "sine"]],
+    ],
+)  # fmt: skip
+def test_every_key_that_is_offered_is_taken(show: Open, prepare: list[list[str]]) -> None:
+    with served(Case.from_namelist(FIG12)) as (server, client):
+        found = show(server.address).page.evaluate(OFFERED, prepare)
+        refused = [
+            (name, step, client.problem("/api/history", question)[1])
+            for name, *questions in found
+            for step, question in zip(("set", "out"), questions, strict=True)
+            if client.post("/api/history", json.dumps(question).encode())[0] != 200
+        ]
+    assert len(found) > 20
+    assert refused == [], "\n".join(map(str, refused))
+
+
+def test_cases_as_they_are_need_nothing(show: Open, record_folder: Path) -> None:
+    """What a hand does to one key leaves the others of an accepted case alone."""
+    del record_folder
+    paths = sorted((ROOT / "inputs").glob("*.nml"))
+    states = {path.name: given(Case.from_namelist(path)) for path in paths}
+    changed = show().page.evaluate(
+        """async (states) => {
+          const { Scene } = await import('/scene.js');
+          return Object.keys(states).filter((name) => {
+            const state = states[name];
+            const scene = new Scene({ ...explorer.scene.description, state }, () => {});
+            scene.settle();
+            return JSON.stringify(scene.groups) !== JSON.stringify(state);
+          });
+        }""",
+        states,
+    )
+    assert len(states) > 20
+    assert changed == []
+
+
 def test_every_choice_brings_what_it_needs(show: Open) -> None:
     opened = show()
     opened.field("model.formulation").select_option("exact")
@@ -383,6 +458,61 @@ def test_records_good_and_damaged(show: Open) -> None:
     assert opened.number("u_s_max_m") == before
 
 
+def test_another_record_beside_a_vertical_one(show: Open, tmp_path: Path) -> None:
+    t = np.arange(0, 4, 0.01)
+    content = "\n".join(f"{x:.6g},{0.3 * np.sin(6 * x) * (x < 1):.6g}" for x in t).encode()
+    path = tmp_path / "up.csv"
+    path.write_bytes(content)
+    case = Case.from_namelist(FIG12).replace(vertical={"file": str(path), "unit": "g"})
+    with served(case) as (server, _):
+        opened = show(server.address)
+        upload, state = opened.page.locator("#file"), opened.page.locator("#upload-state")
+        for _ in range(2):
+            before = opened.number("u_s_max_m")
+            with opened.page.expect_file_chooser() as chooser:
+                upload.click()
+            chooser.value.set_files({"name": "own.csv", "mimeType": "text/csv", "buffer": content})
+            opened.page.get_by_text("own.csv: 3.99 s, peak 0.3 g").wait_for()
+            opened.settle()
+            assert opened.problem == ""
+            assert opened.number("u_s_max_m") != before
+            # nothing of it stays, and the same file may be chosen again
+            opened.page.get_by_role("button", name="Published and exact").click()
+            opened.page.get_by_role("button", name="Reset").click()
+            opened.settle()
+            assert (state.text_content(), upload.input_value()) == ("", "")
+            assert opened.page.locator("#compare").get_attribute("aria-pressed") == "false"
+            assert opened.number("u_s_max_m") == before
+    opened.page.locator("#interval").fill("0.01")
+    # a form that leaves the page is an error in the console
+    opened.page.locator("#interval").press("Enter")
+
+
+def test_the_focus_stays_where_the_hand_was(show: Open) -> None:
+    opened = show()
+    focus = "[document.activeElement.id, document.activeElement.closest('.group')?.id]"
+    opened.page.locator("#add-link").press("Enter")
+    opened.settle()
+    # the printed equation has no link
+    assert opened.problem == ""
+    assert opened.field("model.formulation").input_value() == "exact"
+    assert opened.page.evaluate(focus) == ["", "group-link"]
+    opened.open_all()
+    opened.page.locator('[id="set-wall.shear_key"]').press("Enter")
+    assert opened.page.evaluate(focus) == ["wall.shear_key", "group-wall"]
+    opened.page.get_by_role("button", name="Take shear_key of wall out").press("Enter")
+    assert opened.page.evaluate(focus) == ["", "group-wall"]
+    opened.page.get_by_role("button", name="Take the whole group &link out").press("Enter")
+    assert opened.page.evaluate(focus)[0] == "add-link"
+
+
+@pytest.mark.parametrize("text", ["null", "1", '{"wall": null}', '{"spectrum": {"T_s": 1}}',
+                                  '{"walls": {}}', '{"wall": {"h": "x"}}'])  # fmt: skip
+def test_an_address_that_is_damaged(show: Open, server: PageServer, text: str) -> None:
+    opened = show(f"{server.address}&{quote(text)}")
+    assert opened.number("u_s_max_m") == _peak()
+
+
 def test_what_is_saved_gives_the_same_bits(show: Open, command: Runner, tmp_path: Path) -> None:
     opened = show()
     opened.slider("frame.gamma").focus()
@@ -519,8 +649,11 @@ def test_a_run_without_end_is_given_up(show: Open) -> None:
         opened.field(name).fill(value)
         opened.field(name).press("Enter")
     opened.page.get_by_text("computing").wait_for()
+    # what stands there is of another state
+    opened.page.locator("#pictures.stale").wait_for()
     opened.page.get_by_role("button", name="Reset").click()
     opened.settle()
+    assert opened.page.locator(".stale").count() == 0
     assert opened.number("u_s_max_m") == _peak()
     opened.open_all()
     opened.field("solver.t_end").fill("1e7")

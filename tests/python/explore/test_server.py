@@ -77,6 +77,7 @@ def _floats(text: str) -> np.ndarray[Any, Any]:
         ({"Sec_Fetch_Site": "same-site"}, 403),
         ({"Sec_Fetch_Site": "same-origin"}, 200),
         ({"Content_Length": "70000"}, 413),
+        ({"Content_Length": "9" * 5000}, 413),
         ({"Content_Length": "-1"}, 411),
         ({"Content_Length": None}, 411),
         ({"Transfer_Encoding": "chunked"}, 411),
@@ -111,7 +112,9 @@ def test_files_need_the_right_host(client: Client) -> None:
 
 def test_other_methods_are_not_there(client: Client) -> None:
     for method in ("PUT", "DELETE", "OPTIONS", "HEAD", "TRACE"):
-        assert client.request(method, "/", None, {})[0] == 501
+        status, content = client.request(method, "/", None, {})
+        assert status == 501
+        assert content == b"" if method == "HEAD" else method in json.loads(content)["error"]
 
 
 def test_headers_forbid_everything_foreign(both: tuple[PageServer, Client]) -> None:
@@ -120,6 +123,11 @@ def test_headers_forbid_everything_foreign(both: tuple[PageServer, Client]) -> N
         raw.sendall(f"GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n".encode())
         text = b"".join(iter(lambda: raw.recv(65536), b"")).decode()
     head, _, body = text.partition("\r\n\r\n")
+    with socket.create_connection(("127.0.0.1", both[1].port), 10) as raw:
+        raw.sendall(b"PUT / HTTP/1.1\r\nHost: x\r\n\r\n")
+        refused = b"".join(iter(lambda: raw.recv(65536), b"")).decode()
+    assert refused.startswith("HTTP/1.1 501")
+    assert "default-src 'none'" in refused
     for word in ("default-src 'none'", "frame-ancestors 'none'", "nosniff", "no-referrer",
                  "Cross-Origin-Resource-Policy: same-origin"):  # fmt: skip
         assert word in head
@@ -333,6 +341,7 @@ _CUT = _at2(_pulse(50, 0.01), 0.01).replace(b"NPTS=     50", b"NPTS=     90")
         (_at2(_pulse(200, 0.01), 0.01), "name=own.AT2&unit=g"),
         (b"\n".join(b"%.9g" % x for x in _pulse(200, 0.01)), "name=own.csv&unit=g&dt=0.01"),
         (b"\n".join(b"%.9g" % x for x in _pulse(200, 0.01)), "name=l'Aquila.csv&unit=g&dt=0.01"),
+        (_at2(_pulse(200, 0.01), 0.01), "name=%20own%20.AT2%20&unit=g"),
         (b"t,a\n" + b"\n".join(b"%.9g,%.9g" % pair for pair in _PAIRS), "name=own.csv&unit=g"),
     ],
 )  # fmt: skip
@@ -370,6 +379,7 @@ def test_an_own_record(
         (_CUT, "name=o.AT2&unit=g", 422, "90"),
         (b"\x89PNG\r\n\x1a\n\x00\x00", "name=picture.png&unit=g", 422, "picture.png"),
         (b"0 1\n1 2\n", "name=own.csv&unit=furlong", 422, "unit"),
+        (b"0 1\n1 2\n", "name=%20%20&unit=g", 400, "name"),
         (b"0.1\n0.2\n", "name=own.csv&unit=g&dt=soon", 400, "dt"),
         (b"0.1\n0.2\n", "name=own.csv&unit=g&dt=-1", 422, "dt"),
         (b"0 1\n1 2\n", "name=..&unit=g", 400, "name"),
@@ -444,7 +454,13 @@ def _command(tmp_path: Path, *words: str) -> subprocess.Popen[str]:
     )
 
 
-def test_interrupt_ends_it_even_in_mid_run(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupt_ends_it_even_in_mid_run(
+    tmp_path: Path, number: signal.Signals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "temporary"
+    place.mkdir()
+    monkeypatch.setenv("TMPDIR", str(place))
     process = _command(tmp_path)
     assert process.stdout is not None
     address = process.stdout.readline().strip()
@@ -454,11 +470,13 @@ def test_interrupt_ends_it_even_in_mid_run(tmp_path: Path) -> None:
     thread = threading.Thread(target=_leave, args=(client, "/api/history", question))
     thread.start()
     time.sleep(0.3)
-    process.send_signal(signal.SIGINT)
+    assert list(place.iterdir()) != []
+    process.send_signal(number)
     out, error = process.communicate(timeout=10)
     thread.join()
     assert (process.returncode, error) == (0, "")
     assert out.splitlines()[-1] == "ended"
+    assert list(place.iterdir()) == []
 
 
 def test_a_port_in_use(tmp_path: Path, both: tuple[PageServer, Client]) -> None:

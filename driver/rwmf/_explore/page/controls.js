@@ -64,7 +64,11 @@ export class Controls {
     byId("absent").replaceChildren(
       ...scene.description.groups.filter((group) => !scene.has(group.name)).map((group) =>
         element("button", { type: "button", id: `add-${group.name}`, title: `&${group.name}`,
-          onclick: () => { this.open.add(group.name); scene.add(group.name); } },
+          onclick: () => {
+            this.open.add(group.name);
+            scene.add(group.name);
+            byId(`group-${group.name}`).querySelector("summary").focus();
+          } },
             `+ ${group.title}`)));
     if (focus) byId(focus)?.focus();
   }
@@ -72,7 +76,8 @@ export class Controls {
   group(group) {
     const { scene } = this;
     const given = group.keys.filter((key) => scene.get(`${group.name}.${key.key}`) !== undefined);
-    const others = group.keys.filter((key) => !given.includes(key));
+    const others = group.keys.filter((key) => !given.includes(key)
+      && scene.possible(`${group.name}.${key.key}`));
     const box = element("details",
       { class: "group", id: `group-${group.name}`, open: this.open.has(group.name) },
       element("summary", {}, group.title, element("span", { class: "brief" }, `&${group.name}`)),
@@ -99,10 +104,12 @@ export class Controls {
             : ` (${`${key.default} ${unit(key.unit)}`.trim()})`),
         element("button", { type: "button", id: `set-${group.name}.${key.key}`,
           "aria-label": `Set ${key.key} of ${group.name}`,
-          onclick: () => scene.set(`${group.name}.${key.key}`,
-            JSON.parse(JSON.stringify(key.start))) }, "Set"))),
+          onclick: () => {
+            scene.begin(`${group.name}.${key.key}`);
+            byId(`${group.name}.${key.key}`)?.focus();
+          } }, "Set"))),
       element("button", { type: "button", class: "take-out",
-        onclick: () => scene.remove(group.name) },
+        onclick: () => { scene.remove(group.name); byId(`add-${group.name}`).focus(); } },
         `Take the whole group &${group.name} out`));
     box.addEventListener("toggle", () => (box.open ? this.open.add(name) : this.open.delete(name)));
     return box;
@@ -119,7 +126,12 @@ export class Controls {
     const out = key.default === "required" ? element("span")
       : element("button", { type: "button", class: "out",
         title: "Take this key out: its default holds",
-        "aria-label": `Take ${key.key} of ${group} out`, onclick: () => scene.unset(name) }, "×");
+        "aria-label": `Take ${key.key} of ${group} out`,
+        onclick: () => {
+          scene.unset(name);
+          const box = byId(`group-${group}`);
+          (box?.querySelector(".more[open] > summary") ?? box?.querySelector("summary"))?.focus();
+        } }, "×");
     row.append(element("span", { class: "unit" }, unit(key.unit)), out);
     return element("div", { class: "key" }, label, row,
       element("p", { class: "wrong", id: `${name}:wrong`, hidden: true, role: "alert" }));

@@ -14,6 +14,7 @@ import { Stage } from "./wall.js";
 const FULL = 200; // periods of a spectrum
 const COARSE = 16; // and the fewest while a hand moves
 const BUDGET = 0.06; // time of a spectrum while a hand moves [s]
+const OLD = 1000; // what takes longer greys the pictures of before [ms]
 const LONG = 0.2; // a spectrum that takes longer is shown in few periods first [s]
 // what is not wanted any more may go on so long before it is called off [ms]
 const PATIENCE = { history: 600, spectrum: 120 };
@@ -41,23 +42,40 @@ class Explorer {
 
   buttons() {
     byId("reset").addEventListener("click",
-      () => { this.controls.ranges.clear(); this.scene.reset(); });
+      () => {
+        this.controls.ranges.clear();
+        this.file = null;
+        byId("upload").reset();
+        byId("upload-state").textContent = "";
+        this.compare(false);
+        this.scene.reset();
+      });
     byId("save").addEventListener("click", () => this.saveNamelist());
     byId("copy").addEventListener("click", (event) => this.copy(event.target));
     byId("figure").addEventListener("click", () => this.saveFigure());
     byId("compare").addEventListener("click", () => {
-      this.comparing = !this.comparing;
-      byId("compare").setAttribute("aria-pressed", String(this.comparing));
+      this.compare(!this.comparing);
       this.touch(false);
     });
     byId("quantity").addEventListener("change", (event) => {
       this.quantity = event.target.value;
       this.touch(false);
     });
-    byId("file").addEventListener("change", () => this.upload());
+    // the same file may be chosen again: it may be another by then
+    byId("file").addEventListener("click", (event) => { event.target.value = ""; });
+    byId("file").addEventListener("change", (event) => {
+      this.file = event.target.files[0] ?? this.file;
+      this.upload();
+    });
+    byId("upload").addEventListener("submit", (event) => event.preventDefault());
     for (const name of ["unit", "interval"]) byId(name)
       .addEventListener("change", () => this.upload());
     if (matchMedia("(max-width: 760px)").matches) byId("panel").open = false;
+  }
+
+  compare(both) {
+    this.comparing = both;
+    byId("compare").setAttribute("aria-pressed", String(both));
   }
 
   // Something has changed. `anew`: other controls than the one under the hand as well.
@@ -67,11 +85,15 @@ class Explorer {
     if (anew) this.controls.build();
     clearTimeout(this.remembering);
     this.remembering = setTimeout(() => this.scene.remember(), 300);
-    if (this.flight && !this.flight.timer) {
-      const { flight } = this;
-      flight.timer = setTimeout(() => flight.abort.abort(), PATIENCE[flight.kind]);
-    }
+    this.hurry();
     if (!this.running) this.run();
+  }
+
+  // What is being asked is not wanted any more.
+  hurry() {
+    const { flight } = this;
+    if (!flight || flight.timer) return;
+    flight.timer = setTimeout(() => flight.abort.abort(), PATIENCE[flight.kind]);
   }
 
   async run() {
@@ -94,14 +116,19 @@ class Explorer {
     this.running = false;
   }
 
-  async question(kind, path, body) {
+  async question(kind, body, version) {
     const abort = new AbortController();
     this.flight = { kind, abort };
+    if (this.version !== version) this.hurry();
     const patience = setTimeout(() => { byId("status").textContent = "computing …"; }, 300);
+    // what stands there is of another state; the answer takes the mark away
+    const old = kind === "history" ? byId("pictures") : byId("spectrum").parentElement;
+    const aging = setTimeout(() => old.classList.add("stale"), OLD);
     try {
-      return await ask(path, body, abort.signal);
+      return await ask(`/api/${kind}`, body, abort.signal);
     } finally {
       clearTimeout(patience);
+      clearTimeout(aging);
       clearTimeout(this.flight.timer);
       this.flight = null;
     }
@@ -116,12 +143,12 @@ class Explorer {
   }
 
   async updateHistory(version, touched) {
-    const answer = await this.question("history", "/api/history", this.scene.question());
+    const answer = await this.question("history", this.scene.question(), version);
     let other = null;
     let refused = "";
     if (this.comparing && this.version === version) {
       try {
-        other = await this.question("history", "/api/history", this.otherFormulation());
+        other = await this.question("history", this.otherFormulation(), version);
       } catch (error) {
         if (error.status !== 422) throw error;
         refused = error.message;
@@ -152,9 +179,10 @@ class Explorer {
     const more = { points, quantity: this.quantity };
     let answer;
     try {
-      answer = await this.question("spectrum", "/api/spectrum", this.scene.question(more));
+      answer = await this.question("spectrum", this.scene.question(more), version);
     } catch (error) {
       if (error.status !== 422) throw error;
+      byId("spectrum").parentElement.classList.remove("stale");
       if (this.quantity) {
         // a quantity that this scene does not have
         this.quantity = "";
@@ -167,9 +195,9 @@ class Explorer {
     }
     let other = null;
     if (this.comparing && this.other && points === FULL) {
-      other = await this.question("spectrum", "/api/spectrum",
-        { ...this.otherFormulation(), ...more });
+      other = await this.question("spectrum", { ...this.otherFormulation(), ...more }, version);
     }
+    byId("spectrum").parentElement.classList.remove("stale");
     this.perPeriod = answer.kernel_seconds / points;
     this.coarse = version;
     const { key } = answer.quantity;
@@ -259,7 +287,7 @@ class Explorer {
   }
 
   async upload() {
-    const [file] = byId("file").files;
+    const { file } = this;
     if (!file) return;
     const state = byId("upload-state");
     const words = new URLSearchParams({ name: file.name, unit: byId("unit").value });

@@ -22,8 +22,20 @@ export class Scene {
     const [, text] = location.hash.slice(1).split("&");
     if (!text) return;
     try {
-      this.groups = JSON.parse(decodeURIComponent(text));
+      const found = JSON.parse(decodeURIComponent(text));
+      if (this.fits(found)) this.groups = found;
     } catch { /* a fragment that somebody has cut: the case itself */ }
+  }
+
+  // Are these groups with keys, of values with the types of the keys?
+  fits(groups) {
+    const isObject = (x) => typeof x === "object" && x !== null && !Array.isArray(x);
+    const types = { real: "number", integer: "number", logical: "boolean" };
+    const typed = (key, value) => (key?.kind.endsWith("list") ? Array.isArray(value)
+      : key && typeof value === (types[key.kind] ?? "string"));
+    return isObject(groups) && Object.entries(groups).every(([group, keys]) => isObject(keys)
+      && this.group(group) && Object.entries(keys).every(([key, value]) =>
+        typed(this.keys.get(`${group}.${key}`), value)));
   }
 
   remember() {
@@ -52,22 +64,143 @@ export class Scene {
 
   // A number, word or list. What a hand does to a slider changes no other control (`anew`).
   set(name, value) {
-    const [group, key] = name.split(".");
-    const before = this.groups[group];
-    let anew = !(key in before);
-    if (name === "wall.h" && this.has("storeys")) anew = this.stretchStoreys(value) || anew;
-    before[key] = value;
-    for (const same of this.description.alternatives) {
-      if (same.includes(name)) for (const other of same) if (other !== name) anew = this.drop(
-        other) || anew;
-    }
-    if (name in this.description.belonging) anew = this.follow(name, value) || anew;
-    this.changed(anew);
+    const before = this.names();
+    let anew = name in this.description.belonging;
+    if (name === "wall.h" && this.has("storeys")) anew = this.stretchStoreys(value);
+    this.say(name, value);
+    this.settle();
+    this.changed(anew || this.names() !== before);
   }
 
+  // A key with what it starts with.
+  begin(name) { this.set(name, this.startOf(name)); }
+
   unset(name) {
-    this.drop(name);
+    this.leave(name);
+    this.settle();
     this.changed(true);
+  }
+
+  // Which keys are given, in one text.
+  names() {
+    const { groups } = this;
+    return Object.keys(groups).map((group) => `${group} ${Object.keys(groups[group])}`).join();
+  }
+
+  // Set a key, take out what says the same, bring what it cannot do without.
+  say(name, value) {
+    const [group, key] = name.split(".");
+    this.groups[group][key] = value;
+    this.bring(name);
+    for (const other of this.others(name)) this.leave(other);
+    if (name === "storeys.distribution") this.oneStiffness();
+    if (name in this.description.belonging) this.follow(name, value);
+    this.unpublish(name, `${name}=${value}`);
+  }
+
+  bring(name) {
+    for (const needed of this.description.brings[name] ?? []) {
+      const either = this.either(needed);
+      if (either.some((other) => this.get(other) !== undefined)) continue;
+      const first = either.find((other) => this.possible(other));
+      if (first && this.has(first.split(".")[0])) this.say(first, this.startOf(first));
+    }
+  }
+
+  // Take a key out, and those that cannot do without it.
+  leave(name) {
+    if (!this.drop(name)) return;
+    for (const [other, needed] of Object.entries(this.description.brings)) {
+      if (this.get(other) !== undefined && needed.map((keys) => this.either(keys)).some((either) =>
+        either.includes(name) && either.every((key) => this.get(key) === undefined))) this.leave(
+        other);
+    }
+    this.refill(name);
+  }
+
+  // Where a key has gone, another way to say the same may have to come.
+  refill(name) {
+    for (const other of this.others(name)) {
+      const [group, key] = other.split(".");
+      if (!this.has(group) || !this.possible(other)) continue;
+      if (this.keys.get(other).default === "required"
+        || this.group(group).needed_too.includes(key) || this.chosen(group, key)) this.start(other);
+    }
+  }
+
+  // Does the value of a choice need this key, or another way to say the same?
+  chosen(group, key) {
+    return Object.entries(this.description.belonging).some(([choice, table]) =>
+      choice.startsWith(`${group}.`) && Object.entries(table[this.get(choice)] ?? {})
+        .some(([keys, needed]) => needed && keys.split("|").includes(key)));
+  }
+
+  either(keys) {
+    const [group, words] = keys.split(".");
+    return words.split("|").map((key) => `${group}.${key}`);
+  }
+
+  // Other ways to say the same.
+  others(name) {
+    return this.description.alternatives.filter((same) => same.includes(name)).flat()
+      .filter((other) => other !== name);
+  }
+
+  // Does a group stand in this scene that says it in another way?
+  replaced(name) {
+    return Object.entries(this.description.instead_of)
+      .some(([group, keys]) => this.has(group) && keys.includes(name));
+  }
+
+  // 'group.key', or with '=value', or '!group.key' where it must not be.
+  holds(condition) {
+    if (condition.startsWith("!")) return this.get(condition.slice(1)) === undefined;
+    const [name, value] = condition.split("=");
+    const own = this.get(name);
+    return value === undefined ? own !== undefined : String(own) === value;
+  }
+
+  // May a key be set beside the others?
+  possible(name) {
+    const { belonging, only_beside: beside, only_with: groups } = this.description;
+    const [group, key] = name.split(".");
+    if (this.replaced(name)) return false;
+    if (beside[name] && !beside[name].some((condition) => this.holds(condition))) return false;
+    if (groups[name] && !groups[name][0].every((other) => this.has(other))) return false;
+    for (const [choice, table] of Object.entries(belonging)) {
+      if (choice.split(".")[0] !== group) continue;
+      const lists = (keys) => Object.keys(keys ?? {}).some((item) => item.split("|").includes(key));
+      // a rule of impact follows from its numbers
+      const own = this.get(choice) ?? (group === "impact" ? null : this.keys.get(choice).default);
+      if (own !== null && Object.values(table).some(lists) && !lists(table[own])) return false;
+    }
+    return true;
+  }
+
+  // Keys that stand where they cannot stay leave.
+  settle() {
+    this.neighbours();
+    for (const name of Object.keys(this.description.only_beside)) {
+      if (this.get(name) === undefined || this.possible(name)) continue;
+      this.drop(name);
+      this.refill(name);
+    }
+  }
+
+  // What the printed equation does not have comes with the exact one.
+  unpublish(...names) {
+    if (this.get("model.formulation") === "published"
+      && names.some((name) => this.description.not_published.includes(name))) {
+      this.groups.model.formulation = "exact";
+    }
+  }
+
+  // A distribution spreads the stiffness of the lowest storey.
+  oneStiffness() {
+    for (const key of ["k", "k_over_m_w"]) {
+      const list = this.groups.storeys[key];
+      if (list) this.groups.storeys[key] = list.slice(0, 1);
+    }
   }
 
   drop(name) {
@@ -78,9 +211,25 @@ export class Scene {
   }
 
   start(name) {
-    if (this.get(name) !== undefined) return;
+    if ([name, ...this.others(name)].some((same) => this.get(same) !== undefined)) return;
     const [group, key] = name.split(".");
-    this.groups[group][key] = copy(this.keys.get(name).start);
+    this.groups[group][key] = this.startOf(name);
+  }
+
+  startOf(name) {
+    const start = copy(this.keys.get(name).start);
+    const { storeys, cable } = this.groups;
+    const eta = cable?.eta_0 ?? this.keys.get("cable.eta_0").start;
+    const n = storeys?.n ?? storeys?.height?.length;
+    if (name === "storeys.n" && n) return n;
+    if (/^storeys\.[mk](_|$)/.test(name) && n) {
+      const one = storeys.distribution && name.startsWith("storeys.k");
+      return Array(one ? 1 : n).fill(start[0]);
+    }
+    // a cable has a stiffness by growing, and yields beyond its prestress
+    if (name === "cable.eta_alpha") return 2 * eta + 1;
+    if (name === "cable.eta_y") return Math.max(start, 2 * (cable.eta_alpha ?? eta));
+    return start;
   }
 
   // The heights of storeys sum to that of the wall.
@@ -120,11 +269,14 @@ export class Scene {
     for (const need of group.needs) this.put(need);
     this.groups[name] = {};
     for (const key of group.keys) if (key.default === "required") this.start(`${name}.${key.key}`);
-    for (const key of group.needed_too) this.start(`${name}.${key}`);
+    for (const key of group.needed_too) {
+      if (this.possible(`${name}.${key}`)) this.start(`${name}.${key}`);
+    }
     for (const key of this.description.instead_of[name] ?? []) this.drop(key);
     if (name === "storeys" && this.has("wall")) this.stretchStoreys(this.groups.wall.h);
     if (name === "p_delta" && !this.has("wall") && !this.has("storeys")) this.start("p_delta.h_f");
     this.neighbours();
+    this.unpublish(name);
   }
 
   remove(name) {
@@ -150,10 +302,11 @@ export class Scene {
     for (const [name, [beside, needed]] of Object.entries(this.description.only_with)) {
       const [group] = name.split(".");
       if (!this.has(group)) continue;
-      const replaced = Object.entries(this.description.instead_of)
-        .some(([other, keys]) => this.has(other) && keys.includes(name));
-      if (!beside.every((other) => this.has(other)) || replaced) this.drop(name);
+      if (!beside.every((other) => this.has(other)) || this.replaced(name)) this.drop(name);
       else if (needed) this.start(name);
+    }
+    for (const name of Object.keys(this.description.brings)) {
+      if (this.get(name) !== undefined) this.bring(name);
     }
   }
 
@@ -161,6 +314,9 @@ export class Scene {
     this.record = answer.record;
     this.recordName = answer.name;
     this.groups.motion = copy(answer.motion);
+    // a vertical record belongs to the one that has gone
+    if (this.has("vertical") && this.get("vertical.ratio") === undefined) delete this.groups
+      .vertical;
     this.changed(true);
   }
 }
