@@ -164,6 +164,7 @@ _ALTERNATIVES = (
     ("frame.gamma", "frame.k_s"),
     ("storeys.m_over_m_w", "storeys.m"),
     ("storeys.k_over_m_w", "storeys.k"),
+    ("storeys.k_over_m_w", "storeys.m"),
     ("damper.c_over_m_w", "damper.c"),
     ("inerter.inertance_over_m_w", "inerter.inertance"),
     ("fuse.eta_y", "fuse.F_y"),
