@@ -116,8 +116,8 @@ contains
          call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force/(k*unit_mass(values)))
       else
          call fail_key(values, 'yielding', 'storey_F_y', 'has ' &
-            //trim(integer_to_text(size(force)))//' values, must have one for all storeys or one for each of the ' &
-            //trim(integer_to_text(size(k))), error)
+            //trim(integer_to_text(size(force)))//' values, must have one for all storeys or ' &
+            //'one for each of the '//trim(integer_to_text(size(k))), error)
       end if
    end subroutine derive_yielding
 
