@@ -25,6 +25,7 @@ Array = npt.NDArray[np.float64]
 DEMANDS = {
     "storey_{i}_drift_max": ("largest storey drift (%)", 100.0),
     "floor_{i}_acceleration_max_g": ("largest acceleration (g)", 1.0),
+    "storey_{i}_shear_max": ("largest shear (kN)", 1e-3),
     "storey_{i}_shear_max_over_m_w_g": ("largest shear over $m_w g$", 1.0),
 }
 _DRIFTS, _RESIDUALS = "storey_{i}_drift_max", "storey_{i}_residual_drift"
@@ -55,7 +56,7 @@ def profile(
     -------
     numpy.ndarray, shape (panels,)
         The axes. Drifts and shears are constant over a storey; residual drifts of storeys that
-        yield are dashed.
+        yield are dotted.
 
     Raises
     ------
@@ -102,6 +103,8 @@ def demands_of(dataset: xr.Dataset) -> list[str]:
         Those of `DEMANDS` that the dataset has; none without storeys.
     """
     found = [name for name in DEMANDS if members(dataset, name)]
+    if "storey_{i}_shear_max" in found:
+        found.remove("storey_{i}_shear_max_over_m_w_g")
     return found if _DRIFTS in found else []
 
 

@@ -106,7 +106,8 @@ contains
       code = continued(values%groups(at)%code, key)
       do place = values%groups(at)%last_key, values%groups(at)%first_key, -1
          if (values%codes(place) /= code) cycle
-         if (values%keys(place)%name == to_lower(key) .and. values%keys(place)%group == group) return
+         if (values%keys(place)%name /= to_lower(key)) cycle
+         if (values%keys(place)%group == group) return
       end do
       place = 0
    end function key_place

@@ -26,7 +26,7 @@ module rwmf_problem_key
       !! must be given whenever the group is
       character(104) :: allowed
       !! of a number: `> 0`, `>= 0` or an interval; of a choice: its names
-      character(90) :: help
+      character(104) :: help
       character(88) :: kinds
       !! of `&motion`: the kinds that the key belongs to; '' for all
       character(16) :: implies

@@ -382,8 +382,7 @@ contains
 
       number = 0
       place = findloc(all_quantities%key == key, .true., dim=1)
-      first = index(key, '_') + 1
-      behind = first + verify(key(first:)//' ', '0123456789') - 1
+      call find_number(key, first, behind)
       if (place > 0 .or. behind == first .or. behind > first + 4) return
       read (key(first:behind - 1), '(i4)', iostat=status) number
       if (status == 0) place = findloc(all_quantities%key == key(:first - 1)//'{i}'//key(behind:), &
@@ -391,19 +390,50 @@ contains
    end subroutine look_up
 
    !> A key in the spelling of the outputs: a user's capitals do not matter, nor that Python's names
-   !> have no units. What the table does not have comes back in small letters, as the keys that
-   !> carry a number are.
+   !> have no units. What the table does not have comes back in small letters.
    elemental character(40) function spelled(key)
       character(*), intent(in) :: key
       !! as a user writes it
-      integer :: place
+      character(40) :: row
+      integer :: place, first, behind, braces
 
-      place = findloc(to_lower(all_quantities%key) == to_lower(key), .true., dim=1)
-      if (place == 0 .and. key /= '') place = findloc(to_lower(all_quantities%name) &
-         == to_lower(key), .true., dim=1)
       spelled = to_lower(key)
-      if (place > 0) spelled = all_quantities(place)%key
+      place = place_of(trim(spelled))
+      if (place > 0) then
+         spelled = all_quantities(place)%key
+         return
+      end if
+      call find_number(spelled, first, behind)
+      if (behind == first) return
+      row = spelled(:first - 1)//'{i}'//spelled(behind:)
+      place = place_of(trim(row))
+      if (place == 0) return
+      row = all_quantities(place)%key
+      braces = index(row, '{i}')
+      spelled = row(:braces - 1)//spelled(first:behind - 1)//row(braces + 3:)
    end function spelled
+
+   !> Row of a key or of a name in Python; 0 where there is none.
+   pure integer function place_of(key) result(place)
+      character(*), intent(in) :: key
+      !! in small letters
+
+      place = 0
+      if (key == '') return
+      place = findloc(to_lower(all_quantities%key) == key, .true., dim=1)
+      if (place == 0) place = findloc(to_lower(all_quantities%name) == key, .true., dim=1)
+   end function place_of
+
+   !> Where a key has the number of a floor or storey: behind its first underscore.
+   pure subroutine find_number(key, first, behind)
+      character(*), intent(in) :: key
+      integer, intent(out) :: first
+      integer, intent(out) :: behind
+      !! the same as `first` where there is none
+
+      first = index(key, '_') + 1
+      behind = first + verify(key(first:)//' ', '0123456789') - 1
+   end subroutine find_number
 
    !> May a spectrum be asked for it?
    elemental logical function is_of_ordinate(quantity)

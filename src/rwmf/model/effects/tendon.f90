@@ -71,8 +71,13 @@ contains
       call derive(values, 'cable', 'eta_0', 'initial_stress', [area*stress])
       call derive(values, 'cable', 'eta_alpha', 'modulus', &
          [area*(stress + real_of(values, 'cable', 'modulus')*strain)])
-      if (has_key(values, 'cable', 'yield_stress')) call derive(values, 'cable', 'eta_y', &
-         'yield_stress', [area*real_of(values, 'cable', 'yield_stress')])
+      if (has_key(values, 'cable', 'yield_stress')) then
+         call derive(values, 'cable', 'eta_y', 'yield_stress', [area*real_of(values, 'cable', &
+            'yield_stress')])
+      else if (has_key(values, 'cable', 'eta_y')) then
+         call fail_key(values, 'cable', 'eta_y', 'must not be given beside strands: yield_stress ' &
+            //'[Pa] says when they yield', error)
+      end if
    end subroutine derive_strands
 
    !> Length over which the cable is strained [m].

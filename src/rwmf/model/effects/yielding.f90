@@ -89,7 +89,6 @@ contains
       real(wp), allocatable :: force(:)
       real(wp), allocatable :: k(:)
       !! over the unit of mass [1/s2]
-      integer :: n
 
       if (has_key(values, 'yielding', 'F_y')) then
          if (has_group(values, 'storeys')) then
@@ -112,13 +111,13 @@ contains
             //'N/m: k and m of &storeys, or k_over_m_w beside a wall with a mass', error)
          return
       end if
-      ! lists that do not fit are for the rules of storey_u_y
-      if (size(force) == 1) then
-         call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force(1)/(k*unit_mass(values)))
+      if (size(force) == 1) force = spread(force(1), 1, size(k))
+      if (size(force) == size(k)) then
+         call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force/(k*unit_mass(values)))
       else
-         n = min(size(force), size(k))
-         force(:n) = force(:n)/(k(:n)*unit_mass(values))
-         call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force)
+         call fail_key(values, 'yielding', 'storey_F_y', 'has ' &
+            //trim(integer_to_text(size(force)))//' values, must have one for all storeys or ' &
+            //'one for each of the '//trim(integer_to_text(size(k))), error)
       end if
    end subroutine derive_yielding
 

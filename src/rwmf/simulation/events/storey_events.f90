@@ -286,12 +286,30 @@ contains
          if (.not. allocated(error)) call move_end(span, 1, t, error)
          if (allocated(error)) return
       end if
-      if (abs(span%motion(of_rate, 1)) <= 0) call leave_turn(span, outward*limit(k), outward, error)
-      if (allocated(error)) return
+      if (abs(span%motion(of_rate, 1)) <= 0) then
+         if (returns_unseen(span, outward)) return
+         call leave_turn(span, outward*limit(k), outward, error)
+         if (allocated(error)) return
+      end if
       ending = storey_end_t(span%storey, span%t(1), turns=.false., is_rising=outward > 0)
       if (outward*(span%motion(of_drift, 1) - limit(k)) >= 0) return
       call find_root(span, of_drift, limit(k), ending%t, error)
    end subroutine pass_limit
+
+   !> Does a storey that begins without a rate come back from its limit, within round-off of where
+   !> it began? At a peak of theta a frame of one storey turns as well: theta' is zero there, and
+   !> the first step after it may be too short to show where it goes. Only its rate does.
+   pure logical function returns_unseen(span, outward)
+      type(storey_span_t), intent(in) :: span
+      !! in which it is beyond the limit at the end
+      integer, intent(in) :: outward
+      !! +1 or -1
+
+      associate (d => span%motion(of_drift, :))
+         returns_unseen = outward*span%motion(of_rate, 2) <= 0 &
+            .and. outward*(d(2) - d(1)) <= 8*spacing(d(1))
+      end associate
+   end function returns_unseen
 
    !> A storey that turns at its limit without a rate goes inside before it comes back: let the span
    !> begin there, if there is such a place.

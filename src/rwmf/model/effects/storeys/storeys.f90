@@ -78,6 +78,13 @@ contains
       real(wp), allocatable :: k(:)
       character(10) :: m_key, k_key
 
+      if (has_key(values, 'storeys', 'm') .and. has_key(values, 'storeys', 'k_over_m_w')) then
+         if (.not. has_key(values, 'storeys', 'k')) then
+            call fail_key(values, 'storeys', 'k_over_m_w', 'must not be given beside m: k [N/m] ' &
+               //'says how stiff storeys of such masses are', error)
+            return
+         end if
+      end if
       m_key = merge('m         ', 'm_over_m_w', has_key(values, 'storeys', 'm'))
       k_key = merge('k         ', 'k_over_m_w', has_key(values, 'storeys', 'k'))
       call get_list(values, 'storeys', 'm_over_m_w', frame%m)
