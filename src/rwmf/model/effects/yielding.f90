@@ -89,6 +89,8 @@ contains
       real(wp), allocatable :: force(:)
       real(wp), allocatable :: k(:)
       !! over the unit of mass [1/s2]
+      real(wp), allocatable :: m(:)
+      !! over the same
 
       if (has_key(values, 'yielding', 'F_y')) then
          if (has_group(values, 'storeys')) then
@@ -111,6 +113,9 @@ contains
             //'N/m: k and m of &storeys, or k_over_m_w beside a wall with a mass', error)
          return
       end if
+      call get_list(values, 'storeys', 'm_over_m_w', m)
+      ! lists that do not fit each other are for the rules of &storeys
+      if (size(k) /= size(m)) return
       if (size(force) == 1) force = spread(force(1), 1, size(k))
       if (size(force) == size(k)) then
          call derive(values, 'yielding', 'storey_u_y', 'storey_F_y', force/(k*unit_mass(values)))
