@@ -1,7 +1,8 @@
 """What the page shows, from the kernel: answers to its questions as texts, numbers and arrays.
 
-Nothing here knows HTTP. Arrays are sent as bytes of 32-bit floats in base64, which is made and read
-ten times faster than numbers as text; the key numbers are texts of all their digits.
+Nothing here knows HTTP; `worker` runs it in a process apart from the server. Arrays are sent as
+bytes of 32-bit floats in base64, which is made and read ten times faster than numbers as text; the
+key numbers are texts of all their digits.
 """
 
 from __future__ import annotations
@@ -11,8 +12,6 @@ import json
 import math
 import os
 import re
-import shutil
-import tempfile
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -25,13 +24,12 @@ import numpy.typing as npt
 from rwmf import _library, loops
 from rwmf._explore.controls import describe
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
-from rwmf._explore.turns import Turns
 from rwmf.case import Case
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
 from rwmf.quantities import find
 
-__all__ = ["Model"]
+__all__ = ["Model", "as_files", "encode", "start"]
 
 Watch = Callable[[int], None]
 Array = npt.NDArray[np.float64]
@@ -43,10 +41,11 @@ _PERIODS = (0.05, 3.0)
 # of an ordinate: beyond the samples of a long record; an elastic wall (e = 1) on a stiff frame
 # chatters through a record without end, and would hold up all other periods
 _MOST_STEPS = 500_000
-# curves of the frame alone that are kept
+# curves of the frame alone, and uploaded records, that a process keeps
 _KEPT = 32
+_KEPT_RECORDS = 3
 # columns of a history that the page draws
-_SHOWN = re.compile(r"time$|theta$|u_s$|energy_|floor_\d+$|storey_\d+_drift$")
+_SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|floor_\d+$|storey_\d+_drift$")
 # groups that a frame without a wall does not have, whatever they need
 _NOT_BARE = ("output", "spectrum", "cable", "impact", "initial")
 # work of a run that depends on what else is asked for, or on the machine
@@ -54,11 +53,75 @@ _NOT_KEY_NUMBERS = ("warnings", "effects", "method", "rtol", "seconds", "rhs_eva
 
 
 class _Record(NamedTuple):
-    """A record that the page has sent."""
+    """A record that a page has sent."""
 
     path: Path
-    name: str
     base: Case
+
+
+def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
+    """Save the motions of a case from arrays, so that its namelist can name them.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    folder : Path
+        Where to save them.
+
+    Returns
+    -------
+    Case
+        The case with files in place of arrays.
+    list of Path
+        These files.
+    """
+    if not case.motions:
+        return case, []
+    path = folder / "case.nml"
+    case.to_namelist(path)
+    return Case.from_namelist(path), sorted(folder.glob("case_*.txt"))
+
+
+def start(case: Case, made: list[Path]) -> dict[str, Any]:
+    """Describe keys, and the case to begin with.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    made : list of Path
+        Files of its motions from arrays.
+
+    Returns
+    -------
+    dict
+        As `controls.describe`, with ``name``, ``state``, ``record``, ``made``.
+    """
+    motion: Mapping[str, Any] = case.groups.get("motion", {})
+    return describe() | {
+        "name": Path(case.source or "in memory").name,
+        "state": given(case),
+        "record": Path(str(motion["file"])).name if motion.get("file") else "",
+        "made": [path.name for path in made],
+    }
+
+
+def encode(value: object) -> bytes:
+    """Write an answer as JSON.
+
+    Parameters
+    ----------
+    value : object
+        Numbers, texts, lists and dicts.
+
+    Returns
+    -------
+    bytes
+        One line without its end.
+    """
+    # a name of a file may hold bytes that are no text
+    return json.dumps(value, allow_nan=False).encode("ascii", "replace")
 
 
 class Model:
@@ -69,50 +132,16 @@ class Model:
     case : Case
         What the pages begin with.
     folder : Path
-        Where uploaded records are kept.
+        Where uploaded records are, each in a folder with its number.
     """
 
     def __init__(self, case: Case, folder: Path) -> None:
-        self.turns = Turns()
         self._folder = folder
-        # records that a case from arrays has no files of: they are saved with its namelist
-        self._made: list[Path] = []
-        if case.motions:
-            path = folder / "case.nml"
-            case.to_namelist(path)
-            case = Case.from_namelist(path)
-            self._made = sorted(folder.glob("case_*.txt"))
         self._case = case
-        self._records: dict[str, _Record] = {}
+        self._records: OrderedDict[str, _Record] = OrderedDict()
         self._alone: OrderedDict[str, str] = OrderedDict()
         # one for the browser, which draws while the next question is computed
         self._threads = max(1, (os.cpu_count() or 2) - 1)
-
-    def start(self) -> dict[str, Any]:
-        """Describe keys, and the case to begin with.
-
-        Returns
-        -------
-        dict
-            As `controls.describe`, with ``name``, ``state``, ``record``, ``made``.
-        """
-        motion: Mapping[str, Any] = self._case.groups.get("motion", {})
-        return describe() | {
-            "name": Path(self._case.source or "in memory").name,
-            "state": given(self._case),
-            "record": Path(str(motion["file"])).name if motion.get("file") else "",
-            "made": [path.name for path in self._made],
-        }
-
-    def made(self) -> dict[str, str]:
-        """Return the records of a case from arrays.
-
-        Returns
-        -------
-        dict of str to str
-            Text of each by the name that the namelist has for it.
-        """
-        return {path.name: path.read_text(encoding="ascii") for path in self._made}
 
     def history(self, question: Question, watch: Watch) -> dict[str, Any]:
         """Run a case.
@@ -161,7 +190,7 @@ class Model:
         return answer | {
             "numbers": _key_numbers(summary),
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
-            "warnings": summary["warnings"],
+            "warnings": [*_early_end(case), *summary["warnings"]],
             "namelist": self._namelist(case, question.record),
             "scene": _scene_of(case),
             "kernel_seconds": seconds,
@@ -194,7 +223,7 @@ class Model:
         if "T_s" not in case.kernel.axes():
             raise InputError("the scene has no period to vary: it has no spectrum")
         case = case.replace(solver={"max_steps": min(int(case.solver.max_steps), _MOST_STEPS)})
-        key = question.quantity or case.kernel.default_quantity()
+        key = _key_of(question.quantity, case)
         periods = _grid(case, question.points)
         begun = time.perf_counter()
         values, status = self._row_of(case, periods, key, watch)
@@ -215,7 +244,7 @@ class Model:
         }
 
     def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
-        """Measure what accuracy costs; other questions take their turns between the runs.
+        """Measure what accuracy costs.
 
         Parameters
         ----------
@@ -237,31 +266,16 @@ class Model:
         # quadruple precision is in a library of its own, which is loaded when it is needed
         from rwmf._cost import cost
 
-        case = self._case_of(question)
-        turn = _TurnOfRuns(self.turns)
-
-        def reported(done: int, total: int) -> None:
-            # nobody times the reference, which takes long: it has no turn
-            turn.renew(has_one=0 < done < total)
-            report(done, total)
-
-        try:
-            found = cost(case, progress=reported)
-        finally:
-            turn.renew(has_one=False)
+        found = cost(self._case_of(question), progress=report)
         return dict(_plain(found.to_dict()))
 
-    def add_record(
-        self, content: bytes, name: str, unit: str | None, dt: float | None
-    ) -> dict[str, Any]:
-        """Keep a record that the page has sent.
+    def add_record(self, number: str, unit: str | None, dt: float | None) -> dict[str, Any]:
+        """Check a record that a page has sent.
 
         Parameters
         ----------
-        content : bytes
-            The file: AT2, or one or two columns.
-        name : str
-            Its name, for the namelist.
+        number : str
+            Of its folder, which holds this one file.
         unit : str, optional
             Of its accelerations, unless the file says it.
         dt : float, optional
@@ -270,33 +284,23 @@ class Model:
         Returns
         -------
         dict
-            ``record`` (its number), ``name``, ``motion`` (keys of the group), ``facts``.
+            ``record`` (its number), ``name``, ``motion`` (keys of the group), ``end`` (time of its
+            last sample), ``facts``.
 
         Raises
         ------
         InputError
             When the kernel does not accept the record; the message names the file as its owner
             does.
-        BadQuestionError
-            When the name is none of a file.
         """
-        # a namelist takes blanks at its ends for none of it
-        plain = Path(name.replace("\\", "/")).name.strip()
-        if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
-            raise BadQuestionError("the name of the record is no name of a file")
-        folder = Path(tempfile.mkdtemp(dir=self._folder))
-        path = folder / plain
-        path.write_bytes(content)
-        try:
-            base = self._with_record(path, unit, dt)
-        except InputError:
-            shutil.rmtree(folder)
-            raise
-        number = str(len(self._records) + 1)
-        self._records[number] = _Record(path, plain, base)
-        end = base.kernel.end_of_motion()
+        (path,) = (self._folder / number).iterdir()
+        base = self._with_record(path, unit, dt)
+        motion = given(base)["motion"]
+        # the other processes make the same case of it
+        self._keys_of(number).write_text(json.dumps(motion), encoding="ascii")
+        end = float(f"{base.kernel.end_of_motion():.12g}")
         facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
-        return {"record": number, "name": plain, "motion": given(base)["motion"], "facts": facts}
+        return {"record": number, "name": path.name, "motion": motion, "end": end, "facts": facts}
 
     def plainly(self, error: RwmfError) -> str:
         """Say what is wrong without file and lines of a namelist, which the page does not have.
@@ -335,17 +339,35 @@ class Model:
     def _case_of(self, question: Question) -> Case:
         if not question.record:
             return case_of(question, self._case)
-        if question.record not in self._records:
+        return case_of(question, self._record(question.record).base)
+
+    def _keys_of(self, number: str) -> Path:
+        """File with the keys of &motion that go with a record."""
+        return self._folder / f"{number}.json"
+
+    def _record(self, number: str) -> _Record:
+        if number in self._records:
+            self._records.move_to_end(number)
+            return self._records[number]
+        keys = self._keys_of(number)
+        if not keys.exists():
             raise BadQuestionError("there is no such record: upload it again")
-        return case_of(question, self._records[question.record].base)
+        (path,) = keys.with_suffix("").iterdir()
+        motion = json.loads(keys.read_text(encoding="ascii")) | {"file": str(path)}
+        base = self._case.replace(vertical=None, motion=None).replace(motion=motion)
+        self._records[number] = _Record(path, base)
+        if len(self._records) > _KEPT_RECORDS:
+            self._records.popitem(last=False)
+        return self._records[number]
 
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
-        for path in self._made:
-            text = text.replace(_quoted(str(path)), _quoted(path.name))
+        # files in the server's folder are saved beside the namelist
+        files = [*self._folder.glob("case_*.txt")]
         if record:
-            kept = self._records[record]
-            text = text.replace(_quoted(str(kept.path)), _quoted(kept.name))
+            files.append(self._record(record).path)
+        for path in files:
+            text = text.replace(_quoted(str(path)), _quoted(path.name))
         return text
 
     def _row_of(
@@ -390,23 +412,27 @@ class Model:
         return self._alone[name]
 
 
-class _TurnOfRuns:
-    """The turn of a computation that lets others in between its runs."""
-
-    def __init__(self, turns: Turns) -> None:
-        self._turns = turns
-        self._mine = False
-
-    def renew(self, has_one: bool) -> None:
-        """Hand the turn over, and take the next one where one is needed."""
-        if self._mine:
-            self._turns.give()
-        self._mine = has_one and self._turns.take()
-
-
 def _quoted(text: str) -> str:
     """Write a text as it stands between the quotes of a namelist."""
     return text.replace("'", "''")
+
+
+def _key_of(word: str, case: Case) -> str:
+    """Return the key of a quantity that is given by key or name, in any case of letters."""
+    for key in case.kernel.applicable():
+        if word.lower() in (name.lower() for name in (key, *find(key).names("ordinate"))):
+            return key
+    return word or case.kernel.default_quantity()
+
+
+def _early_end(case: Case) -> list[str]:
+    """Warn of a run that does not contain all of the ground motion."""
+    end = case.kernel.end_of_motion()
+    t_end = float(case.solver.t_end)
+    if not t_end < end * (1.0 - 1e-9):
+        return []
+    return [f"&solver: t_end = {t_end:.10g} s: the ground motion lasts until {end:.10g} s. "
+            "Nothing after t_end is part of these results: raise t_end"]  # fmt: skip
 
 
 def _pack(values: npt.ArrayLike) -> str:

@@ -14,6 +14,7 @@ __all__ = ["BadQuestionError", "Question", "case_of", "given", "read"]
 
 _MOST_POINTS = 2000
 _WORD = re.compile(r"\w{1,60}", re.ASCII)
+_NUMBER = re.compile(r"([0-9]{1,9})?", re.ASCII)
 
 
 class BadQuestionError(ValueError):
@@ -103,6 +104,8 @@ def read(body: object) -> Question:
     quantity = body.get("quantity", "")
     if not isinstance(record, str) or not isinstance(quantity, str):
         raise BadQuestionError("record and quantity are texts")
+    if not _NUMBER.fullmatch(record):
+        raise BadQuestionError("record is the number of an uploaded record")
     if type(points) is not int or not 2 <= points <= _MOST_POINTS:
         raise BadQuestionError(f"points: must be a whole number in [2, {_MOST_POINTS}]")
     values = {
@@ -118,7 +121,7 @@ def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any: 
         return _real(name, value)
     if kind == "integer":
         number = _real(name, value)
-        if number != math.floor(number) or abs(number) > 2**31:
+        if number != math.floor(number) or abs(number) >= 2**31:
             raise BadQuestionError(f"{name}: must be a whole number")
         return int(number)
     if kind == "logical":

@@ -10,25 +10,29 @@ from __future__ import annotations
 
 import hmac
 import json
+import math
 import os
 import secrets
 import select
+import shutil
 import signal
 import socket
 import sys
-import tempfile
 import threading
+import time
 import traceback
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from rwmf._explore.model import Model
+from rwmf._explore.folder import Folder
+from rwmf._explore.model import as_files, encode, start
 from rwmf._explore.questions import BadQuestionError, read
+from rwmf._explore.workers import BrokenError, BusyError, Workers
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError, RwmfError
 
@@ -41,8 +45,13 @@ _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
 # a question names every key of a case; a record has millions of samples at most [bytes]
 _MOST_QUESTION = 64 * 1024
 _MOST_RECORD = 32 * 1024 * 1024
-# how long the end waits for the kernel [s]
-_PATIENCE = 2.0
+# uploaded records that a server keeps
+_MOST_RECORDS = 100
+# connections at the same time; a browser has six for a page
+_MOST_CONNECTIONS = 200
+# how long a request may take to arrive [s]
+_ARRIVAL = 60.0
+_ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; "
@@ -88,24 +97,32 @@ class PageServer(ThreadingHTTPServer):
     block_on_close = False
 
     def __init__(self, case: Case, port: int = 0) -> None:
-        self.folder = tempfile.TemporaryDirectory(prefix="rwmf-explore-")
-        self.token = secrets.token_urlsafe(24)
-        self.model = Model(case, Path(self.folder.name))
-        self.ending = threading.Event()
-        # no name of a request becomes a path: these are all there are
-        self.files = {
-            f"/{path.relative_to(_PAGE).as_posix()}": path
-            for path in _PAGE.rglob("*")
-            if path.suffix in _TYPES
-        }
-        self.files["/"] = _PAGE / "index.html"
+        self.folder = Folder()
         try:
-            super().__init__((_HOST, port), _Handler)
-        except OSError as error:
-            self.folder.cleanup()
-            raise OutputError(
-                f"port {port} cannot be used ({error.strerror}): --port 0 takes a free one"
-            ) from error
+            self.case, self.made = as_files(case, self.folder.path)
+            self.token = secrets.token_urlsafe(24)
+            self.ending = threading.Event()
+            # times after which a request that has not arrived is given up
+            self.arriving: dict[socket.socket, float] = {}
+            self._records = 0
+            self._lock = threading.Lock()
+            # no name of a request becomes a path: these are all there are
+            self.files = {
+                f"/{path.relative_to(_PAGE).as_posix()}": path
+                for path in _PAGE.rglob("*")
+                if path.suffix in _TYPES
+            }
+            self.files["/"] = _PAGE / "index.html"
+            try:
+                super().__init__((_HOST, port), _Handler)
+            except OSError as error:
+                raise OutputError(
+                    f"port {port} cannot be used ({error.strerror}): --port 0 takes a free one"
+                ) from error
+            self.workers = Workers(self.case, self.folder.path)
+        except BaseException:
+            self.folder.remove()
+            raise
 
     @property
     def address(self) -> str:
@@ -126,14 +143,90 @@ class PageServer(ThreadingHTTPServer):
         if not isinstance(error, OSError | _GoneError):
             traceback.print_exc()
 
+    def verify_request(self, request: Any, client_address: Any) -> bool:  # noqa: ANN401
+        """Close a connection at once when there are too many.
+
+        Parameters
+        ----------
+        request : socket
+            The connection.
+        client_address : tuple
+            Who has opened it.
+
+        Returns
+        -------
+        bool
+            Whether it is served.
+        """
+        return len(self.arriving) < _MOST_CONNECTIONS
+
+    def service_actions(self) -> None:
+        """Close connections whose request does not arrive."""
+        now = time.monotonic()
+        for connection, until in list(self.arriving.items()):
+            if now > until:
+                with suppress(OSError):
+                    connection.shutdown(socket.SHUT_RDWR)
+
+    def new_record(self, content: bytes, name: str) -> str:
+        """Keep the file of a record.
+
+        Parameters
+        ----------
+        content : bytes
+            The file: AT2, or one or two columns.
+        name : str
+            Its name, for the namelist.
+
+        Returns
+        -------
+        str
+            The record's number.
+
+        Raises
+        ------
+        BadQuestionError
+            When the name is none of a file.
+        """
+        # a namelist takes blanks at its ends for none of it
+        plain = Path(name.replace("\\", "/")).name.strip()
+        if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
+            raise BadQuestionError("the name of the record is no name of a file")
+        with self._lock:
+            if self._records == _MOST_RECORDS:
+                raise _RefusedError(
+                    507, f"{_MOST_RECORDS} records have been uploaded: start rwmf explore again"
+                )
+            self._records += 1
+            number = str(self._records)
+        folder = self.folder.path / number
+        try:
+            folder.mkdir()
+            (folder / plain).write_bytes(content)
+        except OSError as error:
+            self.drop_record(number)
+            raise _RefusedError(507, f"the record cannot be kept: {error.strerror}") from error
+        return number
+
+    def drop_record(self, number: str) -> None:
+        """Remove the file of a record that is not accepted.
+
+        Parameters
+        ----------
+        number : str
+            Of the record.
+        """
+        shutil.rmtree(self.folder.path / number, ignore_errors=True)
+        with self._lock:
+            # numbers are not used twice, unless this is the last
+            self._records -= number == str(self._records)
+
     def end(self) -> None:
-        """Stop what the kernel computes, and give back port and folder."""
+        """Stop what is computed, and give back port and folder."""
         self.ending.set()
-        # whoever waits for a turn behind this one sees that it has ended
-        if self.model.turns.take(_PATIENCE):
-            self.model.turns.give()
+        self.workers.end()
         self.server_close()
-        self.folder.cleanup()
+        self.folder.remove()
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -148,6 +241,18 @@ class _Handler(BaseHTTPRequestHandler):
     disable_nagle_algorithm = True
     # a connection without a question is closed [s]
     timeout = 60
+
+    def handle(self) -> None:
+        """Serve a connection until it is closed."""
+        try:
+            super().handle()
+        finally:
+            self.server.arriving.pop(self.connection, None)
+
+    def handle_one_request(self) -> None:
+        """Serve a request, which has a limited time to arrive."""
+        self.server.arriving[self.connection] = time.monotonic() + _ARRIVAL
+        super().handle_one_request()
 
     def do_GET(self) -> None:
         """Serve a file of the page."""
@@ -184,7 +289,11 @@ class _Handler(BaseHTTPRequestHandler):
         except BadQuestionError as error:
             self._fail(400, str(error))
         except RwmfError as error:
-            self._fail(422, self.server.model.plainly(error))
+            self._fail(422, str(error))
+        except BusyError as error:
+            self._fail(503, str(error))
+        except BrokenError as error:
+            self._fail(500, str(error))
         except (_GoneError, ConnectionError, TimeoutError):
             self.close_connection = True
         except Exception as error:
@@ -194,6 +303,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _check_sender(self) -> None:
         """Refuse what no page of this server sends."""
         hosts = [f"{name}:{self.server.server_port}" for name in (_HOST, "localhost")]
+        for name in ("Host", "Origin", "X-Token", "Content-Length"):
+            if len(self.headers.get_all(name, [])) > 1:
+                raise _RefusedError(400, f"the header {name} is there twice")
         if self.headers.get("Host") not in hosts:
             raise _RefusedError(403, "this server answers to its own address only")
         origin = self.headers.get("Origin")
@@ -214,41 +326,45 @@ class _Handler(BaseHTTPRequestHandler):
         ):
             raise _RefusedError(403, "the token is missing or that of another run")
         url = urlsplit(self.path)
+        server = self.server
         if url.path == "/api/record":
-            answer: object = self._add_record(url.query)
+            answer = self._add_record(url.query)
         elif url.path == "/api/start":
             self._body(_MOST_QUESTION)
-            answer = self.server.model.start()
+            answer = encode(start(server.case, server.made))
         elif url.path == "/api/made":
             self._body(_MOST_QUESTION)
-            answer = self.server.model.made()
+            answer = encode({path.name: path.read_text(encoding="ascii") for path in server.made})
         elif url.path in ("/api/history", "/api/spectrum", "/api/cost"):
             question = read(_json(self._body(_MOST_QUESTION)))
-            model = self.server.model
             if url.path == "/api/cost":
-                self._stream(lambda report: model.cost(question, report))
+                self._stream(
+                    lambda report: server.workers.ask("cost", (question,), self._watch, report)
+                )
                 return
-            ask = model.history if url.path == "/api/history" else model.spectrum
-            with model.turns:
-                # it may have been a long wait
-                self._watch()
-                answer = ask(question, self._watch)
+            answer = server.workers.ask(url.path.removeprefix("/api/"), (question,), self._watch)
         else:
             raise _RefusedError(404, "there is no such question")
-        self._send_json(200, answer)
+        self._send(200, "application/json", answer)
 
-    def _add_record(self, query: str) -> dict[str, Any]:
-        words = {key: values[0] for key, values in parse_qs(query).items()}
+    def _add_record(self, query: str) -> bytes:
+        words = parse_qs(query, keep_blank_values=True)
+        for key, values in words.items():
+            if key not in ("name", "unit", "dt") or len(values) > 1:
+                raise BadQuestionError(f"a record has no {key[:40]!r}, or has it twice")
         content = self._body(_MOST_RECORD)
-        dt = words.get("dt")
+        dt = words.get("dt", [None])[0]
         try:
             interval = None if dt is None else float(dt)
         except ValueError:
             raise BadQuestionError(f"dt = {dt}: must be a number > 0 [s]") from None
-        with self.server.model.turns:
-            return self.server.model.add_record(
-                content, words.get("name", ""), words.get("unit"), interval
-            )
+        number = self.server.new_record(content, words.get("name", [""])[0])
+        try:
+            arguments = (number, words.get("unit", [None])[0], interval)
+            return self.server.workers.ask("add_record", arguments, self._watch)
+        except BaseException:
+            self.server.drop_record(number)
+            raise
 
     def _body(self, most: int) -> bytes:
         """Read what is sent with the question."""
@@ -261,18 +377,37 @@ class _Handler(BaseHTTPRequestHandler):
         content = self.rfile.read(int(length))
         if len(content) < int(length):
             raise _GoneError
+        # the answer may take its time
+        self.server.arriving[self.connection] = math.inf
         return content
 
-    def _watch(self, _: int = 0) -> None:
-        """Stop the kernel when the browser has closed the connection: it wants something newer."""
+    def _watch(self) -> None:
+        """Give up when the browser has closed the connection: it wants something newer."""
         if self.server.ending.is_set():
             raise _GoneError
-        if select.select([self.connection], [], [], 0)[0]:
-            with suppress(BlockingIOError):
-                if not self.connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT):
-                    raise _GoneError
+        poll = select.poll()
+        poll.register(self.connection, select.POLLRDHUP)
+        for _, events in poll.poll(0):
+            if events & (select.POLLERR | select.POLLHUP) or not self._is_held():
+                raise _GoneError
 
-    def _stream(self, compute: Callable[[Callable[[int, int], None]], object]) -> None:
+    def _is_held(self) -> bool:
+        """Whether a process still holds the other end, of which no more comes.
+
+        A client may close the direction of its questions and wait for the answer. The connection
+        itself does not tell it from one that has gone; the table of the system does.
+        """
+        ends = (f"{self.client_address[1]:04X}", f"{self.server.server_port:04X}")
+        for table in ("/proc/net/tcp", "/proc/net/tcp6"):
+            with suppress(OSError):
+                for line in Path(table).read_text(encoding="ascii").splitlines()[1:]:
+                    words = line.split()
+                    if tuple(word[-4:] for word in words[1:3]) == ends:
+                        # without a process that holds it, it has no inode
+                        return words[9] != "0"
+        return False
+
+    def _stream(self, compute: Callable[[Callable[[int, int], None]], bytes]) -> None:
         """Answer line by line: progress, then the result."""
         self._head(200, "application/x-ndjson", None)
         self.close_connection = True
@@ -283,25 +418,22 @@ class _Handler(BaseHTTPRequestHandler):
             self._watch()
             if (done, total) != last:
                 last = (done, total)
-                self._line({"done": done, "total": total})
+                self._line(encode({"done": done, "total": total}))
 
         try:
-            self._line({"result": compute(report)})
-        except RwmfError as error:
-            self._line({"error": self.server.model.plainly(error)})
+            self._line(b'{"result": ' + compute(report) + b"}")
+        except (RwmfError, BadQuestionError, BusyError, BrokenError) as error:
+            self._line(encode({"error": str(error)}))
 
-    def _line(self, value: object) -> None:
-        self.wfile.write(_encode(value) + b"\n")
+    def _line(self, text: bytes) -> None:
+        self.wfile.write(text + b"\n")
         self.wfile.flush()
 
     def _fail(self, status: int, message: str) -> None:
         # what is left of the request would be taken for the next one
         self.close_connection = True
         with suppress(ConnectionError, TimeoutError):
-            self._send_json(status, {"error": message})
-
-    def _send_json(self, status: int, value: object) -> None:
-        self._send(status, "application/json", _encode(value))
+            self._send(status, "application/json", encode({"error": message}))
 
     def _send(self, status: int, kind: str, content: bytes) -> None:
         self._head(status, kind, len(content))
@@ -325,32 +457,35 @@ def _json(content: bytes) -> object:
     def refuse(word: str) -> None:
         raise ValueError(word)
 
+    def once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            raise BadQuestionError("a question has a key twice")
+        return found
+
     try:
-        return json.loads(content, parse_constant=refuse)
+        return json.loads(content, parse_constant=refuse, object_pairs_hook=once)
+    except BadQuestionError:
+        raise
     except (ValueError, RecursionError):
         raise BadQuestionError("a question is JSON") from None
-
-
-def _encode(value: object) -> bytes:
-    # a name of a file may hold bytes that are no text
-    return json.dumps(value, allow_nan=False).encode("ascii", "replace")
 
 
 def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt
 
 
-def _interrupted_by_the_end() -> Any:  # noqa: ANN401 (what signal.signal returns)
-    """Let whoever ends the process end it as Ctrl-C does: no folder stays behind.
+def _set_signals(action: Any, numbers: Iterable[int]) -> dict[int, Any]:  # noqa: ANN401
+    """Set what signals do.
 
     Returns
     -------
-    handler or None
-        What was in its place; None in a thread, which has no say in this.
+    dict
+        What they did before; empty in a thread other than the main one.
     """
     if threading.current_thread() is not threading.main_thread():
-        return None
-    return signal.signal(signal.SIGTERM, _interrupt)
+        return {}
+    return {number: signal.signal(number, action) for number in numbers}
 
 
 def explore(
@@ -386,17 +521,31 @@ def explore(
         case = Case.from_text(_START.read_text(encoding="utf-8"), "fig12_one_sine.nml")
     elif not isinstance(case, Case):
         case = Case.from_namelist(case)
-    server = PageServer(case, port)
-    terminated = _interrupted_by_the_end()
+    # whatever ends the process ends it as Ctrl-C does: no folder stays behind. What is ignored,
+    # as by nohup, stays so
+    ends = [x for x in _ENDS if signal.getsignal(x) is not signal.SIG_IGN]
+    before = _set_signals(_interrupt, ends)
+    server = None
     try:
-        print(f"{server.address}\nCtrl-C ends it", flush=True)
+        server = PageServer(case, port)
+        _say(f"{server.address}\nCtrl-C ends it")
         if open_browser:
             # a browser in a terminal returns when it is left
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever(poll_interval=0.1)
     except KeyboardInterrupt:
-        print("ended", flush=True)
+        # a second signal does not interrupt the end
+        _set_signals(signal.SIG_IGN, before)
+        _say("ended")
     finally:
-        server.end()
-        if terminated is not None:
-            signal.signal(signal.SIGTERM, terminated)
+        _set_signals(signal.SIG_IGN, before)
+        if server is not None:
+            server.end()
+        for number, action in before.items():
+            signal.signal(number, action)
+
+
+def _say(text: str) -> None:
+    # the terminal may have gone
+    with suppress(OSError):
+        print(text, flush=True)

@@ -399,7 +399,7 @@ def test_a_record_stays_in_its_folder(both: tuple[PageServer, Client]) -> None:
     server, client = both
     status, answer = client.post("/api/record?name=../../own.csv&unit=g", b"0 1\n1 0\n")
     assert (status, json.loads(answer)["name"]) == (200, "own.csv")
-    assert not Path(server.folder.name, "..", "own.csv").exists()
+    assert not (server.folder.path / ".." / "own.csv").exists()
 
 
 def test_a_record_has_a_limit(client: Client) -> None:

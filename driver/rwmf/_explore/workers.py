@@ -1,0 +1,248 @@
+"""The processes that compute answers: started when needed, kept, replaced after a crash."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing import Pipe
+from pathlib import Path
+from typing import Any
+
+from rwmf._explore.questions import BadQuestionError
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+__all__ = ["BrokenError", "BusyError", "Workers"]
+
+# computations at the same time; a page has one, and one more while it measures costs
+_MOST = max(4, min(8, os.cpu_count() or 4))
+# how long a computation may go on while all others are busy and a question waits [s]
+_LONG = 10.0
+# how often a waiting thread looks whether the page still wants its answer [s]
+_LOOK = 0.05
+# how long a worker may take to stop before it is killed [s]
+_PATIENCE = 2.0
+
+Watch = Callable[[], None]
+Report = Callable[[int, int], None]
+
+
+class BrokenError(Exception):
+    """A computation ended without an answer."""
+
+
+class BusyError(Exception):
+    """A computation was stopped in favour of those that wait."""
+
+
+class _Worker:
+    """One process and the connection to it."""
+
+    def __init__(self, case: Case, folder: Path) -> None:
+        self.connection, theirs = Pipe()
+        package = str(Path(__file__).parents[2])
+        path = os.pathsep.join([package, *(entry for entry in sys.path if entry)])
+        with theirs:
+            # in a session of its own it gets no signal of the terminal; -P: no module of the
+            # present folder takes the place of one of ours
+            self.process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "rwmf._explore.worker", str(theirs.fileno())],
+                pass_fds=(theirs.fileno(),),
+                env=os.environ | {"PYTHONPATH": path},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                start_new_session=True,
+            )
+        self.begun = 0.0
+        self.gives_way = False
+        self.connection.send((case, folder))
+
+    def end(self) -> None:
+        """End the process, whatever it does."""
+        self.process.kill()
+        self.process.wait()
+
+
+class Workers:
+    """Answers questions, each in a process of its own.
+
+    Parameters
+    ----------
+    case : Case
+        What the pages begin with.
+    folder : Path
+        Where uploaded records are.
+    """
+
+    def __init__(self, case: Case, folder: Path) -> None:
+        self._material = (case, folder)
+        self._change = threading.Condition()
+        self._free: list[_Worker] = []
+        self._all: set[_Worker] = set()
+        self._waiting: deque[object] = deque()
+        self._ended = False
+        # it loads the package while the browser loads the page
+        self._free.append(self._start())
+
+    def ask(
+        self, name: str, arguments: tuple[Any, ...], watch: Watch, report: Report | None = None
+    ) -> bytes:
+        """Compute an answer.
+
+        Parameters
+        ----------
+        name : str
+            Method of `Model`.
+        arguments : tuple
+            Its arguments.
+        watch : callable
+            Called about 20 times a second; what it raises stops the computation.
+        report : callable, optional
+            Called with what is done and what there is to do; as `watch`.
+
+        Returns
+        -------
+        bytes
+            The answer as JSON.
+
+        Raises
+        ------
+        InputError
+            When the kernel refuses the case, in its words.
+        BadQuestionError
+            When the question is none.
+        BrokenError
+            When the process ended, or failed in an unforeseen way.
+        BusyError
+            When it had to give way to other questions.
+        """
+        worker = self._take(watch)
+        usable = False
+        try:
+            worker.connection.send((name, arguments))
+            kind, content = self._follow(worker, watch, report)
+            usable = True
+        except (EOFError, ConnectionResetError, BrokenPipeError):
+            watch()
+            raise BrokenError(_end_of(worker.process)) from None
+        except BaseException:
+            usable = _stop(worker)
+            raise
+        finally:
+            self._give(worker, usable)
+        if kind == "answer":
+            return bytes(content)
+        raise {"bad": BadQuestionError, "refused": InputError}.get(kind, BrokenError)(content)
+
+    def end(self) -> None:
+        """End all processes."""
+        with self._change:
+            self._ended = True
+            found, self._all = self._all, set()
+            for worker in found:
+                worker.end()
+
+    def _start(self) -> _Worker:
+        worker = _Worker(*self._material)
+        self._all.add(worker)
+        return worker
+
+    def _take(self, watch: Watch) -> _Worker:
+        """Wait for a worker; first come, first served."""
+        me = object()
+        begun = time.monotonic()
+        with self._change:
+            self._waiting.append(me)
+            try:
+                while True:
+                    watch()
+                    if self._waiting[0] is me:
+                        worker = self._idle()
+                        if worker is not None:
+                            worker.begun, worker.gives_way = time.monotonic(), False
+                            return worker
+                        if time.monotonic() - begun > 1.0:
+                            self._make_room()
+                    self._change.wait(_LOOK)
+            finally:
+                self._waiting.remove(me)
+                self._change.notify_all()
+
+    def _idle(self) -> _Worker | None:
+        while self._free:
+            worker = self._free.pop()
+            if worker.process.poll() is None:
+                return worker
+            self._all.discard(worker)
+            worker.end()
+        return self._start() if len(self._all) < _MOST and not self._ended else None
+
+    def _make_room(self) -> None:
+        """Let the longest computation give way if it has had its time."""
+        if self._all and not any(worker.gives_way for worker in self._all):
+            oldest = min(self._all, key=lambda worker: worker.begun)
+            oldest.gives_way = time.monotonic() - oldest.begun > _LONG
+
+    def _give(self, worker: _Worker, usable: bool) -> None:
+        with self._change:
+            if usable:
+                self._free.append(worker)
+            elif worker in self._all:
+                self._all.discard(worker)
+                worker.end()
+            self._change.notify_all()
+
+    def _follow(self, worker: _Worker, watch: Watch, report: Report | None) -> tuple[str, Any]:
+        """Wait for the end of a computation."""
+        while True:
+            if not worker.connection.poll(_LOOK):
+                watch()
+                if worker.gives_way:
+                    seconds = time.monotonic() - worker.begun
+                    raise BusyError(
+                        f"stopped after {seconds:.0f} s, because other pages wait: shorten t_end, "
+                        "raise rtol, or close pages that compute"
+                    )
+                continue
+            kind, content = worker.connection.recv()
+            if kind != "progress":
+                return kind, content
+            if report is not None:
+                report(*content)
+
+
+def _stop(worker: _Worker) -> bool:
+    """Stop a computation.
+
+    Returns
+    -------
+    bool
+        Whether the worker can take another one.
+    """
+    until = time.monotonic() + _PATIENCE
+    with suppress(EOFError, OSError):
+        worker.connection.send(None)
+        while worker.connection.poll(max(0.0, until - time.monotonic())):
+            if worker.connection.recv()[0] != "progress":
+                return True
+    return False
+
+
+def _end_of(process: subprocess.Popen[bytes]) -> str:
+    """Say how a process ended."""
+    try:
+        status = process.wait(_PATIENCE)
+    except subprocess.TimeoutExpired:
+        status = 0
+    how = signal.Signals(-status).name if status < 0 else f"status {status}"
+    return (
+        f"the computation ended with {how} and without an answer, perhaps for lack of memory; "
+        "the server goes on. Try a smaller or shorter case, and report this one"
+    )
