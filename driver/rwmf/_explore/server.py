@@ -95,6 +95,8 @@ class PageServer(ThreadingHTTPServer):
     daemon_threads = True
     # at the end the browser may still hold its connections
     block_on_close = False
+    # connections that wait to be accepted; with five, several pages wait a second for the sixth
+    request_queue_size = 128
 
     def __init__(self, case: Case, port: int = 0) -> None:
         self.folder = Folder()
@@ -158,7 +160,21 @@ class PageServer(ThreadingHTTPServer):
         bool
             Whether it is served.
         """
-        return len(self.arriving) < _MOST_CONNECTIONS
+        if len(self.arriving) >= _MOST_CONNECTIONS:
+            return False
+        self.arriving[request] = time.monotonic() + _ARRIVAL
+        return True
+
+    def shutdown_request(self, request: Any) -> None:  # noqa: ANN401
+        """Close a connection.
+
+        Parameters
+        ----------
+        request : socket
+            The connection.
+        """
+        self.arriving.pop(request, None)
+        super().shutdown_request(request)
 
     def service_actions(self) -> None:
         """Close connections whose request does not arrive."""
@@ -236,18 +252,13 @@ class _Handler(BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
     server_version = "rwmf"
     sys_version = ""
+    # what is no request at all gets a status line as well
+    default_request_version = "HTTP/1.0"
     # headers and body leave together: no delay between them
     wbufsize = -1
     disable_nagle_algorithm = True
     # a connection without a question is closed [s]
     timeout = 60
-
-    def handle(self) -> None:
-        """Serve a connection until it is closed."""
-        try:
-            super().handle()
-        finally:
-            self.server.arriving.pop(self.connection, None)
 
     def handle_one_request(self) -> None:
         """Serve a request, which has a limited time to arrive."""

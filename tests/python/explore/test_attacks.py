@@ -1,0 +1,416 @@
+"""The server of `rwmf explore` against long questions, crashes, signals and rude clients."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from checkout import ROOT
+from page_client import Client, served
+from rwmf import Case
+from rwmf._explore import server as server_module
+from rwmf._explore import workers as workers_module
+from rwmf._explore.controls import editable
+from rwmf._explore.folder import Folder
+from rwmf._explore.server import PageServer
+from rwmf.quantities import find
+
+INPUTS = ROOT / "inputs"
+FIG12 = INPUTS / "fig12_one_sine.nml"
+# a run that takes minutes
+ENDLESS = {"solver": {"t_end": 1e7, "method": "dop853"}, "impact": {"e": 1.0, "rule": "constant"},
+           "frame": {"T_s": 0.05, "gamma": 5.0, "xi_s": 0.0}}  # fmt: skip
+# within which a page expects its answer while others compute, on a loaded machine [s]
+SOON = 5.0
+
+
+@pytest.fixture(scope="module")
+def both() -> Iterator[tuple[PageServer, Client]]:
+    with served(Case.from_namelist(FIG12)) as found:
+        yield found
+
+
+@pytest.fixture
+def client(both: tuple[PageServer, Client]) -> Client:
+    return both[1]
+
+
+@pytest.fixture(scope="module")
+def state(both: tuple[PageServer, Client]) -> dict[str, Any]:
+    found: dict[str, Any] = both[1].ask("/api/start", {})["state"]
+    return found
+
+
+def _endless(state: dict[str, Any]) -> dict[str, Any]:
+    return {"groups": {name: keys | ENDLESS.get(name, {}) for name, keys in state.items()}}
+
+
+def _text(client: Client, path: str, question: object, **headers: str) -> bytes:
+    """Write a request as it goes over the wire."""
+    body = json.dumps(question).encode()
+    words = {"Host": f"127.0.0.1:{client.port}", "X-Token": client.token,
+             "Content-Length": str(len(body)), "Connection": "close"} | headers  # fmt: skip
+    lines = [f"POST {path} HTTP/1.1", *(f"{name}: {word}" for name, word in words.items())]
+    return "\r\n".join(lines).encode() + b"\r\n\r\n" + body
+
+
+@contextmanager
+def _asked(client: Client, path: str, question: object) -> Iterator[socket.socket]:
+    """Ask, and keep the connection without reading."""
+    with socket.create_connection(("127.0.0.1", client.port), 30) as raw:
+        raw.sendall(_text(client, path, question))
+        yield raw
+
+
+def _received(raw: socket.socket) -> bytes:
+    return b"".join(iter(lambda: raw.recv(65536), b""))
+
+
+def _until(holds: Callable[[], bool], seconds: float = 10.0) -> bool:
+    until = time.monotonic() + seconds
+    while not holds():
+        if time.monotonic() > until:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+@pytest.mark.parametrize("name", ["fig12_one_sine", "storeys_full", "which_spring_takes_the_energy",
+                                  "fig06_mild_frame_alone_one_sine"])  # fmt: skip
+def test_a_quantity_has_several_names(name: str) -> None:
+    """Key, name and capitals of each quantity are the same question."""
+    case = Case.from_namelist(INPUTS / f"{name}.nml")
+    with served(case) as (_, client):
+        question = {"groups": client.ask("/api/start", {})["state"], "points": 2}
+        keys = case.kernel.applicable()
+        for key in keys:
+            expected = client.ask("/api/spectrum", question | {"quantity": key})
+            for word in {key.upper(), *find(key).names("ordinate")} - {key}:
+                found = client.ask("/api/spectrum", question | {"quantity": word})
+                assert found["quantity"]["key"] == key
+                assert (word, found["values"]) == (word, expected["values"])
+    assert len(keys) > 10
+
+
+@pytest.mark.parametrize("path", ["/api/history", "/api/spectrum", "/api/cost"])
+def test_a_long_question_blocks_nobody(client: Client, state: dict[str, Any], path: str) -> None:
+    with _asked(client, path, _endless(state)), _asked(client, path, _endless(state)):
+        time.sleep(0.3)
+        begun = time.perf_counter()
+        client.ask("/api/history", {"groups": state})
+        client.ask("/api/spectrum", {"groups": state, "points": 3})
+        assert time.perf_counter() - begun < SOON
+
+
+def test_long_questions_of_all_processes_give_way(
+    state: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workers_module, "_MOST", 2)
+    monkeypatch.setattr(workers_module, "_LONG", 1.0)
+    with served(Case.from_namelist(FIG12)) as (_, client):
+        endless = _endless(state)
+        with _asked(client, "/api/history", endless) as one, _asked(client, "/api/cost", endless):
+            time.sleep(0.3)
+            client.ask("/api/history", {"groups": state})
+            status, _, body = _received(one).partition(b"\r\n")
+            assert status == b"HTTP/1.1 503 Service Unavailable"
+            assert b"because other pages wait" in body
+            # the first in the queue is the first that is served
+            client.ask("/api/history", {"groups": state})
+
+
+def _workers(process: int) -> list[int]:
+    """List the processes that a server has started."""
+    found = subprocess.run(["pgrep", "-P", str(process), "-f", "rwmf._explore.worker"],
+                           capture_output=True, text=True, check=False)  # fmt: skip
+    return [int(word) for word in found.stdout.split()]
+
+
+@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGKILL, signal.SIGABRT])
+def test_a_crash_ends_one_answer(state: dict[str, Any], number: signal.Signals) -> None:
+    with served(Case.from_namelist(FIG12)) as (server, client):
+        client.ask("/api/history", {"groups": state})
+        (worker,) = (one.process.pid for one in server.workers._all)
+        with _asked(client, "/api/history", _endless(state)) as raw:
+            time.sleep(0.3)
+            os.kill(worker, number)
+            answer = _received(raw)
+        assert answer.startswith(b"HTTP/1.1 500")
+        assert number.name.encode() in answer
+        # another process has taken its place; one that dies without a question is not noticed
+        client.ask("/api/history", {"groups": state})
+        (worker,) = (one.process.pid for one in server.workers._all)
+        os.kill(worker, number)
+        time.sleep(0.2)
+        client.ask("/api/history", {"groups": state})
+
+
+def test_a_process_has_no_more_than_half_of_the_memory(both: tuple[PageServer, Client]) -> None:
+    both[1].ask("/api/start", {})
+    worker, *_ = _workers(os.getpid())
+    limits = Path(f"/proc/{worker}/limits").read_text(encoding="ascii").splitlines()
+    (line,) = (line for line in limits if line.startswith("Max data size"))
+    half = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    assert int(line.split()[3]) <= half
+
+
+@pytest.mark.parametrize("path", ["/api/history", "/api/spectrum", "/api/start"])
+def test_a_client_that_says_no_more_gets_its_answer(
+    client: Client, state: dict[str, Any], path: str
+) -> None:
+    slow = {name: dict(keys) for name, keys in state.items()}
+    slow["solver"] |= {"t_end": 20000.0, "method": "dop853"}
+    question = {} if path == "/api/start" else {"groups": slow, "points": 3}
+    with _asked(client, path, question) as raw:
+        raw.shutdown(socket.SHUT_WR)
+        answer = _received(raw)
+    head, _, body = answer.partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 200 OK")
+    assert json.loads(body)
+
+
+def test_a_client_that_says_no_more_and_leaves_is_noticed(
+    both: tuple[PageServer, Client], state: dict[str, Any]
+) -> None:
+    server, client = both
+    with _asked(client, "/api/history", _endless(state)) as raw:
+        time.sleep(0.2)
+        raw.shutdown(socket.SHUT_WR)
+        time.sleep(0.3)
+    # pipelined bytes behind the question do not hide the end of the connection
+    with socket.create_connection(("127.0.0.1", client.port), 30) as raw:
+        raw.sendall(_text(client, "/api/history", _endless(state)) + b"GET / HTTP/1.1\r\n")
+        time.sleep(0.3)
+    assert _until(lambda: not server.arriving)
+
+
+@pytest.mark.parametrize(
+    ("lines", "status"),
+    [
+        (b"GET / HTTP/9.9\r\n\r\n", b"505"),
+        (b"GET /\r\n\r\n", b"403"),
+        (b"\x00\xff\r\n\r\n", b"400"),
+        (b"GET " + b"x" * 70000 + b" HTTP/1.1\r\n\r\n", b"414"),
+        (b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 200 + b"\r\n", b"431"),
+        (b"GET / HTTP/1.1\r\nA: " + b"x" * 70000 + b"\r\n\r\n", b"431"),
+        (b"GET / HTTP/1.1\r\nHost: 127.0.0.1:PORT\r\nHost: 127.0.0.1:PORT\r\n\r\n", b"400"),
+    ],
+)
+def test_what_is_no_request(client: Client, lines: bytes, status: bytes) -> None:
+    with socket.create_connection(("127.0.0.1", client.port), 10) as raw:
+        raw.sendall(lines.replace(b"PORT", str(client.port).encode()))
+        raw.shutdown(socket.SHUT_WR)
+        assert status in _received(raw)[:200]
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (b'{"groups": {}, "groups": {}}', "twice"),
+        (b'{"groups": {"frame": {"T_s": 1, "T_s": 2}}}', "twice"),
+        (b'{"groups": {"frame": {"T_S": 1}}}', "'T_S'"),
+        (b'{"groups": {"FRAME": {"T_s": 1}}}', "no group"),
+        (b'{"groups": {"solver": {"max_steps": 2147483648}}}', "solver.max_steps"),
+        (b'{"groups": {}, "record": "\\u0661"}', "record"),
+        (b'{"groups": {}, "record": "7"}', "upload it again"),
+    ],
+)
+def test_repeated_and_foreign_keys_are_refused(client: Client, body: bytes, words: str) -> None:
+    status, content = client.post("/api/history", body)
+    assert (status, words in json.loads(content)["error"]) == (400, True), content
+
+
+@pytest.mark.parametrize("query", ["name=a&name=b", "name=a&file=b", "name=a&unit=g&dt=", "name="])
+def test_a_query_of_a_record_is_read_strictly(client: Client, query: str) -> None:
+    assert client.post(f"/api/record?{query}", b"0 0\n1 1\n")[0] == 400
+
+
+STRANGE = [0, -1, 5e-324, 1e308, -1e308, 2**31 - 1, True, None, "", "EXACT", "U_S_MAX", [], {},
+           [0.0] * 1000, ["u_s_max"], [[1]], [None]]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_strange_values_of_every_key(client: Client, state: dict[str, Any]) -> None:
+    """Whatever stands in a key, the answer is one, a refusal, or has been stopped."""
+    rng = np.random.default_rng(32)
+    found = set()
+    for group, key in editable():
+        for i in rng.choice(len(STRANGE), 3, replace=False):
+            groups = {name: dict(keys) for name, keys in state.items()}
+            groups.setdefault(group, {})[key] = STRANGE[i]
+            groups["solver"].setdefault("max_steps", 20000)
+            status, answer = client.post("/api/history", json.dumps({"groups": groups}).encode())
+            assert status in (200, 400, 422), (group, key, STRANGE[i], answer)
+            found.add(status)
+    assert found == {200, 400, 422}
+
+
+def test_too_many_records(
+    client: Client, both: tuple[PageServer, Client], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server_module, "_MOST_RECORDS", both[0]._records + 1)
+    assert client.post("/api/record?name=a.csv&unit=g", b"0 0\n1 1\n")[0] == 200
+    status, content = client.post("/api/record?name=a.csv&unit=g", b"0 0\n1 1\n")
+    assert (status, b"start rwmf explore again" in content) == (507, True)
+
+
+def test_a_record_that_cannot_be_kept(
+    client: Client, both: tuple[PageServer, Client], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(both[0].folder, "path", Path("/proc/nowhere"))
+    status, content = client.post("/api/record?name=a.csv&unit=g", b"0 0\n1 1\n")
+    assert (status, b"cannot be kept" in content) == (507, True)
+
+
+def test_a_record_of_two_million_samples(client: Client) -> None:
+    """Whether the kernel takes it or not: the server goes on."""
+    content = b"0.001\n" * 2_000_000
+    status, answer = client.post("/api/record?name=long.csv&unit=g&dt=0.001", content)
+    assert status in (200, 422, 500), answer
+    client.ask("/api/start", {})
+
+
+def test_many_connections_and_slow_ones(
+    state: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server_module, "_MOST_CONNECTIONS", 20)
+    monkeypatch.setattr(server_module, "_ARRIVAL", 2.0)
+    with served(Case.from_namelist(FIG12)) as (server, client):
+        raws = [socket.create_connection(("127.0.0.1", client.port), 10) for _ in range(40)]
+        assert _until(lambda: len(server.arriving) == 20)
+        for raw in raws:
+            threading.Thread(target=_trickle, args=(raw,), daemon=True).start()
+        # those that never finish their request are closed, however often they send a byte
+        assert _until(lambda: not server.arriving)
+        client.ask("/api/history", {"groups": state})
+        for raw in raws:
+            raw.close()
+
+
+def _trickle(raw: socket.socket) -> None:
+    try:
+        for byte in b"POST /api/start HTTP/1.1\r\n" + b"x" * 1000:
+            raw.send(bytes([byte]))
+            time.sleep(0.1)
+    except OSError:
+        pass
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Give temporary files of commands a folder of this test."""
+    found = tmp_path / "temporary"
+    found.mkdir()
+    monkeypatch.setenv("TMPDIR", str(found))
+    return found
+
+
+@contextmanager
+def _command() -> Iterator[tuple[subprocess.Popen[str], Client]]:
+    words = [sys.executable, "-m", "rwmf", "explore", str(FIG12), "--no-browser"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True) as process:
+        try:
+            assert process.stdout is not None
+            address = process.stdout.readline().strip()
+            port, token = address.removeprefix("http://127.0.0.1:").split("/#")
+            yield process, Client(int(port), token)
+        finally:
+            process.kill()
+
+
+RECORD = "/api/record?name=own.csv&unit=g"
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM, signal.SIGINT])
+def test_signals_leave_nothing_behind(
+    place: Path, state: dict[str, Any], number: signal.Signals
+) -> None:
+    with _command() as (process, client):
+        assert client.post(RECORD, b"0 0\n1 1\n")[0] == 200
+        workers = _workers(process.pid)
+        with _asked(client, "/api/history", _endless(state)):
+            time.sleep(0.2)
+            # whoever loses patience sends it twice
+            process.send_signal(number)
+            process.send_signal(number)
+            out, error = process.communicate(timeout=10)
+    assert (process.returncode, out, error) == (0, "ended\n", "")
+    assert list(place.iterdir()) == []
+    assert workers
+    assert _until(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers))
+
+
+def test_the_next_server_cleans_up_after_one_that_was_killed(
+    place: Path, state: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with _command() as (_, living):
+        assert living.post(RECORD, b"0 0\n1 1\n")[0] == 200
+        (kept,) = place.iterdir()
+        with _command() as (process, client):
+            assert client.post(RECORD, b"0 0\n1 1\n")[0] == 200
+            with _asked(client, "/api/history", _endless(state)):
+                time.sleep(0.2)
+                workers = _workers(process.pid)
+                process.kill()
+                process.wait()
+                # what it computed ends with it
+                assert workers
+                assert _until(lambda: not any(Path(f"/proc/{x}").exists() for x in workers))
+        (left,) = set(place.iterdir()) - {kept}
+        with _command() as (process, _):
+            assert not left.exists()
+            process.terminate()
+            process.wait(10)
+        # a server that lives keeps its records
+        assert list(place.iterdir()) == [kept]
+        living.ask("/api/history", {"groups": state})
+    # foreign things of that name stay: a link, a file
+    target = place.parent / "target"
+    target.mkdir()
+    (place / "rwmf-explore-link").symlink_to(target)
+    (place / "rwmf-explore-file").touch()
+    monkeypatch.setattr("tempfile.tempdir", str(place))
+    folder = Folder()
+    assert not kept.exists()
+    folder.remove()
+    folder.remove()
+    assert {path.name for path in place.iterdir()} == {"rwmf-explore-link", "rwmf-explore-file"}
+
+
+def test_an_ignored_signal_stays_ignored(place: Path) -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with _command() as (process, client):
+            process.send_signal(signal.SIGHUP)
+            client.ask("/api/start", {})
+            process.terminate()
+            process.wait(10)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert list(place.iterdir()) == []
+
+
+@pytest.mark.parametrize("t_end", [2.0, 14.0, 20.0])
+def test_a_run_that_ends_before_its_motion_warns(
+    client: Client, state: dict[str, Any], t_end: float
+) -> None:
+    groups = {name: dict(keys) for name, keys in state.items()}
+    groups["motion"]["t_0"] = 14.0
+    groups["solver"]["t_end"] = t_end
+    found = client.ask("/api/history", {"groups": groups})
+    warned = [text for text in found["warnings"] if "the ground motion lasts until 15 s" in text]
+    assert len(warned) == (t_end < 15.0)
+    assert "u_g_ddot" in found["columns"]
