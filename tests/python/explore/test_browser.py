@@ -690,6 +690,148 @@ def test_what_accuracy_costs(show: Open) -> None:
     assert "Cheapest for 1e-6" in opened.page.locator("#cost-state").text_content()
     assert opened.page.locator("#cost tbody tr").count() > 30
 
+# values of a field, with all their digits where they are edited
+SIZES = ["1e-12", "1e12", "6e8", "600000000", "0.1", "-1.2345678901234567e-12", "987654321098.7",
+         "0.00012345678901", "1000000", "0.1234567890123000", "1d-3"]  # fmt: skip
+CLIPPED = """
+([texts]) => {
+  explorer.scene.changed = () => {};
+  const found = [];
+  for (const field of document.querySelectorAll('#groups .row:not(.wide) input.field')) {
+    for (const text of texts) {
+      field.focus();
+      field.value = text;
+      const editing = field.scrollWidth > field.clientWidth;
+      field.dispatchEvent(new Event('change'));
+      field.blur();
+      if (field.getAttribute('aria-invalid') === 'true') continue;
+      const [own, shown] = [text.replace('d', 'e'), field.value].map(Number);
+      const wrong = Math.abs(shown - own) > 1e-5 * Math.abs(own);
+      if (wrong || editing || field.scrollWidth > field.clientWidth) {
+        found.push([field.id, text, field.value]);
+      }
+    }
+  }
+  return found;
+}
+"""
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_numbers_of_any_size_can_be_read(show: Open, width: int) -> None:
+    opened = show(viewport={"width": width, "height": 900})
+    for name in ("cable.strands", "frame.k_s", "cable.rupture_strain"):
+        opened.page.evaluate(f"explorer.scene.begin('{name}')")
+    for name in ("damper", "inerter", "fuse", "vertical", "yielding", "p_delta", "initial"):
+        opened.page.evaluate(f"explorer.scene.add('{name}')")
+    opened.settle()
+    opened.open_all()
+    assert opened.page.locator("#groups .row:not(.wide) input.field").count() > 20
+    assert opened.page.evaluate(CLIPPED, [SIZES]) == []
+    assert opened.page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_a_large_number_leaves_its_slider_as_it_was(show: Open) -> None:
+    opened = show()
+    before = opened.slider("frame.gamma").input_value()
+    for text in ("1e12", "5"):
+        opened.field("frame.gamma").fill(text)
+        opened.field("frame.gamma").press("Enter")
+    opened.settle()
+    assert opened.slider("frame.gamma").input_value() == before
+
+
+@pytest.mark.parametrize("scale", [1e-12, 1e6])
+def test_small_and_large_curves_have_marks(show: Open, scale: float) -> None:
+    opened = show()
+    opened.page.evaluate("explorer.scene.remove('wall')")
+    opened.field("motion.a_max_g").fill(repr(0.4 * scale))
+    opened.field("motion.a_max_g").press("Enter")
+    opened.settle()
+    assert opened.problem == ""
+    low, high = opened.page.evaluate(
+        "[explorer.pictures.charts.u_s.plot.scales.y.min, "
+        "explorer.pictures.charts.u_s.plot.scales.y.max]"
+    )
+    peak = float(opened.number("u_s_max_m"))
+    assert peak < max(-low, high) < 1.3 * peak
+    # letters of the marks are inside the picture
+    assert opened.page.evaluate(
+        """() => {
+          const { plot } = explorer.pictures.charts.u_s;
+          const axis = plot.axes[1];
+          plot.ctx.font = axis.font[0];
+          const wide = Math.max(...axis._values.map((x) => plot.ctx.measureText(x).width));
+          return plot.bbox.left - wide - 18 * devicePixelRatio;
+        }"""
+    ) > 0.0  # fmt: skip
+
+
+def _quiet(seconds: float) -> bytes:
+    """Write a record of two columns that begins with quiet seconds."""
+    t = np.arange(0.0, seconds + 3.0, 0.02)
+    values = 0.4 * np.sin(6.0 * (t - seconds)) * (t > seconds)
+    return "\n".join(f"{x:.6g},{y:.6g}" for x, y in zip(t, values, strict=True)).encode()
+
+
+def test_a_run_lasts_as_long_as_its_record(show: Open) -> None:
+    opened = show()
+    opened.open_all()
+    upload = opened.page.locator("#file")
+    for seconds in (12.0, 5.0):
+        upload.set_input_files(
+            {"name": f"{seconds}.csv", "mimeType": "text/csv", "buffer": _quiet(seconds)}
+        )
+        opened.page.get_by_text(f"{seconds}.csv: {seconds + 2.98:g} s").wait_for()
+        opened.settle()
+        assert float(opened.field("solver.t_end").input_value()) == seconds + 2.98
+        assert float(opened.number("u_s_max_m")) > 1e-3
+        # the motion is shown, as long as it lasts
+        times, motion = opened.page.evaluate(
+            "explorer.pictures.charts.ground.data.map((x) => Array.from(x))"
+        )
+        assert times[-1] == pytest.approx(seconds + 2.98)
+        assert max(np.abs(motion)) == pytest.approx(0.4 * 9.81, rel=0.02)
+        assert opened.page.locator("#ground canvas").is_visible()
+    warnings = opened.page.locator("#warnings")
+    assert "ground motion lasts" not in warnings.text_content()
+    opened.field("solver.t_end").fill("4")
+    opened.field("solver.t_end").press("Enter")
+    opened.settle()
+    assert "the ground motion lasts until 7.98 s" in warnings.text_content()
+
+
+def test_a_record_comes_back_with_its_keys(show: Open) -> None:
+    """Its unit and interval belong to the file, whatever other motion is shown in between."""
+    opened = show()
+    opened.page.locator("#interval").fill("0.01")
+    content = "\n".join(f"{0.3 * np.sin(0.06 * i):.6g}" for i in range(200)).encode()
+    opened.page.locator("#file").set_input_files(
+        {"name": "own.csv", "mimeType": "text/csv", "buffer": content}
+    )
+    opened.page.get_by_text("own.csv: 1.99 s").wait_for()
+    opened.settle()
+    before = opened.number("u_s_max_m")
+    for kind in ("one_sine", "record"):
+        opened.field("motion.kind").select_option(kind)
+        opened.settle()
+        assert opened.problem == ""
+    assert opened.number("u_s_max_m") == before
+
+
+def test_costs_of_another_case_are_marked(show: Open) -> None:
+    opened = show()
+    opened.open_all()
+    opened.page.evaluate("explorer.cost.of = JSON.stringify(explorer.scene.question())")
+    stale = opened.page.locator("#cost.stale")
+    for value, count in (("0.7", 1), ("0.5", 0)):
+        opened.field("wall.b").fill(value)
+        opened.field("wall.b").press("Enter")
+        opened.settle()
+        assert stale.count() == count
+        text = opened.page.locator("#cost-state").text_content()
+        assert text.startswith("Of an earlier state") == bool(count)
+
 
 class _OtherSite(BaseHTTPRequestHandler):
     """A page of another origin that knows the port."""

@@ -166,17 +166,18 @@ export class Controls {
       field.select();
     });
     field.addEventListener("blur",
-      () => { if (field.value === field.title) field.value = shown(Number(field.title)); });
+      () => { if (read(field) === Number(field.title)) field.value = shown(read(field)); });
     field.addEventListener("change", () => {
-      const found = Number(field.value.trim().replace(/d/i, "e"));
-      if (!field.value.trim() || !Number.isFinite(found)
+      const found = read(field);
+      if (!Number.isFinite(found)
         || (range.whole && !Number.isInteger(found))) {
         this.complain(field,
           `must be a ${range.whole ? "whole " : ""}number${key.allowed ? `, ${key.allowed}` : ""}`);
         return;
       }
       this.complain(field, "");
-      range.widen(found);
+      // a number far away does not leave its range to those after it
+      Object.assign(range, new Range(key, found));
       slider.value = range.position(found);
       slider.setAttribute("aria-valuetext", says(found));
       field.title = String(found);
@@ -213,8 +214,10 @@ export class Controls {
 
   list(name, key) {
     const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
-      value: this.scene.get(name).join(", "), "aria-describedby": `${name}:wrong` });
+      value: this.scene.get(name).join(", "), "aria-describedby": `${name}:wrong`,
+      title: this.scene.get(name).join(", ") });
     field.addEventListener("change", () => {
+      field.title = field.value;
       const items = field.value.split(/[\s,;]+/).filter(Boolean);
       const found = key.kind === "real list" ? items.map(Number) : items;
       const wrong = !found.length || (key.kind === "real list" && !found.every(Number.isFinite));
@@ -245,8 +248,16 @@ export class Controls {
   }
 }
 
-// All digits where they fit.
+// The number in a field, with an exponent as in Fortran too; NaN for none.
+function read(field) {
+  const text = field.value.trim().replace(/d/i, "e");
+  return text ? Number(text) : NaN;
+}
+
+// All digits where they fit; 6e8 rather than 600000000.
 function shown(value) {
   const text = String(value);
-  return text.length <= 9 ? text : short(value, 6);
+  const brief = short(value, 6);
+  const same = text.length > 6 && brief.length < text.length && Number(brief) === value;
+  return same || text.length > 10 ? brief : text;
 }

@@ -4,12 +4,24 @@ import { follow } from "./bridge.js";
 import { panel } from "./figure.js";
 import { byId, element, short } from "./format.js";
 
+const EARLIER = "Of an earlier state of the sliders. ";
+
 export class CostPanel {
   constructor(scene) {
     this.scene = scene;
     this.running = null;
+    this.of = "";
     byId("measure").addEventListener("click",
       () => (this.running ? this.running.abort() : this.measure()));
+  }
+
+  // Mark a result of another case than the one that is shown.
+  age() {
+    const now = JSON.stringify(this.scene.question());
+    byId("cost").classList.toggle("stale", Boolean(this.of) && this.of !== now);
+    const text = byId("cost-state");
+    text.textContent = text.textContent.replace(EARLIER, "");
+    if (this.of && this.of !== now && !this.running) text.textContent = EARLIER + text.textContent;
   }
 
   async measure() {
@@ -18,15 +30,18 @@ export class CostPanel {
     this.running = new AbortController();
     button.textContent = "Cancel";
     state.textContent = "reference in quadruple precision …";
+    const question = this.scene.question();
     try {
-      const found = await follow("/api/cost", this.scene.question(), this.running.signal,
+      const found = await follow("/api/cost", question, this.running.signal,
         ({ done, total }) => { if (done) state.textContent = `${done} of ${total} runs`; });
       this.show(found);
+      this.of = JSON.stringify(question);
     } catch (error) {
       state.textContent = error.name === "AbortError" ? "Cancelled." : error.message;
     }
     this.running = null;
     button.textContent = "Measure this case";
+    this.age();
   }
 
   show(found) {

@@ -53,9 +53,12 @@ function extent(curves, axis, log) {
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
-  const [left, right, top, bottom] = [62, width - 10, 26, height - 40];
   const [x0, x1] = extent(curves, "x", logX);
   const [y0, y1] = extent(curves, "y", logY);
+  const levels = logY ? decades(y0, y1) : marks(y0, y1, 5);
+  const longest = Math.max(0, ...levels.map((y) => short(y, 4).length));
+  const [left, right, top, bottom] = [Math.max(62, 28 + 7.7 * longest), width - 10, 26,
+    height - 40];
   const scale = (low, high, from, to, log) => (log
     ? (v) => from + Math.log(v / low) / Math.log(high / low) * (to - from)
     : (v) => from + (v - low) / (high - low) * (to - from));
@@ -69,7 +72,7 @@ export function panel(curves, options) {
       fill: "none" }),
       text(X(x), bottom + 15, short(x, 4), { "text-anchor": "middle" }));
   }
-  for (const y of logY ? decades(y0, y1) : marks(y0, y1, 5)) {
+  for (const y of levels) {
     body.append(node("path", { d: `M${left} ${Y(y)}H${right}`, stroke: tone("line"),
       fill: "none" }),
       text(left - 6, Y(y) + 4, short(y, 4), { "text-anchor": "end" }));

@@ -22,6 +22,7 @@ const PATIENCE = { history: 600, spectrum: 120 };
 class Explorer {
   constructor(description) {
     this.version = 1;
+    this.uploads = 0;
     this.shown = { history: 0, spectrum: 0 };
     this.running = false;
     this.perPeriod = 0;
@@ -45,6 +46,7 @@ class Explorer {
       () => {
         this.controls.ranges.clear();
         this.file = null;
+        this.uploads++;
         byId("upload").reset();
         byId("upload-state").textContent = "";
         this.compare(false);
@@ -83,6 +85,7 @@ class Explorer {
     this.version++;
     this.touched = performance.now();
     if (anew) this.controls.build();
+    this.cost.age();
     clearTimeout(this.remembering);
     this.remembering = setTimeout(() => this.scene.remember(), 300);
     this.hurry();
@@ -280,7 +283,7 @@ class Explorer {
   saveFigure() {
     const { spectrum, charts } = this.pictures;
     const named = { Spectrum: spectrum, "Displacement of the frame": charts.u_s,
-      "Rotation of the wall": charts.theta, "Drifts of the storeys": charts.drifts };
+      "Rotation of the wall": charts.theta, "Ground acceleration": charts.ground, "Drifts of the storeys": charts.drifts };
     const panels = Object.entries(named).filter(([, chart]) => chart.plot).map(([title, chart]) =>
       [chart.curves(), { title, xLabel: chart.labels[0], yLabel: chart.labels[1] }]);
     save("explored.svg", "image/svg+xml", sheet(panels, `rwmf: ${this.scene.description.name}`));
@@ -295,11 +298,15 @@ class Explorer {
     if (interval) words.set("dt", interval);
     state.className = "";
     state.textContent = `reading ${file.name} …`;
+    const mine = ++this.uploads;
     try {
       const answer = await ask(`/api/record?${words}`, file);
+      // another file, or the case as it was, is wanted by now
+      if (mine !== this.uploads) return;
       state.textContent = `${answer.name}: ${answer.facts}`;
       this.scene.useRecord(answer);
     } catch (error) {
+      if (mine !== this.uploads) return;
       state.className = "wrong";
       state.textContent = error.message;
     }

@@ -14,7 +14,7 @@ function padded(_, low, high) {
   if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0,
     1];
   const size = Math.max(Math.abs(low), Math.abs(high)) || 1;
-  const pad = Math.max(0.06 * (high - low), 1e-6 * size, 1e-12);
+  const pad = Math.max(0.06 * (high - low), 1e-6 * size);
   return [low === 0 ? 0 : low - pad, high + pad];
 }
 
@@ -59,7 +59,9 @@ class Chart {
       series: [{ label: this.labels[0],
         value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)) }, ...series],
       axes: [{ ...axis, label: this.labels[0], labelSize: 18, size: 34 },
-        { ...axis, label: this.labels[1], labelSize: 18, size: 62,
+        { ...axis, label: this.labels[1], labelSize: 18,
+          // digits are about 7.7 wide
+          size: (_, texts) => Math.max(62, 12 + 7.7 * longest(texts)),
           values: (_, all) => all.map((x) => short(x, 5)) }],
       scales: { x: { time: false, range: exact }, y: { range: padded } },
       cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 6 },
@@ -118,6 +120,7 @@ export class Pictures {
     this.charts = {
       u_s: new Chart(byId("u_s"), 190, ["t [s]", "u_s [m]"], {}, "time"),
       theta: new Chart(byId("theta"), 190, ["t [s]", "θ [rad]"], ticks, "time"),
+      ground: new Chart(byId("ground"), 190, ["t [s]", "ground ü_g [m/s²]"], {}, "time"),
       drifts: new Chart(byId("drifts"), 190, ["t [s]", "storey drift [-]"], {}, "time"),
       energies: new Chart(byId("energies"), 210, ["t [s]", "energy [J/kg]"], {}, "time"),
     };
@@ -141,6 +144,9 @@ export class Pictures {
     this.compared = other ? [answer.scene.formulation, other.scene.formulation] : null;
     this.lines("u_s", columns, others, ["u_s"]);
     this.lines("theta", columns, others, ["theta"]);
+    if (columns.u_g_ddot) {
+      this.charts.ground.draw([line("ü_g", "c2", { width: 1 })], [columns.time, columns.u_g_ddot]);
+    } else this.charts.ground.clear();
     const drifts = Object.keys(columns).filter((name) => /^storey_\d+_drift$/.test(name));
     if (drifts.length) {
       this.charts.drifts.draw(drifts.map((name, i) => line(`storey ${i + 1}`, `c${i % 6}`)),
@@ -253,6 +259,8 @@ export class Pictures {
 export const bare = (key) => key.replace(/_(m|s|rad_s|rad|J_per_kg|N)$/, "");
 
 const alpha = (name) => () => colour(name) + "40";
+
+const longest = (texts) => Math.max(0, ...(texts ?? []).map((text) => text.length));
 
 const mapValues = (object, change) =>
   Object.fromEntries(Object.entries(object).map(([key, x]) => [key, change(x)]));

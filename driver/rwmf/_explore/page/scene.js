@@ -10,6 +10,7 @@ export class Scene {
     this.groups = copy(description.state);
     this.record = "";
     this.recordName = description.record;
+    this.recordMotion = description.record ? copy(description.state.motion) : null;
     this.keys = new Map();
     for (const group of description.groups) {
       for (const key of group.keys) this.keys.set(`${group.name}.${key.key}`, key);
@@ -59,6 +60,7 @@ export class Scene {
     this.groups = copy(this.description.state);
     this.record = "";
     this.recordName = this.description.record;
+    this.recordMotion = this.recordName ? copy(this.description.state.motion) : null;
     this.changed(true);
   }
 
@@ -244,6 +246,11 @@ export class Scene {
   follow(name, value) {
     const [group] = name.split(".");
     const table = this.description.belonging[name];
+    if (name === "motion.kind" && value === "record" && this.recordMotion) {
+      // unit and interval belong to the file, which is still there
+      this.groups.motion = copy(this.recordMotion);
+      return true;
+    }
     const mine = table[value] ?? {};
     const allowed = new Set(Object.keys(mine).flatMap((keys) => keys.split("|")));
     for (const keys of Object.values(table).flatMap(Object.keys)) {
@@ -314,6 +321,9 @@ export class Scene {
     this.record = answer.record;
     this.recordName = answer.name;
     this.groups.motion = copy(answer.motion);
+    this.recordMotion = copy(answer.motion);
+    // a run lasts as long as its record; a slider makes it longer
+    if (this.has("solver") && answer.end > 0) this.groups.solver.t_end = answer.end;
     // a vertical record belongs to the one that has gone
     if (this.has("vertical") && this.get("vertical.ratio") === undefined) delete this.groups
       .vertical;
