@@ -690,6 +690,7 @@ def test_what_accuracy_costs(show: Open) -> None:
     assert "Cheapest for 1e-6" in opened.page.locator("#cost-state").text_content()
     assert opened.page.locator("#cost tbody tr").count() > 30
 
+
 # values of a field, with all their digits where they are edited
 SIZES = ["1e-12", "1e12", "6e8", "600000000", "0.1", "-1.2345678901234567e-12", "987654321098.7",
          "0.00012345678901", "1000000", "0.1234567890123000", "1d-3"]  # fmt: skip
