@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import math
 import os
 import re
 import shlex
@@ -290,7 +289,7 @@ def _tested_sources() -> str:
 
 
 def compare(found: str, expected: str) -> None:
-    """Compare word by word, numbers to 1e-6 of their size; `...` stands for any words.
+    """Compare word by word; `...` stands for any words.
 
     Parameters
     ----------
@@ -310,21 +309,12 @@ def compare(found: str, expected: str) -> None:
 
 def _matches(found: list[str], expected: list[str]) -> bool:
     head = expected.index("...") if "..." in expected else len(expected)
-    if len(found) < head or not all(map(_same, found[:head], expected[:head])):
+    if len(found) < head or found[:head] != expected[:head]:
         return False
     if head == len(expected):
         return len(found) == head
     rest = expected[head + 1 :]
     return any(_matches(found[i:], rest) for i in range(head, len(found) + 1))
-
-
-def _same(one: str, other: str) -> bool:
-    if one == other:
-        return True
-    try:
-        return math.isclose(float(one.strip("[],:")), float(other.strip("[],:")), rel_tol=1e-6)
-    except ValueError:
-        return False
 
 
 def keep_figures(page: Path, folder: Path) -> None:
