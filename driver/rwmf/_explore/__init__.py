@@ -1,7 +1,8 @@
 """A case in the browser: a local page with sliders, pictures and numbers (``rwmf explore``).
 
-`model` answers questions of the page from the kernel, `controls` says how each key is shown,
-`server` speaks HTTP with this machine only, and ``page`` is what the browser loads.
+`server` speaks HTTP with this machine only. It hands questions to the processes of `workers`, where
+`model` answers them from the kernel. `controls` describes how each key is shown, and ``page`` is
+loaded by the browser.
 """
 
 from rwmf._explore.server import explore
