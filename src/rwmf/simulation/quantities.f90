@@ -266,7 +266,8 @@ module rwmf_simulation_quantities
       quantity_t('warnings', '', '', 'list', 'end', 'run spectrum', '', of_events, '', &
       'what the user should know')]
 
-   !> Demands of a run: what a building is designed for.
+   !> Demands of a run: what a building is designed for. Accelerations err by at most 100 rtol of
+   !> their values times their sensitivity to the motion (1 at least).
    type(quantity_t), parameter :: demands(*) = [ &
       quantity_t('storey_{i}_drift_max', 'storey_{i}_drift_max', '1', 'real', 'peak', &
       'run ordinate', 'storeys', of_demands, '', 'largest drift of storey {i} over its height'), &
@@ -324,7 +325,8 @@ module rwmf_simulation_quantities
       quantity_t('wall_moment_max_N_m', 'wall_moment_max', 'N m', 'real', 'peak', 'run ordinate', &
       'wall', of_demands, 'a mass', 'largest bending moment inside the wall')]
 
-   !> Parts of the energy ledger, and its residual.
+   !> Parts of the energy ledger, and its residual. They err by at most 100 rtol of the largest part
+   !> times their sensitivity to the motion (1 at least).
    type(quantity_t), parameter :: energies(*) = [ &
       quantity_t('energy_input_J_per_kg', 'energy_input_J_per_kg', 'J/kg', 'real', 'end', &
       'history run ordinate', '', of_energy, '', &
