@@ -13,7 +13,7 @@ from rwmf._labels import dataset
 from rwmf.case import Case
 from rwmf.case.grid import Values, with_grid
 from rwmf.errors import InputError
-from rwmf.quantities import AXES, find, keys_of
+from rwmf.quantities import AXES, QUANTITIES, find, keys_of
 
 __all__ = ["spectrum", "start", "to_dataset"]
 
@@ -71,7 +71,7 @@ def spectrum(
     Interrupted
         After Ctrl-C.
     """
-    keys = [] if quantities is None else keys_of(quantities)
+    keys = [] if quantities is None else keys_of(_without_second_names(quantities))
     if quantities is not None and not (keys and _can_be_told_apart(keys)):
         _refuse(case, keys)
     try:
@@ -81,6 +81,17 @@ def spectrum(
         if keys:
             _refuse(case, keys)
         raise
+
+
+def _without_second_names(words: Sequence[str]) -> list[str]:
+    """Leave out the second name of a quantity where both are requested: a dataset has both."""
+    seen: dict[str, str] = {}
+    first = []
+    for word, key in zip(words, keys_of(words), strict=True):
+        name = find(key).called(word) if key in QUANTITIES else word
+        if seen.setdefault(key, name) == name or key not in QUANTITIES:
+            first.append(word)
+    return first
 
 
 def _can_be_told_apart(keys: Sequence[str]) -> bool:

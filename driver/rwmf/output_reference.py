@@ -46,6 +46,17 @@ How a number is found:
 | axis | dimension of a grid |
 | work | what the computation took |
 | error | estimate, or comparison with something better |
+
+Errors depend on `&solver rtol` and on the sensitivity S, the relative change of a quantity per
+relative change of the motion, at least 1:
+
+| quantity | largest error |
+|---|---|
+| peak of a floor acceleration | 100 `rtol` S of its value |
+| part of the energy ledger | 100 `rtol` S of the largest part: a small part has fewer digits |
+
+A peak of the friction demand is infinite where the pivot lifts, and S is large where it hardly
+does not.
 """
 _SECTIONS = {
     "history": "Columns of the history\n\n`CASE.history.csv`, with `&output dt`",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass
 from typing import Any
@@ -136,7 +137,15 @@ def keys_of(names: Iterable[str]) -> list[str]:
         if "run" in item.outputs.split()
         for name in item.names("run")
     }
-    return [keys.get(name.lower(), name) for name in names]
+    found = []
+    for name in names:
+        word = name.lower()
+        # the number of a floor or storey is behind the first underscore
+        numbered = re.match(r"[a-z]+_(\d{1,4})_", word)
+        number = numbered[1] if numbered else "{i}"
+        key = keys.get(word.replace(f"_{number}_", "_{i}_", 1), name)
+        found.append(key.replace("{i}", number))
+    return found
 
 
 def names_by_key(names: Iterable[object]) -> dict[str, str]:

@@ -69,6 +69,7 @@ def _library() -> ctypes.CDLL:
     assert path.is_file(), f"{path} is missing: run tools/test, or set RWMF_LIBRARY"
     library = ctypes.CDLL(str(path))
     library.rwmf_destroy.restype = library.rwmf_destroy_element.restype = None
+    library.rwmf_destroy_case.restype = None
     return library
 
 
@@ -86,6 +87,36 @@ def run(text: str) -> Result:
     result = Result()
     _call("rwmf_run", c_char_p(text.encode()), byref(result))
     return result
+
+
+class Rows(ctypes.Structure):
+    """`rwmf_rows`."""
+
+    _fields_ = (
+        ("n_columns", c_size_t), ("columns", c_void_p), ("n", c_size_t), ("values", c_void_p),
+        ("n_quantities", c_size_t), ("quantities", c_void_p),
+    )  # fmt: skip
+
+
+def run_rows(
+    path: Path, column: str, numbers: Sequence[float], quantities: Sequence[str]
+) -> list[list[float]]:
+    """Run a case of a file for several numbers of a key: the quantities of each."""
+    scene = c_void_p()
+    _call("rwmf_read_case_file", c_char_p(str(path).encode()), byref(scene))
+    columns = (c_char_p * 1)(column.encode())
+    keys = (c_char_p * len(quantities))(*(key.encode() for key in quantities))
+    values = (c_double * len(numbers))(*numbers)
+    results = (c_double * (len(quantities) * len(numbers)))()
+    status = (c_int32 * len(numbers))()
+    addresses = [ctypes.cast(array, c_void_p) for array in (columns, values, keys)]
+    rows = Rows(1, addresses[0], len(numbers), addresses[1], len(quantities), addresses[2])
+    try:
+        _call("rwmf_run_rows", scene, byref(rows), 1, results, status)
+    finally:
+        _library().rwmf_destroy_case(byref(scene))
+    n = len(quantities)
+    return [list(results[i * n : (i + 1) * n]) for i in range(len(numbers))]
 
 
 class Wall:

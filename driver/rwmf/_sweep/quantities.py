@@ -14,7 +14,7 @@ class _Table(dict[str, quantities.Quantity]):
 
     def __missing__(self, name: str) -> quantities.Quantity:
         try:
-            found = quantities.find(name)
+            found = quantities.find(*quantities.keys_of([name]))
         except (KeyError, StopIteration):
             raise KeyError(name) from None
         if "ordinate" not in found.outputs.split():
@@ -57,7 +57,8 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     Returns
     -------
     dict of str to Quantity
-        By their names in the dataset, in their order; of two names the one that was asked for.
+        By their names in the dataset, in their order. A quantity with two names in a dataset comes
+        back under each that is requested.
 
     Raises
     ------
@@ -69,12 +70,10 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
     unknown: list[str] = []
     for name, key in zip(names, quantities.keys_of(names), strict=True):
         try:
-            # the keys of storeys, which the other tables do not list, have small letters only
-            quantity = by_key[key if key in by_key else key.lower()]
+            quantity = by_key[key]
         except KeyError:
             unknown.append(name)
         else:
-            asked = {word: one for word, one in asked.items() if one.key != quantity.key}
             asked[quantity.called(name)] = quantity
     if unknown or not names:
         wrong = ", ".join(unknown) or "nothing"

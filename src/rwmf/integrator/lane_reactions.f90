@@ -78,12 +78,14 @@ contains
          end do
       end do
       call lane_reactions(parts, coef, y_new, at_ends, values(1, 1, at_end))
-      call find_plain_steps(angle, values, table(1, of_plain))
+      call find_plain_steps(parts, angle, values, table(1, of_plain))
    end subroutine screen_steps
 
    !> Which steps can hold no extremum of the reactions? Most are so short, and so far from the
-   !> extrema so far, that their ends say it.
-   pure subroutine find_plain_steps(angle, values, is_plain)
+   !> extrema so far, that their ends say it. A quotient |H|/N is bounded by its parts, because it
+   !> has a sharp peak wherever N is small.
+   pure subroutine find_plain_steps(parts, angle, values, is_plain)
+      type(force_parts_t), intent(in) :: parts
       real(wp), intent(in) :: angle(lane_count)
       !! that the fastest vibration of the scene goes through in the step [rad]
       real(wp), intent(in) :: values(lane_count, reaction_count, value_count)
@@ -93,25 +95,34 @@ contains
       !! 1 where there is none, 0 where there may be one
       real(wp), parameter :: largest_margin = 0.25_wp
       !! of the range so far, of so long a step
-      real(wp) :: margin, range, found, share
+      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
+      !! of factors of a product
+      real(wp) :: margin, range, found, level, normal_a, normal_b
       integer :: i, q
 
       do q = 1, reaction_count
-         !$omp simd private(margin, range, found, share)
+         !$omp simd private(margin, range, found, level, normal_a, normal_b)
          do i = 1, lane_count
             if (q == 1) is_plain(i) = merge(1.0_wp, 0.0_wp, angle(i) < short_angle)
             margin = max(0.01_wp, largest_margin*(angle(i)/short_angle)**2)
-            if (q == demand) then
-               ! a quotient departs by both of its parts, over a normal force that may be small
-               share = max(values(i, low_normal, at_begin), values(i, low_normal, at_end)) &
-                  /min(values(i, low_normal, least_so_far), -tiny(share))
-               margin = merge(min(largest_margin, 2*margin/max(share, 0.01_wp)), largest_margin, &
-                  share > 0.01_wp)
-            end if
             range = values(i, q, so_far) - values(i, q, least_so_far)
             found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
-            is_plain(i) = merge(is_plain(i), 0.0_wp, found < values(i, q, so_far) &
-               .and. range >= 0)
+            level = values(i, q, so_far)
+            if (q == demand .and. parts%through_link%has_wall .and. .not. parts%has_shear_key) then
+               ! |H| departs from its ends by a part of its range, which the largest quotient times
+               ! the largest N exceeds
+               normal_a = -min(values(i, low_normal, at_begin), cap)
+               normal_b = -min(values(i, low_normal, at_end), cap)
+               level = min(level, cap)
+               found = max(normal_a*min(values(i, demand, at_begin), cap), &
+                  normal_b*min(values(i, demand, at_end), cap)) &
+                  + margin*level*min(-values(i, low_normal, least_so_far), cap)
+               level = level*(min(normal_a, normal_b) - margin*max(0.0_wp, &
+                  values(i, low_normal, so_far) - values(i, low_normal, least_so_far)))
+               ! no demand is larger than that of a pivot that lifts
+               if (values(i, demand, so_far) >= cap) found = -huge(found)
+            end if
+            is_plain(i) = merge(is_plain(i), 0.0_wp, found < level .and. range >= 0)
          end do
       end do
    end subroutine find_plain_steps

@@ -4,7 +4,7 @@ module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_simulation_quantities, only: all_quantities, is_demand, is_peak, look_up
+   use rwmf_simulation_quantities, only: all_quantities, asked_by, look_up, of_demands
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: scalar_of, scalar_t
    implicit none
@@ -21,9 +21,9 @@ contains
 
       call look_up(trim(case%solver%accuracy_of), place, number)
       if (place == 0) return
-      if (all_quantities(place)%asked_by /= 'reactions') return
+      if (asked_by(all_quantities(place)) /= 'reactions') return
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
-      if (is_demand(place)) then
+      if (all_quantities(place)%observed == of_demands) then
          case%output%demands = .true.
       else
          case%output%reactions = .true.

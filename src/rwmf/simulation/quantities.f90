@@ -6,8 +6,33 @@ module rwmf_simulation_quantities
    implicit none
    private
 
-   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, is_demand, is_peak
+   public :: quantity_t, all_quantities, look_up, spelled, is_of_ordinate, is_peak, asked_by
    public :: quantities_text
+   public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
+   public :: of_verification
+
+   ! The observer leaves out what no requested quantity needs: a quantity that needs more than its
+   ! row says is wrong where it is requested alone.
+   character(*), parameter :: of_nothing = 'nothing'
+   !! known before the run or beside it
+   character(*), parameter :: of_displacement = 'displacement'
+   !! follows from the largest displacement where both sides of the scene are alike
+   character(*), parameter :: of_events = 'events'
+   !! known from events and the end of the run
+   character(*), parameter :: of_velocity = 'velocity'
+   !! largest angular velocity, inside steps
+   character(*), parameter :: of_storeys = 'storeys'
+   !! turns of storeys that yield, inside steps
+   character(*), parameter :: of_reactions = 'reactions'
+   !! reactions of the foundation, inside steps
+   character(*), parameter :: of_demands = 'demands'
+   !! drifts, accelerations, shears and moments, inside steps
+   character(*), parameter :: of_energy = 'energy'
+   !! work over each step
+   character(*), parameter :: of_rows = 'rows'
+   !! rows of a history
+   character(*), parameter :: of_verification = 'verification'
+   !! further runs that estimate errors
 
    !> One quantity.
    type :: quantity_t
@@ -28,8 +53,8 @@ module rwmf_simulation_quantities
       !! 'sweep', 'cost'
       character(8) :: group
       !! of the case, without which it is absent; '' for none
-      character(12) :: asked_by
-      !! key of `&output` that asks for it; '' for what is always there
+      character(12) :: observed
+      !! what has to be observed of a run for it, one of the names above
       character(56) :: needs
       !! what else it needs, in Markdown
       character(80) :: meaning
@@ -37,330 +62,331 @@ module rwmf_simulation_quantities
 
    !> Columns of the history.
    type(quantity_t), parameter :: columns(*) = [ &
-      quantity_t('t_s', 'time', 's', 'real', 'row', 'history', '', '', '', 'time'), &
-      quantity_t('theta_rad', 'theta', 'rad', 'real', 'row', 'history', 'wall', '', '', &
+      quantity_t('t_s', 'time', 's', 'real', 'row', 'history', '', of_rows, '', 'time'), &
+      quantity_t('theta_rad', 'theta', 'rad', 'real', 'row', 'history', 'wall', of_rows, '', &
       'rotation of the wall'), &
-      quantity_t('theta_dot_rad_s', 'theta_dot', 'rad/s', 'real', 'row', 'history', 'wall', '', &
-      '', 'angular velocity of the wall'), &
+      quantity_t('theta_dot_rad_s', 'theta_dot', 'rad/s', 'real', 'row', 'history', 'wall', &
+      of_rows, '', 'angular velocity of the wall'), &
       quantity_t('theta_ddot_rad_s2', 'theta_ddot', 'rad/s2', 'real', 'row', 'history', 'wall', &
-      '', '', 'angular acceleration of the wall'), &
-      quantity_t('u_s_m', 'u_s', 'm', 'real', 'row', 'history', 'frame', '', '', &
+      of_rows, '', 'angular acceleration of the wall'), &
+      quantity_t('u_s_m', 'u_s', 'm', 'real', 'row', 'history', 'frame', of_rows, '', &
       'displacement of the frame'), &
-      quantity_t('u_s_dot_m_s', 'u_s_dot', 'm/s', 'real', 'row', 'history', 'frame', '', '', &
+      quantity_t('u_s_dot_m_s', 'u_s_dot', 'm/s', 'real', 'row', 'history', 'frame', of_rows, '', &
       'velocity of the frame'), &
-      quantity_t('u_g_ddot_m_s2', 'u_g_ddot', 'm/s2', 'real', 'row', 'history', '', '', '', &
+      quantity_t('u_g_ddot_m_s2', 'u_g_ddot', 'm/s2', 'real', 'row', 'history', '', of_rows, '', &
       'ground acceleration'), &
-      quantity_t('v_g_ddot_m_s2', 'v_g_ddot', 'm/s2', 'real', 'row', 'history', 'vertical', '', &
-      '', 'vertical ground acceleration'), &
+      quantity_t('v_g_ddot_m_s2', 'v_g_ddot', 'm/s2', 'real', 'row', 'history', 'vertical', &
+      of_rows, '', 'vertical ground acceleration'), &
       quantity_t('cable_force_over_m_w_g', 'cable_force_over_m_w_g', '1', 'real', 'row', &
-      'history', 'cable', '', '', 'cable force over weight of wall'), &
-      quantity_t('cable_force_N', 'cable_force', 'N', 'real', 'row', 'history', 'cable', '', &
+      'history', 'cable', of_rows, '', 'cable force over weight of wall'), &
+      quantity_t('cable_force_N', 'cable_force', 'N', 'real', 'row', 'history', 'cable', of_rows, &
       '`m_w` of `&wall`', 'cable force'), &
       quantity_t('frame_force_over_m_s_g', 'frame_force_over_m_s_g', '1', 'real', 'row', &
-      'history', 'yielding', '', 'not with `storey_u_y` and `coupling = ''full''`', &
+      'history', 'yielding', of_rows, 'not with `storey_u_y` and `coupling = ''full''`', &
       'force of the yielding frame over weight of its mass'), &
       quantity_t('fuse_left_force_over_m_w_g', 'fuse_left_force_over_m_w_g', '1', 'real', 'row', &
-      'history', 'fuse', '', '', 'force of the left fuse over weight of wall'), &
+      'history', 'fuse', of_rows, '', 'force of the left fuse over weight of wall'), &
       quantity_t('fuse_right_force_over_m_w_g', 'fuse_right_force_over_m_w_g', '1', 'real', 'row', &
-      'history', 'fuse', '', '', 'force of the right fuse over weight of wall'), &
-      quantity_t('floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', 'storeys', '', &
+      'history', 'fuse', of_rows, '', 'force of the right fuse over weight of wall'), &
+      quantity_t('floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', 'storeys', of_rows, &
       '`coupling = ''full''`', 'displacement of floor {i}'), &
       quantity_t('storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', 'history', 'storeys', &
-      '', '`coupling = ''full''` or `reactions`', 'drift of storey {i} over its height'), &
+      of_rows, '`coupling = ''full''` or `reactions`', 'drift of storey {i} over its height'), &
       quantity_t('storey_{i}_shear_over_m_w_g', 'storey_{i}_shear_over_m_w_g', '1', 'real', 'row', &
-      'history', 'storeys', '', '`reactions`, or `storey_u_y` with `full`', &
+      'history', 'storeys', of_rows, '`reactions`, or `storey_u_y` with `full`', &
       'shear of the columns of storey {i} over the weight that its mass is over'), &
       quantity_t('base_shear_over_weight', 'base_shear_over_weight', '1', 'real', 'row', &
-      'history', '', 'reactions', '', 'base shear over weight of wall and frame'), &
+      'history', '', of_reactions, '', 'base shear over weight of wall and frame'), &
       quantity_t('pivot_normal_over_m_w_g', 'pivot_normal_over_m_w_g', '1', 'real', 'row', &
-      'history', 'wall', 'reactions', '', 'vertical reaction of the pivot over weight of wall'), &
+      'history', 'wall', of_reactions, '', 'vertical reaction of the pivot over weight of wall'), &
       quantity_t('pivot_horizontal_over_m_w_g', 'pivot_horizontal_over_m_w_g', '1', 'real', 'row', &
-      'history', 'wall', 'reactions', '', 'horizontal reaction of the pivot over weight of wall'), &
+      'history', 'wall', of_reactions, '', &
+      'horizontal reaction of the pivot over weight of wall'), &
       quantity_t('friction_demand', 'friction_demand', '1', 'real', 'row', 'history', 'wall', &
-      'reactions', 'no `shear_key`', 'horizontal over vertical reaction of the pivot'), &
-      quantity_t('wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', 'reactions', &
+      of_reactions, 'no `shear_key`', 'horizontal over vertical reaction of the pivot'), &
+      quantity_t('wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', of_reactions, &
       '', 'displacement of the wall''s top over its height'), &
       quantity_t('frame_drift', 'frame_drift', '1', 'real', 'row', 'history', 'frame', &
-      'reactions', '`&wall`', &
+      of_reactions, '`&wall`', &
       'displacement of the frame, that of its roof, over the wall''s height'), &
       quantity_t('pivot_normal_N', 'pivot_normal_N', 'N', 'real', 'row', 'history', 'wall', &
-      'reactions', '`m_w`', 'vertical reaction of the pivot'), &
+      of_reactions, '`m_w`', 'vertical reaction of the pivot'), &
       quantity_t('pivot_horizontal_N', 'pivot_horizontal_N', 'N', 'real', 'row', 'history', &
-      'wall', 'reactions', '`m_w`', 'horizontal reaction of the pivot'), &
+      'wall', of_reactions, '`m_w`', 'horizontal reaction of the pivot'), &
       quantity_t('floor_{i}_acceleration_g', 'floor_{i}_acceleration_g', '1', 'real', 'row', &
-      'history', 'frame', 'reactions', '', 'absolute acceleration of floor {i} over g'), &
+      'history', 'frame', of_demands, '', 'absolute acceleration of floor {i} over g'), &
       quantity_t('overturning_moment_over_weight_m', 'overturning_moment_over_weight', 'm', &
-      'real', 'row', 'history', '', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'real', 'row', 'history', '', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'moment of all horizontal inertia about the ground over the weight'), &
       quantity_t('wall_shear_over_m_w_g', 'wall_shear_over_m_w_g', '1', 'real', 'row', 'history', &
-      'wall', 'reactions', '', 'largest shear along the wall over its weight'), &
+      'wall', of_demands, '', 'largest shear along the wall over its weight'), &
       quantity_t('wall_moment_over_m_w_g_m', 'wall_moment_over_m_w_g', 'm', 'real', 'row', &
-      'history', 'wall', 'reactions', '', &
-      'largest bending moment along the wall over its weight'), &
-      quantity_t('frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', 'yielding', '', &
-      'a mass; not with `storey_u_y` and `full`', 'force of the yielding frame'), &
+      'history', 'wall', of_demands, '', 'largest bending moment along the wall over its weight'), &
+      quantity_t('frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', 'yielding', &
+      of_rows, 'a mass; not with `storey_u_y` and `full`', 'force of the yielding frame'), &
       quantity_t('fuse_left_force_N', 'fuse_left_force', 'N', 'real', 'row', 'history', 'fuse', &
-      '', 'a mass', 'force of the left fuse'), &
-      quantity_t('fuse_right_force_N', 'fuse_right_force', 'N', 'real', 'row', 'history', &
-      'fuse', '', 'a mass', 'force of the right fuse'), &
+      of_rows, 'a mass', 'force of the left fuse'), &
+      quantity_t('fuse_right_force_N', 'fuse_right_force', 'N', 'real', 'row', 'history', 'fuse', &
+      of_rows, 'a mass', 'force of the right fuse'), &
       quantity_t('storey_{i}_shear_N', 'storey_{i}_shear', 'N', 'real', 'row', 'history', &
-      'storeys', '', 'a mass; `reactions`, or `storey_u_y` with `full`', &
+      'storeys', of_rows, 'a mass; `reactions`, or `storey_u_y` with `full`', &
       'shear of the columns of storey {i}'), &
-      quantity_t('base_shear_N', 'base_shear', 'N', 'real', 'row', 'history', '', 'reactions', &
+      quantity_t('base_shear_N', 'base_shear', 'N', 'real', 'row', 'history', '', of_reactions, &
       'a mass', 'base shear'), &
-      quantity_t('overturning_moment_N_m', 'overturning_moment', 'N m', 'real', 'row', &
-      'history', '', 'reactions', 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t('overturning_moment_N_m', 'overturning_moment', 'N m', 'real', 'row', 'history', &
+      '', of_demands, 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
       'moment of all horizontal inertia about the ground'), &
-      quantity_t('wall_shear_N', 'wall_shear', 'N', 'real', 'row', 'history', 'wall', &
-      'reactions', 'a mass', 'largest shear along the wall'), &
+      quantity_t('wall_shear_N', 'wall_shear', 'N', 'real', 'row', 'history', 'wall', of_demands, &
+      'a mass', 'largest shear along the wall'), &
       quantity_t('wall_moment_N_m', 'wall_moment', 'N m', 'real', 'row', 'history', 'wall', &
-      'reactions', 'a mass', 'largest bending moment along the wall')]
+      of_demands, 'a mass', 'largest bending moment along the wall')]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
       quantity_t('u_s_max_m', 'u_s_max', 'm', 'real', 'peak', 'run ordinate spectrum sweep cost', &
-      'frame', '', '', 'largest displacement of the frame'), &
+      'frame', of_displacement, '', 'largest displacement of the frame'), &
       quantity_t('t_u_s_max_s', 't_u_s_max', 's', 'real', 'time', 'run ordinate cost', 'frame', &
-      '', '', 'first time of the largest displacement'), &
+      of_events, '', 'first time of the largest displacement'), &
       quantity_t('theta_max_over_alpha', 'theta_max_over_alpha', '1', 'real', 'peak', &
-      'run ordinate', 'wall', '', '', 'largest rotation over slenderness'), &
+      'run ordinate', 'wall', of_displacement, '', 'largest rotation over slenderness'), &
       quantity_t('theta_dot_max_rad_s', 'theta_dot_max', 'rad/s', 'real', 'peak', &
-      'run ordinate cost', 'wall', '', '', 'largest angular velocity'), &
+      'run ordinate cost', 'wall', of_velocity, '', 'largest angular velocity'), &
       quantity_t('cable_force_increment_max_over_m_w_g', 'cable_force_increment_max_over_m_w_g', &
-      '1', 'real', 'peak', 'run ordinate', 'cable', '', '', &
+      '1', 'real', 'peak', 'run ordinate', 'cable', of_displacement, '', &
       'largest increment of the cable force over weight of wall'), &
       quantity_t('cable_prestress_loss_over_m_w_g', 'cable_prestress_loss_over_m_w_g', '1', &
-      'real', 'end', 'run ordinate', 'cable', '', '`eta_y` or `rupture_strain`', &
+      'real', 'end', 'run ordinate', 'cable', of_events, '`eta_y` or `rupture_strain`', &
       'cable force at theta = 0 that is lost in the end, over weight of wall'), &
       quantity_t('cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', 'run ordinate', &
-      'cable', '', '`eta_y` or `rupture_strain`', 'whether the cable broke'), &
-      quantity_t('ductility', 'ductility', '1', 'real', 'peak', 'run ordinate', 'yielding', '', &
-      '', 'largest displacement over that at first yield'), &
+      'cable', of_events, '`eta_y` or `rupture_strain`', 'whether the cable broke'), &
+      quantity_t('ductility', 'ductility', '1', 'real', 'peak', 'run ordinate', 'yielding', &
+      of_storeys, '', 'largest displacement over that at first yield'), &
       quantity_t('residual_displacement_m', 'residual_displacement', 'm', 'real', 'end', &
-      'run ordinate', 'yielding', '', '', &
+      'run ordinate', 'yielding', of_events, '', &
       'displacement at which the frame alone would be without force in the end'), &
       quantity_t('theta_end_over_alpha', 'theta_end_over_alpha', '1', 'real', 'end', &
-      'run ordinate', 'fuse', '', '', &
+      'run ordinate', 'fuse', of_events, '', &
       'rotation in the end over alpha, at which fuses may hold the wall up'), &
       quantity_t('storey_{i}_ductility', 'storey_{i}_ductility', '1', 'real', 'peak', &
-      'run ordinate', 'yielding', '', '`storey_u_y`', &
+      'run ordinate', 'yielding', of_storeys, '`storey_u_y`', &
       'largest displacement of storey {i} over that at first yield'), &
       quantity_t('storey_{i}_residual_drift', 'storey_{i}_residual_drift', '1', 'real', 'end', &
-      'run ordinate', 'yielding', '', '`storey_u_y`', &
+      'run ordinate', 'yielding', of_events, '`storey_u_y`', &
       'drift of storey {i} that unloading would leave in the end'), &
-      quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', 'wall', '', &
-      '`base = ''rocking''`', 'number of impacts'), &
-      quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', 'wall', '', &
+      quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', 'wall', &
+      of_events, '`base = ''rocking''`', 'number of impacts'), &
+      quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', 'wall', of_events, &
       '`base = ''rocking''`', 'number of times that the wall lifts off from rest'), &
       quantity_t('overturned', 'overturned', '1', 'logical', 'whether', 'run ordinate cost', &
-      'wall', '', '', 'whether the wall overturned'), &
-      quantity_t('collapsed', 'collapsed', '1', 'logical', 'whether', 'run ordinate', '', '', &
-      'an effect that limits a drift', 'whether a drift passed the limit of the effect'), &
-      quantity_t('t_collapse_s', 't_collapse', 's', 'real', 'time', 'run ordinate', '', '', &
+      'wall', of_displacement, '', 'whether the wall overturned'), &
+      quantity_t('collapsed', 'collapsed', '1', 'logical', 'whether', 'run ordinate', '', &
+      of_displacement, 'an effect that limits a drift', &
+      'whether a drift passed the limit of the effect'), &
+      quantity_t('t_collapse_s', 't_collapse', 's', 'real', 'time', 'run ordinate', '', of_events, &
       'an effect that limits a drift, collapsed', 'when it did, which ends the run'), &
-      quantity_t('e', 'e', '1', 'real', 'before', 'run ordinate', 'wall', '', &
+      quantity_t('e', 'e', '1', 'real', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
-      quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run ordinate', 'wall', '', &
+      quantity_t('e_max', 'e_max', '1', 'real', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
-      quantity_t('T_s_s', 'T_s', 's', 'real', 'before', 'run spectrum', 'frame', '', &
+      quantity_t('T_s_s', 'T_s', 's', 'real', 'before', 'run spectrum', 'frame', of_nothing, &
       'in a run `&storeys`', 'period of the frame'), &
       quantity_t('modal_mass_over_m_w', 'modal_mass_over_m_w', '1', 'real', 'before', 'run', &
-      'storeys', '', '', &
-      'mass of the first mode over that of the wall'), &
+      'storeys', of_nothing, '', 'mass of the first mode over that of the wall'), &
       quantity_t('mass_participation', 'mass_participation', '1', 'real', 'before', 'run', &
-      'storeys', '', '', &
-      'mass of the first mode over that of all floors'), &
-      quantity_t('modal_height_m', 'modal_height', 'm', 'real', 'before', 'run', 'storeys', '', &
-      '', 'height at which the mass of the first mode acts'), &
-      quantity_t('roof_factor', 'roof_factor', '1', 'real', 'before', 'run', 'storeys', '', '', &
-      'displacement of the roof over that of the first mode'), &
+      'storeys', of_nothing, '', 'mass of the first mode over that of all floors'), &
+      quantity_t('modal_height_m', 'modal_height', 'm', 'real', 'before', 'run', 'storeys', &
+      of_nothing, '', 'height at which the mass of the first mode acts'), &
+      quantity_t('roof_factor', 'roof_factor', '1', 'real', 'before', 'run', 'storeys', &
+      of_nothing, '', 'displacement of the roof over that of the first mode'), &
       quantity_t('base_shear_max_over_weight', 'base_shear_max_over_weight', '1', 'real', 'peak', &
-      'run ordinate', '', 'reactions', '', 'largest base shear over weight of wall and frame'), &
+      'run ordinate', '', of_reactions, '', 'largest base shear over weight of wall and frame'), &
       quantity_t('t_base_shear_max_s', 't_base_shear_max', 's', 'real', 'time', 'run ordinate', &
-      '', 'reactions', '', 'time of the largest base shear'), &
+      '', of_reactions, '', 'time of the largest base shear'), &
       quantity_t('pivot_normal_min_over_m_w_g', 'pivot_normal_min_over_m_w_g', '1', 'real', &
-      'peak', 'run ordinate', 'wall', 'reactions', '', &
+      'peak', 'run ordinate', 'wall', of_reactions, '', &
       'smallest pivot reaction over weight of wall'), &
       quantity_t('t_pivot_normal_min_s', 't_pivot_normal_min', 's', 'real', 'time', &
-      'run ordinate', 'wall', 'reactions', '', 'time of the smallest pivot reaction'), &
+      'run ordinate', 'wall', of_reactions, '', 'time of the smallest pivot reaction'), &
       quantity_t('pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', 'run ordinate', 'wall', &
-      'reactions', '', 'whether the pivot reaction was not positive at some time'), &
+      of_reactions, '', 'whether the pivot reaction was not positive at some time'), &
       quantity_t('friction_demand_max', 'friction_demand_max', '1', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', 'no `shear_key`', 'required coefficient of friction'), &
+      'run ordinate', 'wall', of_reactions, 'no `shear_key`', 'required coefficient of friction'), &
       quantity_t('t_friction_demand_max_s', 't_friction_demand_max', 's', 'real', 'time', &
-      'run ordinate', 'wall', 'reactions', 'no lift of the pivot, no `shear_key`', &
+      'run ordinate', 'wall', of_reactions, 'no lift of the pivot, no `shear_key`', &
       'time of the largest friction demand'), &
       quantity_t('shear_key_force_max_over_m_w_g', 'shear_key_force_max_over_m_w_g', '1', 'real', &
-      'peak', 'run ordinate', 'wall', 'reactions', '`shear_key`', &
+      'peak', 'run ordinate', 'wall', of_reactions, '`shear_key`', &
       'largest force of the shear key over weight of wall'), &
       quantity_t('t_shear_key_force_max_s', 't_shear_key_force_max', 's', 'real', 'time', &
-      'run ordinate', 'wall', 'reactions', '`shear_key`', 'time of that force'), &
+      'run ordinate', 'wall', of_reactions, '`shear_key`', 'time of that force'), &
       quantity_t('friction_exceeded', 'friction_exceeded', '1', 'logical', 'whether', &
-      'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`', &
+      'run ordinate', 'wall', of_reactions, '`friction_limit` of `&output`', &
       'whether the friction demand exceeded the limit'), &
       quantity_t('t_friction_exceeded_s', 't_friction_exceeded', 's', 'real', 'time', &
-      'run ordinate', 'wall', 'reactions', '`friction_limit` of `&output`, exceeded', &
+      'run ordinate', 'wall', of_reactions, '`friction_limit` of `&output`, exceeded', &
       'first time at which the demand exceeds the limit'), &
       quantity_t('wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', 'run ordinate', 'wall', &
-      'reactions', '', 'largest drift of the wall'), &
+      of_reactions, '', 'largest drift of the wall'), &
       quantity_t('frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', 'run ordinate', &
-      'frame', 'reactions', '`&wall`', &
+      'frame', of_reactions, '`&wall`', &
       'largest displacement of the frame, that of its roof, over the wall''s height'), &
-      quantity_t('cable_force_increment_max_N', 'cable_force_increment_max', 'N', 'real', &
-      'peak', 'run ordinate', 'cable', '', 'a mass', 'largest increment of the cable force'), &
+      quantity_t('cable_force_increment_max_N', 'cable_force_increment_max', 'N', 'real', 'peak', &
+      'run ordinate', 'cable', of_displacement, 'a mass', 'largest increment of the cable force'), &
       quantity_t('cable_prestress_loss_N', 'cable_prestress_loss', 'N', 'real', 'end', &
-      'run ordinate', 'cable', '', 'a mass; `eta_y` or `rupture_strain`', &
+      'run ordinate', 'cable', of_events, 'a mass; `eta_y` or `rupture_strain`', &
       'cable force at theta = 0 that is lost in the end'), &
       quantity_t('base_shear_max_N', 'base_shear_max', 'N', 'real', 'peak', 'run ordinate', '', &
-      'reactions', 'a mass', 'largest base shear'), &
+      of_reactions, 'a mass', 'largest base shear'), &
       quantity_t('pivot_normal_min_N', 'pivot_normal_min', 'N', 'real', 'peak', 'run ordinate', &
-      'wall', 'reactions', 'a mass', 'smallest pivot reaction'), &
+      'wall', of_reactions, 'a mass', 'smallest pivot reaction'), &
       quantity_t('shear_key_force_max_N', 'shear_key_force_max', 'N', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', 'a mass; `shear_key`', &
+      'run ordinate', 'wall', of_reactions, 'a mass; `shear_key`', &
       'largest force of the shear key'), &
-      quantity_t('steps', '', '1', 'int', 'work', 'run cost', '', '', '', &
+      quantity_t('steps', '', '1', 'int', 'work', 'run cost', '', of_nothing, '', &
       'accepted steps of the integrator'), &
-      quantity_t('rhs_evaluations', '', '1', 'int', 'work', 'run spectrum cost', '', '', '', &
-      'evaluations of the right-hand side'), &
-      quantity_t('seconds', '', 's', 'real', 'work', 'run spectrum cost', '', '', '', &
+      quantity_t('rhs_evaluations', '', '1', 'int', 'work', 'run spectrum cost', '', of_nothing, &
+      '', 'evaluations of the right-hand side'), &
+      quantity_t('seconds', '', 's', 'real', 'work', 'run spectrum cost', '', of_nothing, '', &
       'wall-clock time of the integration'), &
-      quantity_t('method', '', '', 'text', 'before', 'run spectrum cost', '', '', '', &
+      quantity_t('method', '', '', 'text', 'before', 'run spectrum cost', '', of_nothing, '', &
       'integrator, or procedure that is compared'), &
-      quantity_t('rtol', '', '1', 'real', 'before', 'run cost', '', '', '', &
+      quantity_t('rtol', '', '1', 'real', 'before', 'run cost', '', of_nothing, '', &
       'its relative tolerance'), &
-      quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run ordinate', '', '', &
-      '`accuracy` or `verify` of `&solver`', &
+      quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run ordinate', '', &
+      of_verification, '`accuracy` or `verify` of `&solver`', &
       'estimated error of the peak of `accuracy_of`, over it'), &
-      quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', '', &
+      quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', of_nothing, &
       '`accuracy` or `verify` of `&solver`', &
       'wall-clock time that the estimate took beyond `seconds`'), &
-      quantity_t('sensitivity', '', '1', 'real', 'error', 'run ordinate', '', '', &
+      quantity_t('sensitivity', '', '1', 'real', 'error', 'run ordinate', '', of_verification, &
       '`verify` of `&solver`', &
       'relative change of the same peak per relative change of the motion'), &
-      quantity_t('effects', '', '', 'list', 'before', 'run', '', '', '', &
+      quantity_t('effects', '', '', 'list', 'before', 'run', '', of_nothing, '', &
       'names of the effects that are simulated'), &
-      quantity_t('warnings', '', '', 'list', 'end', 'run spectrum', '', '', '', &
+      quantity_t('warnings', '', '', 'list', 'end', 'run spectrum', '', of_events, '', &
       'what the user should know')]
 
-   !> Demands of a run: what a building is designed for.
+   !> Demands of a run: what a building is designed for. Accelerations err by at most 100 rtol of
+   !> their values times their sensitivity to the motion (1 at least).
    type(quantity_t), parameter :: demands(*) = [ &
       quantity_t('storey_{i}_drift_max', 'storey_{i}_drift_max', '1', 'real', 'peak', &
-      'run ordinate', 'storeys', 'reactions', '', 'largest drift of storey {i} over its height'), &
+      'run ordinate', 'storeys', of_demands, '', 'largest drift of storey {i} over its height'), &
       quantity_t('storey_drift_max', 'storey_drift_max', '1', 'real', 'peak', 'run ordinate', &
-      'storeys', 'reactions', '', 'largest drift of all storeys over their heights'), &
+      'storeys', of_demands, '', 'largest drift of all storeys over their heights'), &
       quantity_t('t_storey_drift_max_s', 't_storey_drift_max', 's', 'real', 'time', &
-      'run ordinate', 'storeys', 'reactions', '', 'time of the largest drift of a storey'), &
+      'run ordinate', 'storeys', of_demands, '', 'time of the largest drift of a storey'), &
       quantity_t('roof_drift_max', 'roof_drift_max', '1', 'real', 'peak', 'run ordinate', 'frame', &
-      'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'largest displacement of the roof over its height'), &
-      quantity_t('t_roof_drift_max_s', 't_roof_drift_max', 's', 'real', 'time', &
-      'run ordinate', 'frame', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t('t_roof_drift_max_s', 't_roof_drift_max', 's', 'real', 'time', 'run ordinate', &
+      'frame', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'time of the largest drift of the roof'), &
       quantity_t('storey_residual_drift_max', 'storey_residual_drift_max', '1', 'real', 'end', &
-      'run ordinate', 'yielding', 'reactions', '`&storeys`', &
+      'run ordinate', 'yielding', of_demands, '`&storeys`', &
       'largest drift of a storey that unloading would leave in the end'), &
-      quantity_t('roof_residual_drift', 'roof_residual_drift', '1', 'real', 'end', &
-      'run ordinate', 'yielding', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t('roof_residual_drift', 'roof_residual_drift', '1', 'real', 'end', 'run ordinate', &
+      'yielding', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'displacement of the roof that unloading would leave over its height'), &
       quantity_t('floor_{i}_acceleration_max_g', 'floor_{i}_acceleration_max_g', '1', 'real', &
-      'peak', 'run ordinate', 'frame', 'reactions', '', &
+      'peak', 'run ordinate', 'frame', of_demands, '', &
       'largest absolute acceleration of floor {i} over g'), &
       quantity_t('floor_acceleration_max_g', 'floor_acceleration_max_g', '1', 'real', 'peak', &
-      'run ordinate', 'frame', 'reactions', '', &
+      'run ordinate', 'frame', of_demands, '', &
       'largest absolute acceleration of all floors over g'), &
       quantity_t('t_floor_acceleration_max_s', 't_floor_acceleration_max', 's', 'real', 'time', &
-      'run ordinate', 'frame', 'reactions', '', &
-      'time of the largest acceleration of a floor'), &
+      'run ordinate', 'frame', of_demands, '', 'time of the largest acceleration of a floor'), &
       quantity_t('storey_{i}_shear_max_over_m_w_g', 'storey_{i}_shear_max_over_m_w_g', '1', &
-      'real', 'peak', 'run ordinate', 'storeys', 'reactions', '', &
+      'real', 'peak', 'run ordinate', 'storeys', of_demands, '', &
       'largest shear of the columns of storey {i} over the weight that its mass is over'), &
       quantity_t('overturning_moment_max_over_weight_m', 'overturning_moment_max_over_weight', &
-      'm', 'real', 'peak', 'run ordinate', '', 'reactions', &
+      'm', 'real', 'peak', 'run ordinate', '', of_demands, &
       'a height: `&wall`, `&storeys` or `h_f`', &
       'largest moment of all horizontal inertia about the ground over the weight'), &
       quantity_t('t_overturning_moment_max_s', 't_overturning_moment_max', 's', 'real', 'time', &
-      'run ordinate', '', 'reactions', 'a height: `&wall`, `&storeys` or `h_f`', &
+      'run ordinate', '', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'time of the largest overturning moment'), &
       quantity_t('wall_shear_max_over_m_w_g', 'wall_shear_max_over_m_w_g', '1', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', '', 'largest shear inside the wall over its weight'), &
+      'run ordinate', 'wall', of_demands, '', 'largest shear inside the wall over its weight'), &
       quantity_t('wall_shear_max_height_m', 'wall_shear_max_height', 'm', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', '', 'where, above the base'), &
+      'run ordinate', 'wall', of_demands, '', 'where, above the base'), &
       quantity_t('wall_moment_max_over_m_w_g_m', 'wall_moment_max_over_m_w_g', 'm', 'real', &
-      'peak', 'run ordinate', 'wall', 'reactions', '', &
+      'peak', 'run ordinate', 'wall', of_demands, '', &
       'largest bending moment inside the wall over its weight'), &
       quantity_t('wall_moment_max_height_m', 'wall_moment_max_height', 'm', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', '', 'where, above the base'), &
+      'run ordinate', 'wall', of_demands, '', 'where, above the base'), &
       quantity_t('storey_{i}_shear_max_N', 'storey_{i}_shear_max', 'N', 'real', 'peak', &
-      'run ordinate', 'storeys', 'reactions', 'a mass', &
+      'run ordinate', 'storeys', of_demands, 'a mass', &
       'largest shear of the columns of storey {i}'), &
-      quantity_t('overturning_moment_max_N_m', 'overturning_moment_max', 'N m', 'real', &
-      'peak', 'run ordinate', '', 'reactions', 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t('overturning_moment_max_N_m', 'overturning_moment_max', 'N m', 'real', 'peak', &
+      'run ordinate', '', of_demands, 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
       'largest moment of all horizontal inertia about the ground'), &
       quantity_t('wall_shear_max_N', 'wall_shear_max', 'N', 'real', 'peak', 'run ordinate', &
-      'wall', 'reactions', 'a mass', 'largest shear inside the wall'), &
-      quantity_t('wall_moment_max_N_m', 'wall_moment_max', 'N m', 'real', 'peak', &
-      'run ordinate', 'wall', 'reactions', 'a mass', 'largest bending moment inside the wall')]
+      'wall', of_demands, 'a mass', 'largest shear inside the wall'), &
+      quantity_t('wall_moment_max_N_m', 'wall_moment_max', 'N m', 'real', 'peak', 'run ordinate', &
+      'wall', of_demands, 'a mass', 'largest bending moment inside the wall')]
 
-   !> Parts of the energy ledger, and its residual.
+   !> Parts of the energy ledger, and its residual. They err by at most 100 rtol of the largest part
+   !> times their sensitivity to the motion (1 at least).
    type(quantity_t), parameter :: energies(*) = [ &
       quantity_t('energy_input_J_per_kg', 'energy_input_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', '', 'energy', '', &
+      'history run ordinate', '', of_energy, '', &
       'work of the ground (energies over m_w; no wall: over m_s, `full`: of the roof)'), &
       quantity_t('energy_kinetic_J_per_kg', 'energy_kinetic_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', '', 'energy', '', 'kinetic energy of wall and floors'), &
+      'history run ordinate', '', of_energy, '', 'kinetic energy of wall and floors'), &
       quantity_t('energy_strain_J_per_kg', 'energy_strain_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', 'frame', 'energy', '', &
+      'history run ordinate', 'frame', of_energy, '', &
       'energy that the springs of the frame hold'), &
       quantity_t('energy_gravity_J_per_kg', 'energy_gravity_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', 'wall', 'energy', '', 'potential energy of the wall'), &
+      'history run ordinate', 'wall', of_energy, '', 'potential energy of the wall'), &
       quantity_t('energy_cable_J_per_kg', 'energy_cable_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', 'cable', 'energy', '', 'work stored in the cable'), &
+      'history run ordinate', 'cable', of_energy, '', 'work stored in the cable'), &
       quantity_t('energy_effects_J_per_kg', 'energy_effects_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', '', 'energy', 'an effect that stores energy', &
+      'history run ordinate', '', of_energy, 'an effect that stores energy', &
       'energy stored in fuses and other effects'), &
       quantity_t('energy_viscous_J_per_kg', 'energy_viscous_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', '', 'energy', 'a frame or a further effect', &
+      'history run ordinate', '', of_energy, 'a frame or a further effect', &
       'energy dissipated by dampers'), &
       quantity_t('energy_hysteretic_J_per_kg', 'energy_hysteretic_J_per_kg', 'J/kg', 'real', &
-      'end', 'history run ordinate', '', 'energy', 'springs that yield or break', &
+      'end', 'history run ordinate', '', of_energy, 'springs that yield or break', &
       'energy dissipated by yielding'), &
       quantity_t('energy_impact_J_per_kg', 'energy_impact_J_per_kg', 'J/kg', 'real', 'end', &
-      'history run ordinate', 'wall', 'energy', '`base = ''rocking''`', &
+      'history run ordinate', 'wall', of_energy, '`base = ''rocking''`', &
       'energy dissipated by impacts'), &
       quantity_t('energy_balance_relative', 'energy_balance_relative', '1', 'real', 'error', &
-      'run ordinate', '', 'energy', '', 'residual of the energy ledger')]
+      'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
 
    !> What spectra, sweeps and comparisons of methods report beyond these.
    type(quantity_t), parameter :: others(*) = [ &
-      quantity_t('b_m', '', 'm', 'real', 'axis', 'spectrum', 'wall', '', '', &
+      quantity_t('b_m', '', 'm', 'real', 'axis', 'spectrum', 'wall', of_nothing, '', &
       'half width of the wall'), &
-      quantity_t('gamma', '', '1', 'real', 'axis', 'spectrum', 'frame', '', '`&wall`', &
+      quantity_t('gamma', '', '1', 'real', 'axis', 'spectrum', 'frame', of_nothing, '`&wall`', &
       'mass ratio'), &
-      quantity_t('status', '', '', 'text', 'end', 'spectrum sweep cost', '', '', '', &
+      quantity_t('status', '', '', 'text', 'end', 'spectrum sweep cost', '', of_nothing, '', &
       'how the run ended'), &
-      quantity_t('threads', '', '1', 'int', 'work', 'spectrum', '', '', '', &
+      quantity_t('threads', '', '1', 'int', 'work', 'spectrum', '', of_nothing, '', &
       'threads of the kernel'), &
-      quantity_t('theta_max_rad', '', 'rad', 'real', 'peak', 'cost', 'wall', '', '', &
+      quantity_t('theta_max_rad', '', 'rad', 'real', 'peak', 'cost', 'wall', of_nothing, '', &
       'largest rotation of the wall'), &
-      quantity_t('theta_end_rad', '', 'rad', 'real', 'end', 'cost', 'wall', '', '', &
+      quantity_t('theta_end_rad', '', 'rad', 'real', 'end', 'cost', 'wall', of_nothing, '', &
       'rotation of the wall in the end'), &
-      quantity_t('theta_dot_end_rad_s', '', 'rad/s', 'real', 'end', 'cost', 'wall', '', '', &
-      'angular velocity of the wall in the end'), &
-      quantity_t('t_end_s', '', 's', 'real', 'end', 'cost', '', '', '', 'end of the simulation'), &
-      quantity_t('relative_error', '', '1', 'real', 'error', 'cost', '', '', '', &
+      quantity_t('theta_dot_end_rad_s', '', 'rad/s', 'real', 'end', 'cost', 'wall', of_nothing, &
+      '', 'angular velocity of the wall in the end'), &
+      quantity_t('t_end_s', '', 's', 'real', 'end', 'cost', '', of_nothing, '', &
+      'end of the simulation'), &
+      quantity_t('relative_error', '', '1', 'real', 'error', 'cost', '', of_nothing, '', &
       'of the peak, against the reference'), &
-      quantity_t('theta_max_relative_error', '', '1', 'real', 'error', 'cost', 'wall', '', '', &
-      'of the largest rotation, against the reference'), &
-      quantity_t('impact_time_error_s', '', 's', 'real', 'error', 'cost', 'wall', '', &
+      quantity_t('theta_max_relative_error', '', '1', 'real', 'error', 'cost', 'wall', of_nothing, &
+      '', 'of the largest rotation, against the reference'), &
+      quantity_t('impact_time_error_s', '', 's', 'real', 'error', 'cost', 'wall', of_nothing, &
       '`base = ''rocking''`', &
       'largest distance of an impact from that of the reference, chatter left out'), &
-      quantity_t('end_state_relative_error', '', '1', 'real', 'error', 'cost', '', '', '', &
+      quantity_t('end_state_relative_error', '', '1', 'real', 'error', 'cost', '', of_nothing, '', &
       'of the state in the end, over the largest rotation and angular velocity'), &
-      quantity_t('error_estimate', '', '', 'text', 'before', 'cost', '', '', '', &
+      quantity_t('error_estimate', '', '', 'text', 'before', 'cost', '', of_nothing, '', &
       'how the error of the reference is estimated'), &
-      quantity_t('peak', '', '', 'text', 'before', 'cost', '', '', '', &
+      quantity_t('peak', '', '', 'text', 'before', 'cost', '', of_nothing, '', &
       'key of the peak whose error is compared'), &
-      quantity_t('good_enough', '', '1', 'logical', 'whether', 'cost', '', '', '', &
+      quantity_t('good_enough', '', '1', 'logical', 'whether', 'cost', '', of_nothing, '', &
       'whether the reference is two digits better than the best method')]
 
    !> All of them. A summary and the columns of a history have this order.
@@ -451,14 +477,17 @@ contains
          .and. index(quantity%key, '_height_m') == 0
    end function is_peak
 
-   !> Is it one of the demands, which are followed only where they are asked for?
-   pure logical function is_demand(place)
-      integer, intent(in) :: place
-      !! in the table
+   !> Key of `&output` that requests a quantity; '' for one that every run reports.
+   elemental character(12) function asked_by(quantity)
+      type(quantity_t), intent(in) :: quantity
 
-      is_demand = place > size(columns) + size(scalars) &
-         .and. place <= size(columns) + size(scalars) + size(demands)
-   end function is_demand
+      asked_by = ''
+      if (quantity%observed == of_reactions .or. quantity%observed == of_demands) then
+         asked_by = 'reactions'
+      else if (quantity%observed == of_energy) then
+         asked_by = 'energy'
+      end if
+   end function asked_by
 
    !> The table as text: its components in their order, separated by tabs, one quantity a line.
    pure subroutine quantities_text(text)
@@ -473,7 +502,7 @@ contains
          row = all_quantities(i)
          text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
             //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
-            //tab//trim(row%asked_by)//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
+            //tab//trim(asked_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
       end do
    end subroutine quantities_text
 

@@ -13,7 +13,8 @@ module rwmf_spectrum_quantities
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_hybrid_loop, only: hybrid_t
    use rwmf_simulation_peak, only: list_reported
-   use rwmf_simulation_quantities, only: all_quantities, is_demand, is_of_ordinate, look_up
+   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, of_demands, &
+      of_displacement, of_energy, of_reactions, of_storeys, of_velocity, of_verification
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size
@@ -42,7 +43,7 @@ module rwmf_spectrum_quantities
       logical :: is_displacement = .true.
       !! the largest displacement of the frame and nothing else
       logical :: is_watched = .false.
-      !! some of them have peaks that no event tells: angular velocity, storeys, reactions
+      !! some of them have peaks inside steps
       logical :: has_sensitivity = .false.
       !! more runs have to be made for them, by `verify`
       logical :: has_peak = .false.
@@ -78,34 +79,25 @@ contains
       character(*), intent(in) :: keys(:)
       !! (quantities) keys that apply to its scene (`check_asked`)
       type(output_t) :: output
+      character(12), allocatable :: observed(:)
+      !! (quantities, and the peak of `accuracy_of`)
       integer :: i, place, number
 
-      output%energy = .false.
       asked%keys = keys
       allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
       do i = 1, size(asked%keys)
          call look_up(trim(asked%keys(i)), asked%place(i), asked%storey(i))
-         if (is_demand(asked%place(i))) then
-            output%demands = .true.
-         else
-            output%reactions = output%reactions .or. all_quantities(asked%place(i))%asked_by &
-               == 'reactions'
-         end if
-         output%energy = output%energy .or. all_quantities(asked%place(i))%asked_by == 'energy'
       end do
       call look_up(trim(case%solver%accuracy_of), place, number)
       asked%has_peak = place > 0
-      if (asked%has_peak) then
-         output%demands = output%demands .or. is_demand(place)
-         output%reactions = output%reactions .or. (all_quantities(place)%asked_by == 'reactions' &
-            .and. .not. is_demand(place))
-      end if
+      observed = all_quantities([asked%place, pack([place], asked%has_peak)])%observed
+      output%reactions = any(observed == of_reactions)
+      output%demands = any(observed == of_demands)
+      output%energy = any(observed == of_energy)
+      asked%is_watched = output%reactions .or. output%demands &
+         .or. any(observed == of_velocity .or. observed == of_storeys)
       asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
-      asked%is_watched = any(asked%keys == 'theta_dot_max_rad_s' .or. asked%storey > 0) &
-         .or. output%reactions .or. output%demands .or. number > 0 &
-         .or. case%solver%accuracy_of == 'theta_dot_max_rad_s'
-      asked%has_sensitivity = case%solver%verify .and. any(asked%keys == 'sensitivity' &
-         .or. asked%keys == 'estimated_relative_error')
+      asked%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
       if (.not. (output%reactions .or. output%demands .or. output%energy)) return
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &
@@ -217,14 +209,11 @@ contains
       follow = asked%is_displacement
       if (follow .or. .not. equation%has_wall) return
       associate (sine => equation%geometry%sine_link)
-         follow = abs(sine(1) - sine(-1)) <= 0 .and. all(asked%keys == displacement &
-            .or. asked%keys == 'theta_max_over_alpha' .or. asked%keys == 'e' &
-            .or. asked%keys == 'e_max' .or. asked%keys == 'overturned' &
-            .or. asked%keys == 'collapsed' &
-            .or. asked%keys == 'cable_force_increment_max_over_m_w_g')
+         follow = abs(sine(1) - sine(-1)) <= 0 &
+            .and. all(all_quantities(asked%place)%observed == of_displacement)
       end associate
-      if (equation%cable%is_signed) follow = follow .and. .not. any(asked%keys &
-         == 'cable_force_increment_max_over_m_w_g')
+      if (equation%cable%is_signed) follow = follow &
+         .and. .not. any(all_quantities(asked%place)%group == 'cable')
    end function follow_from_displacement
 
    !> What follows from the largest displacement of a run.

@@ -12,6 +12,7 @@ module rwmf_simulation_recorder_reaction_estimates
    private
 
    public :: estimate_reactions, has_estimate, place_of_peak, fastest_of
+   public :: largest_quotient, is_sharp, turns_of_quotient
    public :: n_nodes, node
    public :: nowhere, inside, at_first, at_last
 
@@ -119,5 +120,95 @@ contains
       end if
       if (peak + margin*(maxval(found) - minval(found)) < level) place = nowhere
    end function place_of_peak
+
+   !> May a quotient |H|/N that is known at the nodes of a piece have a peak that a parabola through
+   !> them misses? It is as smooth as its parts where N hardly varies.
+   pure logical function is_sharp(normal)
+      real(wp), intent(in) :: normal(n_nodes)
+      !! N [m/s2]
+
+      is_sharp = .not. maxval(normal) - minval(normal) < minval(normal)/2
+   end function is_sharp
+
+   !> Bound on a quotient |H|/N in a piece; `huge` where N may come to zero [-].
+   pure real(wp) function largest_quotient(normal, thrust) result(largest)
+      real(wp), intent(in) :: normal(n_nodes), thrust(n_nodes)
+      !! N and |H| at the nodes [m/s2]
+      real(wp), parameter :: margin = 0.1_wp
+      !! of the range of the samples, by which a part may leave the range of two neighbours
+      real(wp) :: low, high
+      integer :: i
+
+      largest = 0
+      do i = 1, n_nodes - 1
+         low = minval(normal(i:i + 1)) - margin*(maxval(normal) - minval(normal))
+         high = maxval(thrust(i:i + 1)) + margin*(maxval(thrust) - minval(thrust))
+         if (.not. high < low*sqrt(huge(low))) then
+            largest = huge(largest)
+            return
+         end if
+         largest = max(largest, high/low)
+      end do
+   end function largest_quotient
+
+   !> Where H/N is stationary near an instant of small N: N as a parabola, H as a straight line, by
+   !> the slopes of the polynomials through the nodes.
+   pure subroutine turns_of_quotient(t, normal, thrust, t_low, low, thrust_low, turn, width)
+      real(wp), intent(in) :: t(n_nodes)
+      !! nodes [s]
+      real(wp), intent(in) :: normal(n_nodes), thrust(n_nodes)
+      !! N and H, with its sign, at the nodes [m/s2]
+      real(wp), intent(in) :: t_low
+      !! instant of the smallest N that is known [s]
+      real(wp), intent(in) :: low, thrust_low
+      !! N and H there [m/s2]
+      real(wp), intent(out) :: turn(2)
+      !! instants [s]; beyond all numbers where there is none
+      real(wp), intent(out) :: width
+      !! way in which N doubles [s]
+      real(wp) :: slope(2), bend(2), a, b, c, q
+
+      turn = huge(turn)
+      width = t(n_nodes) - t(1)
+      call derivatives(t, normal, t_low, slope(1), bend(1))
+      call derivatives(t, thrust, t_low, slope(2), bend(2))
+      if (t_low > t(1) .and. t_low < t(n_nodes)) slope(1) = 0
+      if (.not. bend(1) > 0) return
+      width = min(width, sqrt(2*low/bend(1)))
+      a = slope(2)*bend(1)/2
+      b = thrust_low*bend(1)/2
+      c = thrust_low*slope(1) - slope(2)*low
+      q = b**2 - a*c
+      if (q < 0) return
+      q = -(b + sign(sqrt(q), b))
+      if (abs(q) < abs(a)*(t(n_nodes) - t(1))) turn(1) = t_low + q/a
+      if (abs(c) < abs(q)*(t(n_nodes) - t(1))) turn(2) = t_low + c/q
+   end subroutine turns_of_quotient
+
+   !> First and second derivative of the polynomial through the nodes, by Newton's form.
+   pure subroutine derivatives(t, f, at, slope, bend)
+      real(wp), intent(in) :: t(n_nodes), f(n_nodes)
+      !! f of any unit at times [s]
+      real(wp), intent(in) :: at
+      !! [s]
+      real(wp), intent(out) :: slope, bend
+      real(wp) :: c(n_nodes), value
+      integer :: i, j
+
+      c = f
+      do j = 2, n_nodes
+         do i = n_nodes, j, -1
+            c(i) = (c(i) - c(i - 1))/(t(i) - t(i - j + 1))
+         end do
+      end do
+      value = c(n_nodes)
+      slope = 0
+      bend = 0
+      do i = n_nodes - 1, 1, -1
+         bend = bend*(at - t(i)) + 2*slope
+         slope = slope*(at - t(i)) + value
+         value = value*(at - t(i)) + c(i)
+      end do
+   end subroutine derivatives
 
 end module rwmf_simulation_recorder_reaction_estimates

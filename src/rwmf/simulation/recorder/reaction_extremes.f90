@@ -5,6 +5,9 @@
 !> that shows between the samples is then closed in on, to sqrt(epsilon) of the span in time, so
 !> that its value is exact to the tolerance of the integration. Both ends of a span count with
 !> their one-sided values. The impulses at impacts have no reaction and do not count.
+!>
+!> The friction demand |H|/N has sharp peaks where N is small, which samples miss: they are found
+!> beside the minimum of N, where H N' = H' N.
 module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -22,12 +25,17 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, is_short, &
       step_view_t
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
-      fastest_of, has_estimate, inside, n_nodes, node, nowhere, place_of_peak
+      fastest_of, has_estimate, inside, is_sharp, largest_quotient, n_nodes, node, nowhere, &
+      place_of_peak, turns_of_quotient
    implicit none
    private
 
    public :: reaction_extremes_recorder_t, create_reaction_extremes
    public :: observe_instant, observe_last, observe_moving, observe_resting
+
+   integer, parameter :: thrust = n_quantities + 1
+   !! H with its sign, beside what is maximised [m/s2]
+   integer, parameter :: n_found = n_quantities + 1
 
    !> Running maxima.
    type :: reaction_extremes_recorder_t
@@ -144,18 +152,25 @@ contains
       real(wp) :: found(n_quantities, n_nodes)
       real(wp) :: t_peak
       integer :: peak(n_quantities)
+      logical :: is_steep
       integer :: q
 
       is_settled = all(forces%largest >= forces%smallest)
       if (.not. is_settled) return
       call estimate_reactions(piece, found)
-      if (allocated(forces%limit) .and. .not. allocated(forces%t_exceeded)) is_settled = &
-         maxval(found(demand, :)) < 0.9_wp*forces%limit
+      is_steep = is_quotient(piece%equation)
+      if (is_steep) is_steep = is_sharp(-found(low_normal, :))
+      if (is_steep) then
+         is_settled = bound(-found(low_normal, :), found(demand, :)) <= forces%largest(demand)
+      else if (allocated(forces%limit) .and. .not. allocated(forces%t_exceeded)) then
+         is_settled = maxval(found(demand, :)) < 0.9_wp*forces%limit
+      end if
       if (.not. is_settled) return
       do q = 1, n_quantities
          peak(q) = place_of_peak(found(q, :), forces%largest(q) - slack*(forces%largest(q) &
             - forces%smallest(q)))
       end do
+      if (is_steep) peak(demand) = nowhere
       forces%smallest = min(forces%smallest, minval(found, 2))
       if (all(peak == nowhere)) return
       if (any(peak == inside .or. peak == at_first)) call observe_end(forces, piece, piece%t_a, &
@@ -175,7 +190,7 @@ contains
    logical function is_plain(forces, piece)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
-      real(wp) :: values(1, n_quantities, value_count)
+      real(wp) :: values(1, n_quantities, value_count), at_ends(n_found, 2)
       real(wp) :: y_ddot(2)
       real(wp) :: found(1)
 
@@ -183,13 +198,16 @@ contains
          is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
          y_ddot = accelerations(piece)
-         values(1, :, at_begin) = quantities(equation, reactions_at(equation, piece%t_a, &
-            piece%y_a, y_ddot(1)))
-         values(1, :, at_end) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
+         at_ends(:, 1) = quantities(equation, reactions_at(equation, piece%t_a, piece%y_a, &
+            y_ddot(1)))
+         at_ends(:, 2) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
             y_ddot(2)))
+         values(1, :, at_begin) = at_ends(:n_quantities, 1)
+         values(1, :, at_end) = at_ends(:n_quantities, 2)
          values(1, :, so_far) = forces%largest
          values(1, :, least_so_far) = forces%smallest
-         call find_plain_steps([(piece%t_b - piece%t_a)*fastest_of(equation)], values, found)
+         call find_plain_steps(equation%parts, [(piece%t_b - piece%t_a)*fastest_of(equation)], &
+            values, found)
          is_plain = found(1) > 0
       end associate
    end function is_plain
@@ -207,7 +225,7 @@ contains
       type(error_t), allocatable :: error
       !! stays empty: no integrator is asked
       real(wp), parameter :: slack = 1.0e-12_wp
-      real(wp), dimension(n_quantities) :: at_begin, at_end
+      real(wp), dimension(n_found) :: at_begin, at_end
       real(wp) :: acceleration(2)
       !! of the ground [m/s2]
       type(step_view_t) :: span
@@ -223,11 +241,11 @@ contains
          if (abs(span%t_a - forces%t_rest) > 0 .or. any(abs(acceleration - forces%ground_rest) &
              > slack*abs(forces%ground_rest))) call sample(span, span%t_a, at_begin, error)
          call sample(span, span%t_b, at_end, error)
-         forces%smallest = min(forces%smallest, at_end)
+         forces%smallest = min(forces%smallest, at_end(:n_quantities))
          ! Without further effects nothing but the ground varies, from end to end of the span.
          ! under a straight one |H| and |V| are largest at an end, and |H|/N as well
          if ((has_further_effects(equation) .and. .not. equation%state%line%is_straight) &
-             .or. any(max(at_begin, at_end) > forces%largest)) then
+             .or. any(max(at_begin(:n_quantities), at_end(:n_quantities)) > forces%largest)) then
             call search_span(forces, span, error)
          end if
          span%t_a = span%t_b
@@ -254,7 +272,7 @@ contains
       type(step_view_t), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t(n_nodes)
-      real(wp) :: found(n_quantities, n_nodes)
+      real(wp) :: found(n_found, n_nodes)
       type(step_view_t) :: part
       real(wp) :: t_peak
       integer :: i, q
@@ -268,7 +286,12 @@ contains
          call keep_largest(forces, t(i), found(:, i))
       end do
       do q = 1, n_quantities
-         call refine(forces, span, q, t, found(q, :), t_peak, error)
+         if (q == demand .and. is_quotient(span%equation) .and. is_sharp(-found(low_normal, :))) &
+            then
+            call search_quotient(forces, span, t, found, t_peak, error)
+         else
+            call refine(forces, span, q, t, found(q, :), t_peak, error)
+         end if
          if (allocated(error)) return
          if (q /= demand .or. .not. allocated(forces%limit)) cycle
          if (allocated(forces%t_exceeded) .or. .not. forces%largest(q) > forces%limit) cycle
@@ -283,6 +306,130 @@ contains
          if (allocated(error)) return
       end do
    end subroutine search_span
+
+   !> Is the demand of a scene |H|/N, and not the force of a shear key?
+   pure logical function is_quotient(equation)
+      type(equation_t), intent(in) :: equation
+
+      is_quotient = equation%has_wall .and. .not. equation%parts%has_shear_key
+   end function is_quotient
+
+   !> Bound on |H|/N in a piece from N and the quotient at the nodes.
+   pure real(wp) function bound(normal, quotient)
+      real(wp), intent(in) :: normal(n_nodes), quotient(n_nodes)
+      !! N [m/s2] and |H|/N [-]
+      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
+
+      bound = largest_quotient(normal, abs(normal)*min(quotient, cap))
+   end function bound
+
+   !> The largest |H|/N in a span where N varies by more than half of its smallest value. `t_peak`
+   !> is the time of the first peak above the limit, else the end of the span.
+   subroutine search_quotient(forces, span, t, found, t_peak, error)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
+      type(step_view_t), intent(in) :: span
+      real(wp), intent(in) :: t(n_nodes)
+      !! nodes [s]
+      real(wp), intent(in) :: found(n_found, n_nodes)
+      !! samples there
+      real(wp), intent(out) :: t_peak
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: far = 0.25_wp
+      !! part of the largest so far below which a sample is no sign of a larger one
+      real(wp) :: point(n_nodes + 3), value(n_nodes + 3), low(n_found), turn(2), width, t_low
+      type(maximum_t) :: search
+      integer :: i, n
+
+      t_peak = t(n_nodes)
+      if (bound(-found(low_normal, :), found(demand, :)) <= forces%largest(demand)) return
+      call find_smallest_normal(forces, span, t, found, t_low, low, error)
+      if (allocated(error)) return
+      if (low(low_normal) >= 0) then
+         t_peak = t_low
+         return
+      end if
+      call turns_of_quotient(t, -found(low_normal, :), found(thrust, :), t_low, -low(low_normal), &
+         low(thrust), turn, width)
+      n = n_nodes
+      point(:n) = t
+      value(:n) = found(demand, :)
+      call add_point(t_low)
+      call add_point(turn(1))
+      call add_point(turn(2))
+      do i = 2, n - 1
+         if (allocated(error)) return
+         if (value(i) < maxval(value(i - 1:i + 1)) .or. value(i) < far*forces%largest(demand)) cycle
+         search = maximum_between(max(point(i - 1), point(i) - width), min(point(i + 1), &
+            point(i) + width), point(i), is_near=.true.)
+         do while (search%is_open)
+            call sample(span, search%next, low, error)
+            if (allocated(error)) return
+            call keep_largest(forces, search%next, low)
+            value(i) = max(value(i), low(demand))
+            call climb(search, low(demand))
+         end do
+         if (.not. allocated(forces%limit)) cycle
+         if (value(i) > forces%limit) then
+            t_peak = search%x(1)
+            return
+         end if
+      end do
+
+   contains
+
+      !> Put an instant inside the span, with its value, among the others.
+      subroutine add_point(at)
+         real(wp), intent(in) :: at
+         real(wp) :: sampled(n_found)
+         integer :: place
+
+         if (allocated(error) .or. any(abs(at - point(:n)) <= 0) .or. .not. (at > t(1) &
+            .and. at < t(n_nodes))) return
+         call sample(span, at, sampled, error)
+         if (allocated(error)) return
+         call keep_largest(forces, at, sampled)
+         place = count(point(:n) < at) + 1
+         point(place + 1:n + 1) = point(place:n)
+         value(place + 1:n + 1) = value(place:n)
+         point(place) = at
+         value(place) = sampled(demand)
+         n = n + 1
+      end subroutine add_point
+   end subroutine search_quotient
+
+   !> Smallest N in a span whose nodes have been sampled, and what else is found there.
+   subroutine find_smallest_normal(forces, span, t, found, t_low, low, error)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
+      type(step_view_t), intent(in) :: span
+      real(wp), intent(in) :: t(n_nodes)
+      !! nodes [s]
+      real(wp), intent(in) :: found(n_found, n_nodes)
+      !! samples there
+      real(wp), intent(out) :: t_low
+      real(wp), intent(out) :: low(n_found)
+      type(error_t), allocatable, intent(out) :: error
+      type(maximum_t) :: search
+      real(wp) :: at_point(n_found), vertex
+      integer :: k
+
+      k = maxloc(found(low_normal, :), dim=1)
+      t_low = t(k)
+      low = found(:, k)
+      k = min(max(k, 2), n_nodes - 1)
+      vertex = vertex_of_parabola(t(k - 1:k + 1), found(low_normal, k - 1:k + 1))
+      if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) return
+      search = maximum_between(t(k - 1), t(k + 1), vertex, is_near=.true.)
+      do while (search%is_open)
+         call sample(span, search%next, at_point, error)
+         if (allocated(error)) return
+         call keep_largest(forces, search%next, at_point)
+         if (at_point(low_normal) > low(low_normal)) then
+            t_low = search%next
+            low = at_point
+         end if
+         call climb(search, at_point(low_normal))
+      end do
+   end subroutine find_smallest_normal
 
    !> Close in on the maximum of a quantity, when the samples show one between them that can be the
    !> largest so far. `t_peak` is its time, or the end of the span.
@@ -301,7 +448,7 @@ contains
       real(wp), parameter :: slack = 0.1_wp
       !! of the width of the parabola, beyond its ends: more than its vertex errs
       type(maximum_t) :: search
-      real(wp) :: at_point(n_quantities)
+      real(wp) :: at_point(n_found)
       real(wp) :: vertex, width
       integer :: best, k
 
@@ -330,7 +477,7 @@ contains
       type(step_view_t), intent(in) :: span
       !! the demand exceeds the limit at its end, and is below it at its beginning or nowhere
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: found(n_quantities)
+      real(wp) :: found(n_found)
       type(bracket_t) :: bracket
 
       bracket = bracket_between(span%t_a, span%t_b)
@@ -348,7 +495,7 @@ contains
       type(step_view_t), intent(in) :: span
       !! with the states at its ends as far as they are known; at rest with those that stay
       real(wp), intent(in) :: t
-      real(wp), intent(out) :: found(n_quantities)
+      real(wp), intent(out) :: found(n_found)
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: y(span%equation%n)
       real(wp) :: y_ddot
@@ -373,8 +520,9 @@ contains
    pure function quantities(equation, reactions) result(found)
       type(equation_t), intent(in) :: equation
       type(reactions_t), intent(in) :: reactions
-      real(wp) :: found(n_quantities)
+      real(wp) :: found(n_found)
 
+      found(thrust) = reactions%horizontal
       found(low_normal) = -reactions%normal
       if (equation%parts%has_shear_key) then
          found(demand) = abs(reactions%horizontal)
@@ -387,13 +535,13 @@ contains
    pure subroutine keep_largest(forces, t, found)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: found(n_quantities)
+      real(wp), intent(in) :: found(n_found)
 
-      where (found > forces%largest)
-         forces%largest = found
+      where (found(:n_quantities) > forces%largest)
+         forces%largest = found(:n_quantities)
          forces%t_largest = t
       end where
-      forces%smallest = min(forces%smallest, found)
+      forces%smallest = min(forces%smallest, found(:n_quantities))
    end subroutine keep_largest
 
 end module rwmf_simulation_recorder_reaction_extremes

@@ -1,0 +1,68 @@
+"""Scenes in which a quantity depends on what else is requested.
+
+    .venv/bin/python bench/quantities_alone.py [--count 500] [--first 0] [--processes 2]
+
+The scenes are the numbered ones of tests/support/alone.py, of every family of combinations. Each
+quantity that a scene has is requested by itself and among all: as rows in lanes and of single runs,
+as ordinates (`fast` and general lanes), and for every twelfth pair of scenes in a sweep, by a host
+in C and by rwmf-batch; runs keep nothing, a history, energies or reactions alone. The bits have to
+be the same; an ordinate of method `fast` has to agree with the general kernel to 100 rtol. Every
+difference is listed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from rwmf.errors import RwmfError
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
+
+from alone import differences
+
+
+def check_scene(number: int) -> tuple[list[str], str]:
+    """Compare the quantities of a scene.
+
+    Parameters
+    ----------
+    number : int
+        Of the scene.
+
+    Returns
+    -------
+    list of str, str
+        Differences, and the reason why the scene cannot be computed, '' for none.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            return list(differences(number, Path(folder))), ""
+        except RwmfError as error:
+            return [], f"{number}: {error}".splitlines()[0]
+
+
+def main() -> int:
+    """Check all scenes; 1 where a quantity differs."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=500)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=2)
+    asked = parser.parse_args()
+    numbers = range(asked.first, asked.first + asked.count)
+    wrong = failed = 0
+    with ProcessPoolExecutor(asked.processes) as pool:
+        for found, reason in pool.map(check_scene, numbers):
+            wrong += bool(found)
+            failed += bool(reason)
+            for line in [*found, *([reason] if reason else [])]:
+                print(line, flush=True)
+    print(f"{asked.count} scenes: {wrong} with differences, {failed} that end with an error")
+    return int(wrong > 0)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,104 @@
+"""A quantity is the same by itself and among all, in every path, for every row of the table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from alone import differences
+from rwmf.errors import InputError
+from rwmf.quantities import QUANTITIES
+
+# 2 by method fast, 9 without a wall, 12 by all programs, 19 and 22 with storeys that yield
+_QUICK = (2, 9, 12, 19, 22)
+_MORE = (0, 1, 3, 4, 5, 6, 7, 11, 13, *range(14, 19), 20, 21, *range(23, 30))
+
+
+@pytest.mark.parametrize("number", _QUICK)
+def test_alone_is_among_all(number: int, tmp_path: Path) -> None:
+    assert not list(differences(number, tmp_path))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", _MORE)
+def test_alone_is_among_all_in_more_scenes(number: int, tmp_path: Path) -> None:
+    assert not list(differences(number, tmp_path))
+
+
+def test_ductility_alone(tmp_path: Path) -> None:
+    """Storeys that slip one by one: the largest ductility is inside a step."""
+    path = tmp_path / "slip.nml"
+    path.write_text(_SLIP, encoding="utf-8")
+    case = rwmf.Case.from_namelist(path)
+    alone = rwmf.spectrum(case, quantities=["ductility"]).ductility
+    among = rwmf.spectrum(case, quantities=["ductility", "storey_1_ductility"]).ductility
+    assert float(alone.squeeze()) == float(among.squeeze()) == pytest.approx(2.11596575, abs=1e-6)
+
+
+_SLIP = """\
+&wall h = 1.0, b = 0.92 /
+&impact rule = 'table', table_theta_dot = 0.02 0.2 0.6, table_e = 0.93 0.85 0.7 /
+&storeys m_over_m_w = 1.8 2.0 0.7, k_over_m_w = 808.0 723.0 624.0, height = 0.83 0.58 0.59
+   coupling = 'full' /
+&frame xi_s = 0.05 /
+&cable eta_0 = 1.0, eta_alpha = 1.0, law = 'truss' /
+&inerter inertance_over_m_w = 2.7 /
+&yielding hardening = 0.3, law = 'friction', breakaway = 2.5, storey_u_y = 0.0061 0.0058 0.0118 /
+&motion kind = 'one_sine', a_max_g = -0.36, T_p = 1.137 /
+&spectrum T_s = 0.58 /
+&solver t_end = 3.0 /
+"""
+
+
+def _wall(**more: dict[str, object]) -> rwmf.Case:
+    return rwmf.Case(
+        wall={"h": 2.0, "b": 0.5, "m_w": 1000.0},
+        impact={"e": 0.9},
+        motion={"kind": "one_sine", "a_max_g": 0.5, "T_p": 0.5},
+        solver={"t_end": 3.0},
+        **more,
+    )
+
+
+def test_both_names_come_back() -> None:
+    """A quantity that has two names in a dataset is there under each that is requested."""
+    case = _wall(frame={"T_s": 1.0, "gamma": 2.0, "xi_s": 0.05})
+    pairs = [row.names("ordinate") for row in QUANTITIES.values() if "ordinate" in row.outputs]
+    pairs = [names for names in pairs if len(names) > 1 and names[1].startswith("energy")]
+    assert pairs
+    keys = case.kernel.applicable()
+    names = [name for pair in pairs if pair[1] in keys for name in pair]
+    swept = rwmf.sweep(case, {"T_s": [1.0]}, quantities=tuple(names))
+    assert set(swept) == {*names, "status"}
+    assert {*names, "status"} == set(rwmf.spectrum(case, T_s=[1.0], quantities=names))
+    for first, second in (pair for pair in pairs if pair[1] in keys):
+        assert float(swept[first].squeeze()) == float(swept[second].squeeze())
+    with pytest.raises(InputError, match="given twice"):
+        rwmf.spectrum(case, T_s=[1.0], quantities=[names[0], names[0]])
+
+
+def test_forces_of_storeys_in_newtons_in_sweeps() -> None:
+    storeys = {"m_over_m_w": [1.0, 1.0], "k_over_m_w": [500.0] * 2, "height": [2.0, 2.0]}
+    case = _wall(frame={"xi_s": 0.05}, storeys={**storeys, "coupling": "full"})
+    names = ("storey_1_shear_max_N", "Storey_2_shear_max", "storey_2_shear_max_over_m_w_g")
+    found = rwmf.sweep(case, {"motion.a_max_g": [0.5]}, quantities=names)
+    assert list(found.data_vars)[:3] == ["storey_1_shear_max", *map(str.lower, names[1:])]
+    ratio = float(found[names[2]].squeeze())
+    force = float(found["storey_2_shear_max"].squeeze())
+    np.testing.assert_allclose(force, ratio * 1000.0 * case.model.g, rtol=1e-14)
+
+
+@pytest.mark.parametrize("method", ["auto", "erk54", "extrapolation", "adams"])
+def test_a_hinged_wall_says_that_it_overturned(method: str) -> None:
+    """By itself, in runs and in rows, requested alone and not at all."""
+    case = rwmf.Case(
+        wall={"h": 2.0, "b": 0.5, "base": "pinned"},
+        motion={"kind": "one_sine", "a_max_g": 0.1, "T_p": 0.5},
+        solver={"t_end": 5.0, "method": method, "rtol": 1e-6},
+    )
+    assert bool(rwmf.simulate(case).overturned)
+    assert "overturned" in case.kernel.applicable()
+    found = rwmf.sweep(case, {"motion.a_max_g": [0.1, 1e-300]}, quantities=("overturned",))
+    assert list(found.overturned.values.ravel()) == [1.0, 0.0]
