@@ -123,6 +123,9 @@ module rwmf_simulation_result
       !! the frame yields
       real(wp), allocatable :: roof_residual_drift
       !! the same of the roof over its height [-]
+      real(wp), allocatable :: roof_at_rest
+      !! displacement of the roof in static equilibrium after the motion over its height [-]; absent
+      !! unless frame or fuses yield, and where there is none
       real(wp), allocatable :: wall_shear_max
       !! inside the wall over m_w g [-]; absent without a wall, as the following
       real(wp), allocatable :: wall_shear_height
@@ -164,6 +167,8 @@ module rwmf_simulation_result
       !! one by one
       real(wp), allocatable :: storey_residual_drift(:)
       !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
+      real(wp), allocatable :: storey_at_rest(:)
+      !! (storeys) drift in static equilibrium after the motion [-]; likewise, and absent without one
       real(wp), allocatable :: theta_end_over_alpha
       !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e

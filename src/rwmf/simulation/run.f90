@@ -10,7 +10,8 @@ module rwmf_simulation_run
    use rwmf_model_contributions, only: state_sizes
    use rwmf_model_demands, only: building_t
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
-   use rwmf_model_equation, only: frame_travel
+   use rwmf_model_equation, only: discrete_state_t, frame_displacement, frame_travel
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
       storey_strengths, tendon_is_broken, yield_displacement
@@ -20,13 +21,14 @@ module rwmf_simulation_run
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
-   use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest, &
-      start_hybrid
+   use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, mode_collapsed, &
+      mode_overturned, mode_rest, start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws, warn_of_fuses, &
       warn_of_grazing, warn_of_reactions, warn_of_short_history, warn_of_weight
    use rwmf_text_strings, only: real_to_text
@@ -285,6 +287,7 @@ contains
             result%demands)
          if (allocated(case%yielding)) call fill_residuals(recorder%demands%building, result)
       end if
+      if (equation%has_frame) call fill_rest(case, equation, hybrid, recorder, result)
       if (recorder%keeps_history) then
          call move_alloc(recorder%events, result%events)
          call move_alloc(recorder%history, result%history)
@@ -356,6 +359,46 @@ contains
       end associate
       result%ductility = maxval(result%storey_ductility)
    end subroutine fill_storeys
+
+   !> Drifts in static equilibrium after the motion, where something has yielded that can hold the
+   !> frame away from its place.
+   subroutine fill_rest(case, equation, hybrid, recorder, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(recorder_t), intent(in) :: recorder
+      type(result_t), intent(inout) :: result
+      type(discrete_state_t) :: state
+      real(wp) :: y(equation%n), u, height
+      real(wp) :: d(equation%floors%n), d_dot(equation%floors%n)
+      logical :: of_storeys, of_roof, is_found
+
+      ! a pass at coarser tolerances may have ended differently
+      if (allocated(result%storey_at_rest)) deallocate (result%storey_at_rest)
+      if (allocated(result%demands)) then
+         if (allocated(result%demands%roof_at_rest)) deallocate (result%demands%roof_at_rest)
+      end if
+      if (has_ended(hybrid)) return
+      of_storeys = allocated(result%storey_residual_drift)
+      of_roof = allocated(recorder%demands) .and. (allocated(case%yielding) &
+         .or. allocated(case%fuse))
+      if (of_roof) of_roof = recorder%demands%building%roof_height > 0
+      if (.not. (of_storeys .or. of_roof)) return
+      state = equation%state
+      y = hybrid%y
+      call come_to_rest(equation%model_t, state, hybrid%overturning_angle, y, is_found)
+      if (.not. is_found) return
+      u = frame_displacement(equation, state%side, y(1))
+      if (of_roof) result%demands%roof_at_rest = u/recorder%demands%building%roof_height
+      if (.not. of_storeys) return
+      associate (heights => case%storeys%frame%height)
+         height = sum(heights)
+         result%storey_at_rest = spread(u/height, 1, size(heights))
+         if (.not. equation%floors%yields) return
+         call storey_motion(equation, state%side, y, d, d_dot)
+         result%storey_at_rest = d/heights
+      end associate
+   end subroutine fill_rest
 
    !> What the user should know about the scene itself.
    subroutine collect_warnings(case, equation, result)
