@@ -15,7 +15,7 @@ module rwmf_simulation_run
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
       storey_strengths, tendon_is_broken, yield_displacement
-   use rwmf_model_impact_rule, only: balanced_restitution, impact_law, restitution
+   use rwmf_model_impact_rule, only: balanced_restitution, impact_law
    use rwmf_model_rest, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
@@ -24,14 +24,14 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, mode_collapsed, &
       mode_overturned, mode_rest, start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_quantities, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_static_rest, only: come_to_rest
-   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws, warn_of_fuses, &
-      warn_of_grazing, warn_of_reactions, warn_of_short_history, warn_of_weight
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_simulation_warnings, only: list_case_warnings, warn_of_grazing, warn_of_reactions, &
+      warn_of_short_history
    implicit none
    private
 
@@ -400,43 +400,20 @@ contains
       end associate
    end subroutine fill_rest
 
-   !> What the user should know about the scene itself.
+   !> What the user should know about the case itself.
    subroutine collect_warnings(case, equation, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       type(result_t), intent(inout) :: result
-      real(wp) :: e
-      real(wp) :: e_max
+      character(40), allocatable :: keys(:)
 
-      allocate (result%warnings(0))
+      allocate (keys(0))
+      if (allocated(case%output)) then
+         if (case%output%reactions) keys = all_quantities%key
+      end if
+      call list_case_warnings(case, equation%motion, .false., keys, result%warnings)
       if (case%solver%method == 'fast') then
          call add_warning(result, 'method fast is for spectra: this run was integrated by dop853')
-      end if
-      if (.not. allocated(case%wall)) return
-      if (case%wall%base == 'pinned') return
-      if (equation%has_vertical) call warn_of_weight(equation, case%solver%t_end, result)
-      if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
-      e = restitution(case, equation%p%alpha)
-      e_max = balanced_restitution(case, equation%p%alpha)
-      if (allocated(case%impact)) then
-         if (e <= 0 .and. (case%impact%rule == 'housner' .or. case%impact%rule == 'coupled')) then
-            call add_warning(result, 'the momentum balance leaves no velocity at impact for so ' &
-               //'squat a wall: e = 0')
-         end if
-      end if
-      if (e > e_max) then
-         call add_warning(result, 'e = '//trim(real_to_text(e))//' exceeds e_max = ' &
-            //trim(real_to_text(e_max)) &
-            //', the most that the momentum balance of wall and frame allows')
-      end if
-      if (any(broken_laws(case, .false.))) then
-         call add_warning(result, trim(tell_broken_laws(broken_laws(case, .false.))))
-      end if
-      if (.not. allocated(case%cable)) return
-      if (case%model%formulation == 'published' .and. &
-         abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
-         call add_warning(result, 'published: for theta < 0 the cable force of Eq. (1) falls ' &
-            //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
       end if
    end subroutine collect_warnings
 
