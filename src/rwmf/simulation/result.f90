@@ -205,6 +205,9 @@ module rwmf_simulation_result
       !! wall-clock time that the estimate took beyond `seconds` [s]
       real(wp), allocatable :: sensitivity
       !! relative change of the same peak per relative change of the motion [-]
+      real(wp) :: peak_sensitivity = 0
+      !! the same of the largest rotation, estimated along the run of a rocking wall whose every step
+      !! is observed; else 0 [-]
       type(energy_t), allocatable :: energy
       type(reaction_extremes_t), allocatable :: reactions
       !! only when they were asked for, as the energy

@@ -26,12 +26,14 @@ module rwmf_simulation_run
    use rwmf_simulation_lanes_team, only: team_t
    use rwmf_simulation_quantities, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
+   use rwmf_simulation_recorder_nearby_motion, only: begin_nearby
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
-   use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
+   use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
+      needs_all_steps, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: list_case_warnings, warn_of_grazing, warn_of_reactions, &
-      warn_of_short_history
+      warn_of_sensitivity, warn_of_short_history
    implicit none
    private
 
@@ -64,6 +66,7 @@ contains
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
+      call warn_of_sensitivity(result)
       call warn_of_grazing(result)
       call warn_of_short_history(case%solver%t_end, result)
       call system_clock(finished)
@@ -134,12 +137,17 @@ contains
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
+      if (equation%has_impacts .and. needs_all_steps(recorder)) then
+         allocate (recorder%nearby)
+         call begin_nearby(recorder%nearby, equation%n)
+      end if
       call begin_advance(hybrid, equation, integrator, case%solver%t_end, team)
       call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, team, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
       size_found = response_size(recorder)
       call fill_result(case, equation, hybrid, recorder, result)
+      if (allocated(recorder%nearby)) result%peak_sensitivity = recorder%nearby%sensitivity
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol

@@ -12,6 +12,7 @@ module rwmf_simulation_warnings
    implicit none
    private
 
+   public :: warn_of_sensitivity
    public :: list_case_warnings, warn_of_reactions, warn_of_grazing, warn_of_short_history
 
 contains
@@ -45,6 +46,19 @@ contains
          //' s the wall turns back on its base or hardly above it: what follows may depend ' &
          //'on the tolerance; &solver verify = .true. shows how much')
    end subroutine warn_of_grazing
+
+   !> Peaks that a small change of the motion changes a lot: their digits mean little.
+   subroutine warn_of_sensitivity(result)
+      type(result_t), intent(inout) :: result
+      real(wp), parameter :: many = 30
+      !! relative change of a peak per relative change of the motion [-]
+
+      if (result%peak_sensitivity <= many) return
+      call add_warning(result, 'sensitive: 1 % more ground motion changes the course so much that ' &
+         //'peaks may differ by their own size (estimated d ln theta_max/d ln motion = ' &
+         //trim(real_to_text(result%peak_sensitivity)) &
+         //'); compare many similar motions, &solver verify = .true. measures it')
+   end subroutine warn_of_sensitivity
 
    !> Rows of the history end with the motion.
    subroutine warn_of_short_history(t_end, result)
