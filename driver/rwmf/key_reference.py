@@ -18,7 +18,9 @@ Made by `python -m rwmf.key_reference` from the one table that also validates a 
 One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
 and keys may be written in small or capital letters, texts stand in quotes, `!` begins a comment. An
 unknown group or key, a key given twice, a wrong type or a value that is not allowed is an error
-that names file, group, key, line, value and what is allowed.
+that names file, group, key, line, value and what is allowed. A value whose magnitude is outside the
+range of real buildings, *usual*, is no error: `check`, runs, spectra and sweeps warn. Zero is always
+usual.
 """
 
 
@@ -32,17 +34,17 @@ def make() -> str:
     """
     parts = [_INTRODUCTION]
     for group, keys in groupby(_library.schema(), key=lambda row: row[0]):
-        parts.append(f"\n## `&{group}`\n\n| key | type | unit | default | allowed | meaning |")
-        parts.append("|---|---|---|---|---|---|")
+        parts.append(f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |")
+        parts.append("|---|---|---|---|---|---|---|")
         parts.extend(_row(key) for key in keys)
     return "\n".join(parts) + "\n"
 
 
 def _row(key: list[str]) -> str:
-    _, name, kind, unit, default, allowed, meaning = key
+    _, name, kind, unit, default, allowed, meaning, usual = key
     if kind == "choice":
         allowed = ", ".join(f"'{word}'" for word in allowed.split())
-    return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {meaning} |"
+    return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {usual} | {meaning} |"
 
 
 if __name__ == "__main__":

@@ -328,7 +328,7 @@ def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
     """
     return {
         (group, key): (kind, tuple(allowed.split()) if kind == "choice" else ())
-        for group, key, kind, _, _, allowed, _ in _library.schema()
+        for group, key, kind, _, _, allowed, *_ in _library.schema()
         if (group, key) not in _NOT_EDITABLE
     }
 
@@ -344,7 +344,7 @@ def describe() -> dict[str, Any]:
     keys: dict[str, list[dict[str, Any]]] = {}
     for row in _library.schema():
         if (row[0], row[1]) not in _NOT_EDITABLE:
-            keys.setdefault(row[0], []).append(_describe_key(*row))
+            keys.setdefault(row[0], []).append(_describe_key(*row[:7]))
     needs = _library.needs_of_groups()
     return {
         "groups": [

@@ -9,7 +9,6 @@ from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
     instruction_set,
-    law_warning,
     needs_of_groups,
     quantities,
     result_names,
@@ -27,7 +26,6 @@ __all__ = [
     "check_threads",
     "instruction_set",
     "keep_samples",
-    "law_warning",
     "needs_of_groups",
     "quantities",
     "read_case",

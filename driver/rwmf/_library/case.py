@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -237,15 +237,22 @@ class KernelCase:
         """
         return fetch_text(_kernel.spectrum_method, self.handle)
 
-    def broken_laws(self) -> int:
-        """Laws of conservation that the case asks to break.
+    def warnings(self, keys: Iterable[str] = ()) -> list[str]:
+        """List what the user should know about the case, in its spectrum if it has one.
+
+        Parameters
+        ----------
+        keys : iterable of str, optional
+            Quantities that are reported; otherwise those that the case asks for.
 
         Returns
         -------
-        int
-            Bit 0 energy, bit 1 angular momentum at impacts.
+        list of str
+            One line each.
         """
-        return int(_kernel.broken_laws(self.handle))
+        asked = encode("\t".join(keys))
+        text = fetch_text(_kernel.case_warnings, self.handle, asked)
+        return [line for line in text.split("\t") if line]
 
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text that the kernel may refuse."""

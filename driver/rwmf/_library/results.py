@@ -12,7 +12,6 @@ from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.case import KernelCase, SceneAxis
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
 from rwmf._library.memory import Memory, MemoryView
-from rwmf._library.tables import law_warning
 
 __all__ = ["Run", "Spectrum"]
 
@@ -163,7 +162,7 @@ class Spectrum(Result):
         list of str
             One line each.
         """
-        return law_warning(self._case.broken_laws()).splitlines()
+        return [line for line in fetch_text(_kernel.spectrum_warnings, self.handle).split("\t") if line]
 
     def method(self) -> str:
         """Name the method.

@@ -9,7 +9,6 @@ from rwmf._library.marshalling import encode, fetch_text, split_table
 
 __all__ = [
     "instruction_set",
-    "law_warning",
     "needs_of_groups",
     "quantities",
     "result_names",
@@ -47,7 +46,7 @@ def schema() -> list[list[str]]:
     Returns
     -------
     list of list of str
-        One row a key: group, key, type, unit, default, what is allowed, help.
+        One row a key: group, key, type, unit, default, what is allowed, help, range in real buildings.
     """
     return split_table(fetch_text(_kernel.schema))
 
@@ -92,20 +91,3 @@ def result_names(source: str) -> list[str]:
         Their names, without folder.
     """
     return fetch_text(_kernel.result_names, encode(source)).splitlines()
-
-
-@functools.cache
-def law_warning(laws: int) -> str:
-    """Say in one line which laws are broken.
-
-    Parameters
-    ----------
-    laws : int
-        The bits of `KernelCase.broken_laws`, of one case or of several.
-
-    Returns
-    -------
-    str
-        The line, '' for none.
-    """
-    return fetch_text(_kernel.law_warning, laws)

@@ -31,7 +31,7 @@ from rwmf._sweep.task import Task
 from rwmf.case import Case, Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError
-from rwmf.quantities import AXES
+from rwmf.quantities import AXES, keys_of
 
 __all__ = ["Plan", "make_plan"]
 
@@ -39,6 +39,8 @@ __all__ = ["Plan", "make_plan"]
 _CHUNK_RUNS = (256, 4096)
 # between both, this many chunks are there to be shared out
 _CHUNKS = 64
+# begins the line about laws that are not conserved
+_LAWS = "not conserved: "
 
 
 @dataclass(frozen=True)
@@ -140,7 +142,7 @@ class Plan:
         Returns
         -------
         Plan
-            The same with what the kernel says that its runs do not conserve.
+            The same with the warnings of the kernel about its cases.
 
         Raises
         ------
@@ -149,13 +151,14 @@ class Plan:
         """
         # a record that the case before has is not read again
         known = self._check_one(tuple(0 for _ in self.axes), "")
-        laws = known.broken_laws()
+        keys = keys_of(self.layout.quantities)
+        warnings = known.warnings(keys)
         for i, axis in enumerate(self.axes):
             for position in _telling_positions(axis):
                 at = tuple(position if i == j else 0 for j in range(len(self.axes)))
                 known = self._check_one(at, axis.where(position), known)
-                laws |= known.broken_laws()
-        return replace(self, layout=replace(self.layout, warnings=_library.law_warning(laws)))
+                warnings += known.warnings(keys)
+        return replace(self, layout=replace(self.layout, warnings="\n".join(_united(warnings))))
 
     def _check_one(
         self, at: tuple[int, ...], label: str, known: _library.KernelCase | None = None
@@ -246,6 +249,19 @@ def make_plan(
     block = chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
     layout = _make_layout(case, compose(base), axes, tuple(wanted), block)
     return Plan(layout, base, case.kernel_source(), tuple(axes), case.motions).checked()
+
+
+def _united(warnings: Sequence[str]) -> list[str]:
+    """Unite the warnings of several cases; lines that differ in their numbers alone are one."""
+    found: dict[str, str] = {}
+    laws: set[str] = set()
+    for line in warnings:
+        if line.startswith(_LAWS):
+            laws |= set(line.removeprefix(_LAWS).split(", "))
+            found[_LAWS] = _LAWS + ", ".join(sorted(laws, reverse=True))
+        else:
+            found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
+    return list(found.values())
 
 
 def _make_layout(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from rwmf import _library
 from rwmf.case import Case
 from rwmf.case.group import Group
 from rwmf.cli.output import print_json
@@ -46,7 +45,8 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         inventory = {word: found[word] for word, *_ in _INVENTORY if word in found}
         values = {name: _values_of(group) for name, group in case.groups.items()}
-        print_json({**inventory, "notes": found["notes"], "values": values})
+        print_json({**inventory, "notes": found["notes"], "warnings": case.kernel.warnings(),
+                    "values": values})
         return 0
     print(f"{options.case}: valid")
     for word, shown, nothing in _INVENTORY:
@@ -54,8 +54,7 @@ def run(options: argparse.Namespace) -> int:
     n = case.kernel.ordinates()
     if n > 0:
         print(f"spectrum: {n} simulations")
-    warning = _library.law_warning(case.kernel.broken_laws())
-    for kind, lines in (("note", found["notes"]), ("warning", warning.splitlines())):
+    for kind, lines in (("note", found["notes"]), ("warning", case.kernel.warnings())):
         print("".join(f"{kind}: {line}\n" for line in lines), end="")
     print("values, those that the case does not give in parentheses:")
     for name, group in case.groups.items():

@@ -20,10 +20,10 @@ def origin_of(case: Case) -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        Version of the kernel, text of the case, and what it does not conserve.
+        Version of the kernel, text of the case, and what its user should know.
     """
     return {
         "version": _library.version(),
         "case": readable(case.to_namelist()),
-        "warnings": _library.law_warning(case.kernel.broken_laws()),
+        "warnings": "\n".join(case.kernel.warnings()),
     }

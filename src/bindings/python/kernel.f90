@@ -26,13 +26,13 @@ module rwmf_bindings_python_kernel
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_simulation_quantities, only: quantities_text
+   use rwmf_simulation_quantities, only: all_quantities, quantities_text
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
-   use rwmf_simulation_warnings, only: find_broken => broken_laws, tell_broken_laws
-   use rwmf_spectrum_quantities, only: default_quantity, list_applicable
+   use rwmf_simulation_warnings, only: list_case_warnings
+   use rwmf_spectrum_quantities, only: default_quantity, keys_asked_by, list_applicable
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    use rwmf_text_strings, only: real_to_text
@@ -207,26 +207,43 @@ contains
       call put_text(trim(method_of_spectrum(kept%case%solver%method)), buffer, length)
    end subroutine spectrum_method
 
-   !> Laws of conservation that a case asks to break, in its spectrum if it has one: the sum of 1
-   !> for energy and 2 for angular momentum.
-   subroutine broken_laws(handle, laws)
+   !> What the user should know about a case, in its spectrum if it has one, with tabs between the
+   !> lines.
+   subroutine case_warnings(handle, keys, buffer, length)
       integer(c_int64_t), intent(in) :: handle
-      integer(c_int), intent(out) :: laws
-      type(kept_t), pointer :: kept
-
-      kept => find(handle)
-      laws = int(sum(merge([1, 2], 0, find_broken(kept%case, allocated(kept%case%spectrum)))), &
-         c_int)
-   end subroutine broken_laws
-
-   !> The line about them, '' for none.
-   subroutine law_warning(laws, buffer, length)
-      integer(c_int), intent(in) :: laws
+      character(*), intent(in) :: keys
+      !! quantities that are reported, with tabs between; '' for those that the case asks for
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
+      type(kept_t), pointer :: kept
+      type(motion_t), target :: room
+      type(motion_t), pointer :: motion
+      character(40), allocatable :: reported(:)
+      character(256), allocatable :: warnings(:)
 
-      call put_text(trim(tell_broken_laws([btest(laws, 0), btest(laws, 1)])), buffer, length)
-   end subroutine law_warning
+      kept => find(handle)
+      call motion_of(kept, room, motion)
+      call split_names(keys, reported)
+      if (keys == '') then
+         reported = keys_asked_by(kept%case)
+         if (allocated(kept%case%output)) then
+            if (kept%case%output%reactions) reported = all_quantities%key
+         end if
+      end if
+      call list_case_warnings(kept%case, motion, allocated(kept%case%spectrum), reported, warnings)
+      call put_text(joined(warnings), buffer, length)
+   end subroutine case_warnings
+
+   !> What the user should know about a spectrum, with tabs between the lines.
+   subroutine spectrum_warnings(sweep, buffer, length)
+      integer(c_int64_t), intent(in) :: sweep
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      type(kept_t), pointer :: kept
+
+      kept => find(sweep)
+      call put_text(joined(kept%spectrum%warnings), buffer, length)
+   end subroutine spectrum_warnings
 
    !> Run one simulation. `control` is (finished, cancel), read and set while this runs.
    subroutine simulate(handle, control, run, status, message, message_length)

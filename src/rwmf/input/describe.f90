@@ -79,6 +79,9 @@ contains
       case ('solver')
          ! the tolerance is then found by the run
          is_in_scene = key%key /= 'rtol' .or. .not. has_key(values, 'solver', 'accuracy')
+      case ('p_delta')
+         ! storeys have heights of their own
+         is_in_scene = key%key /= 'h_f' .or. .not. has_group(values, 'storeys')
       case ('spectrum')
          is_in_scene = key%key /= 'spacing' .or. .not. has_key(values, 'spectrum', 'T_s')
       case default
@@ -112,8 +115,9 @@ contains
             end select
          end do
       end associate
-      ! the one default that only the validated case knows: the last sample of the record
+      ! defaults that only the validated case knows: the last sample of the record, the wall's height
       if (key%key == 't_end' .and. text == '') text = trim(real_to_text(case%solver%t_end))
+      if (key%default == '2h' .and. .not. row%is_given) text = trim(real_to_text(2*case%wall%h))
    end subroutine canonical_values
 
 end module rwmf_input_describe

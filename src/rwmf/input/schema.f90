@@ -107,8 +107,8 @@ contains
       end do
    end function find_key
 
-   !> The table as text: group, key, type, unit, default, what is allowed and help, separated by
-   !> tabs, one key a line. The default of a required key is 'required', of one without 'none'.
+   !> The table as text: group, key, type, unit, default, what is allowed, help and the range in
+   !> real buildings, separated by tabs, one key a line. The default of a required key is 'required', of one without 'none'.
    subroutine write_schema(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed
@@ -125,13 +125,13 @@ contains
       ! of its whole length at once: a text that grows by lines is copied with each of them
       allocate (character(sum(len_trim(keys%group) + len_trim(keys%key) + len_trim(keys%type) &
          + len_trim(keys%unit) + len_trim(keys%default) + len_trim(keys%allowed) &
-         + len_trim(keys%help) + 7)) :: text)
+         + len_trim(keys%help) + len_trim(keys%usual) + 8)) :: text)
       n = 0
       do i = 1, size(keys)
          associate (key => keys(i))
             line = trim(key%group)//tab//trim(key%key)//tab//trim(key%type)//tab &
                //trim(key%unit)//tab//trim(key%default)//tab//trim(key%allowed)//tab &
-               //trim(key%help)//new_line('a')
+               //trim(key%help)//tab//trim(key%usual)//new_line('a')
          end associate
          text(n + 1:n + len(line)) = line
          n = n + len(line)

@@ -5,7 +5,7 @@ module rwmf_input_schema_check
    use rwmf_core_kinds, only: dp
    use rwmf_input_namelist, only: entry_t, group_t
    use rwmf_input_schema, only: find_key, group_names
-   use rwmf_input_value_check, only: check_value, default_number, requirement
+   use rwmf_input_value_check, only: check_value, default_number, requirement, usual_bounds
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, has_key, &
       key_code, key_values_t, text_of
@@ -149,7 +149,8 @@ contains
          i=1, size(names))]
       do i = 1, size(keys)
          values%keys(i) = key_values_t(keys(i)%group, keys(i)%key, to_lower(keys(i)%key), &
-            .false., .false., 0, 0, 0)
+            .false., .false., 0, 0, 0, unit=keys(i)%unit)
+         if (keys(i)%usual /= '') values%keys(i)%usual = usual_bounds(keys(i))
          values%codes(i) = key_code(keys(i)%group, keys(i)%key)
       end do
       do i = 1, size(names)

@@ -1,13 +1,13 @@
 !> Is a value of a case file what its key allows, and which number is it?
 module rwmf_input_value_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use rwmf_core_kinds, only: dp
+   use rwmf_core_kinds, only: dp, wp
    use rwmf_problem_key, only: any_real, key_t
    use rwmf_text_strings, only: next_word, parse_integer, parse_real, to_lower
    implicit none
    private
 
-   public :: check_value, check_number, default_number, requirement
+   public :: check_value, check_number, default_number, requirement, usual_bounds
 
    integer, parameter :: requirement_length = 256
 
@@ -93,6 +93,18 @@ contains
          number = parse_bound(trim(key%default))
       end select
    end function default_number
+
+   !> Ends of the range of a key in real buildings [unit of the key].
+   pure function usual_bounds(key) result(bounds)
+      type(key_t), intent(in) :: key
+      !! with a range
+      real(wp) :: bounds(2)
+      integer :: comma
+
+      comma = index(key%usual, ',')
+      bounds(1) = real(parse_bound(key%usual(2:comma - 1)), wp)
+      bounds(2) = real(parse_bound(key%usual(comma + 1:index(key%usual, ']') - 1)), wp)
+   end function usual_bounds
 
    !> What the values of a key must be, for messages: `a number >= 0 [-]`.
    pure function requirement(key) result(text)

@@ -51,6 +51,10 @@ module rwmf_problem_group_values
       !! of values that follow from others: number of those that the case gives
       integer :: first_given = 0
       !! and place of the first of them
+      character(6) :: unit = '-'
+      !! of the values
+      real(wp) :: usual(2) = [0.0_wp, huge(1.0_wp)]
+      !! range of their magnitudes in real buildings
    end type key_values_t
 
    !> All values of a case.

@@ -3,7 +3,7 @@ module rwmf_problem_key
    implicit none
    private
 
-   public :: key_t, required, optional_key, of_kind, dimensional, with_si, belongs_to
+   public :: key_t, required, optional_key, of_kind, dimensional, with_si, usually, belongs_to
    public :: any_real, positive, below_one, not_negative
 
    character(*), parameter :: any_real = 'any finite number'
@@ -42,6 +42,8 @@ module rwmf_problem_key
       !! '|' between them one is enough
       logical :: scales = .false.
       !! it may stand beside the key that it gives, whose values it scales
+      character(16) :: usual = ''
+      !! range of its magnitude in real buildings, '[low, high]'; beyond it a case gets a warning
    end type key_t
 
 contains
@@ -98,6 +100,17 @@ contains
       with_si = ratio
       with_si%si = si
    end function with_si
+
+   !> A key whose magnitude in real buildings lies in a range.
+   pure type(key_t) function usually(range, key)
+      character(*), intent(in) :: range
+      !! component `usual` of `key_t`
+      type(key_t), intent(in) :: key
+      !! the key without it
+
+      usually = key
+      usually%usual = range
+   end function usually
 
    !> A key in kg, N or Pa that stands for one over the mass or the weight of the wall.
    pure type(key_t) function dimensional(group, key, type, unit, gives, needs, help, &

@@ -30,6 +30,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
+   use rwmf_simulation_recorder_nearby_motion, only: meet_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_piece, observe_rest, observe_state, observe_still, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
@@ -498,6 +499,8 @@ contains
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
       call observe_impact(recorder, equation, hybrid%y(2), after)
+      if (allocated(recorder%nearby)) call meet_impact(recorder%nearby, equation, hybrid%y, &
+         factor_at(hybrid%restitution, abs(hybrid%y(2))))
       hybrid%y(:2) = [0.0_wp, after]
       call turn_back(equation%model_t, equation%state, 0.0_wp, goes_on=abs(after) > 0)
       call enter_side(equation%model_t, equation%state, -equation%state%side)

@@ -173,6 +173,9 @@ module rwmf_simulation_quantities
       quantity_t('storey_{i}_residual_drift', 'storey_{i}_residual_drift', '1', 'real', 'end', &
       'run ordinate', 'yielding', of_events, '`storey_u_y`', &
       'drift of storey {i} that unloading would leave in the end'), &
+      quantity_t('storey_{i}_residual_drift_at_rest', 'storey_{i}_residual_drift_at_rest', '1', &
+      'real', 'end', 'run ordinate', 'yielding', of_events, '`storey_u_y`; an equilibrium', &
+      'drift of storey {i} in static equilibrium after the motion'), &
       quantity_t('impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', 'wall', &
       of_events, '`base = ''rocking''`', 'number of impacts'), &
       quantity_t('lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', 'wall', of_events, &
@@ -287,6 +290,9 @@ module rwmf_simulation_quantities
       quantity_t('roof_residual_drift', 'roof_residual_drift', '1', 'real', 'end', 'run ordinate', &
       'yielding', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'displacement of the roof that unloading would leave over its height'), &
+      quantity_t('roof_residual_drift_at_rest', 'roof_residual_drift_at_rest', '1', 'real', 'end', &
+      'run ordinate', 'frame', of_demands, '`&yielding` or `&fuse`; a height; an equilibrium', &
+      'drift of the roof in static equilibrium after the motion'), &
       quantity_t('floor_{i}_acceleration_max_g', 'floor_{i}_acceleration_max_g', '1', 'real', &
       'peak', 'run ordinate', 'frame', of_demands, '', &
       'largest absolute acceleration of floor {i} over g'), &

@@ -123,6 +123,9 @@ module rwmf_simulation_result
       !! the frame yields
       real(wp), allocatable :: roof_residual_drift
       !! the same of the roof over its height [-]
+      real(wp), allocatable :: roof_at_rest
+      !! displacement of the roof in static equilibrium after the motion over its height [-]; absent
+      !! unless frame or fuses yield, and where there is none
       real(wp), allocatable :: wall_shear_max
       !! inside the wall over m_w g [-]; absent without a wall, as the following
       real(wp), allocatable :: wall_shear_height
@@ -164,6 +167,8 @@ module rwmf_simulation_result
       !! one by one
       real(wp), allocatable :: storey_residual_drift(:)
       !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
+      real(wp), allocatable :: storey_at_rest(:)
+      !! (storeys) drift in static equilibrium after the motion [-]; likewise, and absent without one
       real(wp), allocatable :: theta_end_over_alpha
       !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
@@ -200,6 +205,9 @@ module rwmf_simulation_result
       !! wall-clock time that the estimate took beyond `seconds` [s]
       real(wp), allocatable :: sensitivity
       !! relative change of the same peak per relative change of the motion [-]
+      real(wp) :: peak_sensitivity = 0
+      !! the same of the largest rotation, estimated along the run of a rocking wall whose every step
+      !! is observed; else 0 [-]
       type(energy_t), allocatable :: energy
       type(reaction_extremes_t), allocatable :: reactions
       !! only when they were asked for, as the energy

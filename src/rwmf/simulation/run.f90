@@ -10,26 +10,30 @@ module rwmf_simulation_run
    use rwmf_model_contributions, only: state_sizes
    use rwmf_model_demands, only: building_t
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
-   use rwmf_model_equation, only: frame_travel
+   use rwmf_model_equation, only: discrete_state_t, frame_displacement, frame_travel
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
       storey_strengths, tendon_is_broken, yield_displacement
-   use rwmf_model_impact_rule, only: balanced_restitution, impact_law, restitution
+   use rwmf_model_impact_rule, only: balanced_restitution, impact_law
    use rwmf_model_rest, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
-   use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest, &
-      start_hybrid
+   use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, mode_collapsed, &
+      mode_overturned, mode_rest, start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_quantities, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
+   use rwmf_simulation_recorder_nearby_motion, only: begin_nearby
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
-   use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
+   use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
+      needs_all_steps, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
-   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws, warn_of_fuses, &
-      warn_of_grazing, warn_of_reactions, warn_of_short_history, warn_of_weight
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_simulation_static_rest, only: come_to_rest
+   use rwmf_simulation_warnings, only: list_case_warnings, warn_of_grazing, warn_of_reactions, &
+      warn_of_sensitivity, warn_of_short_history
    implicit none
    private
 
@@ -62,6 +66,7 @@ contains
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
+      call warn_of_sensitivity(result)
       call warn_of_grazing(result)
       call warn_of_short_history(case%solver%t_end, result)
       call system_clock(finished)
@@ -132,12 +137,17 @@ contains
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
+      if (equation%has_impacts .and. needs_all_steps(recorder)) then
+         allocate (recorder%nearby)
+         call begin_nearby(recorder%nearby, equation%n)
+      end if
       call begin_advance(hybrid, equation, integrator, case%solver%t_end, team)
       call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, team, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
       size_found = response_size(recorder)
       call fill_result(case, equation, hybrid, recorder, result)
+      if (allocated(recorder%nearby)) result%peak_sensitivity = recorder%nearby%sensitivity
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
@@ -285,6 +295,7 @@ contains
             result%demands)
          if (allocated(case%yielding)) call fill_residuals(recorder%demands%building, result)
       end if
+      if (equation%has_frame) call fill_rest(case, equation, hybrid, recorder, result)
       if (recorder%keeps_history) then
          call move_alloc(recorder%events, result%events)
          call move_alloc(recorder%history, result%history)
@@ -357,43 +368,60 @@ contains
       result%ductility = maxval(result%storey_ductility)
    end subroutine fill_storeys
 
-   !> What the user should know about the scene itself.
+   !> Drifts in static equilibrium after the motion, where something has yielded that can hold the
+   !> frame away from its place.
+   subroutine fill_rest(case, equation, hybrid, recorder, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      type(hybrid_t), intent(in) :: hybrid
+      type(recorder_t), intent(in) :: recorder
+      type(result_t), intent(inout) :: result
+      type(discrete_state_t) :: state
+      real(wp) :: y(equation%n), u, height
+      real(wp) :: d(equation%floors%n), d_dot(equation%floors%n)
+      logical :: of_storeys, of_roof, is_found
+
+      ! a pass at coarser tolerances may have ended differently
+      if (allocated(result%storey_at_rest)) deallocate (result%storey_at_rest)
+      if (allocated(result%demands)) then
+         if (allocated(result%demands%roof_at_rest)) deallocate (result%demands%roof_at_rest)
+      end if
+      if (has_ended(hybrid)) return
+      of_storeys = allocated(result%storey_residual_drift)
+      of_roof = allocated(recorder%demands) .and. (allocated(case%yielding) &
+         .or. allocated(case%fuse))
+      if (of_roof) of_roof = recorder%demands%building%roof_height > 0
+      if (.not. (of_storeys .or. of_roof)) return
+      state = equation%state
+      y = hybrid%y
+      call come_to_rest(equation%model_t, state, hybrid%overturning_angle, y, is_found)
+      if (.not. is_found) return
+      u = frame_displacement(equation, state%side, y(1))
+      if (of_roof) result%demands%roof_at_rest = u/recorder%demands%building%roof_height
+      if (.not. of_storeys) return
+      associate (heights => case%storeys%frame%height)
+         height = sum(heights)
+         result%storey_at_rest = spread(u/height, 1, size(heights))
+         if (.not. equation%floors%yields) return
+         call storey_motion(equation, state%side, y, d, d_dot)
+         result%storey_at_rest = d/heights
+      end associate
+   end subroutine fill_rest
+
+   !> What the user should know about the case itself.
    subroutine collect_warnings(case, equation, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       type(result_t), intent(inout) :: result
-      real(wp) :: e
-      real(wp) :: e_max
+      character(40), allocatable :: keys(:)
 
-      allocate (result%warnings(0))
+      allocate (keys(0))
+      if (allocated(case%output)) then
+         if (case%output%reactions) keys = all_quantities%key
+      end if
+      call list_case_warnings(case, equation%motion, .false., keys, result%warnings)
       if (case%solver%method == 'fast') then
          call add_warning(result, 'method fast is for spectra: this run was integrated by dop853')
-      end if
-      if (.not. allocated(case%wall)) return
-      if (case%wall%base == 'pinned') return
-      if (equation%has_vertical) call warn_of_weight(equation, case%solver%t_end, result)
-      if (allocated(case%fuse)) call warn_of_fuses(case%fuse%eta_y, equation%p%eta_0, result)
-      e = restitution(case, equation%p%alpha)
-      e_max = balanced_restitution(case, equation%p%alpha)
-      if (allocated(case%impact)) then
-         if (e <= 0 .and. (case%impact%rule == 'housner' .or. case%impact%rule == 'coupled')) then
-            call add_warning(result, 'the momentum balance leaves no velocity at impact for so ' &
-               //'squat a wall: e = 0')
-         end if
-      end if
-      if (e > e_max) then
-         call add_warning(result, 'e = '//trim(real_to_text(e))//' exceeds e_max = ' &
-            //trim(real_to_text(e_max)) &
-            //', the most that the momentum balance of wall and frame allows')
-      end if
-      if (any(broken_laws(case, .false.))) then
-         call add_warning(result, trim(tell_broken_laws(broken_laws(case, .false.))))
-      end if
-      if (.not. allocated(case%cable)) return
-      if (case%model%formulation == 'published' .and. &
-         abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
-         call add_warning(result, 'published: for theta < 0 the cable force of Eq. (1) falls ' &
-            //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|')
       end if
    end subroutine collect_warnings
 

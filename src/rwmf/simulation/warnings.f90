@@ -1,33 +1,21 @@
-!> What the user should know about a scene or a run that the model does not follow to its end.
+!> What the user should know about a case or a run: slips of the input, and what the model does not
+!> follow to its end.
 module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_vertical_motion, only: lowest_vertical
-   use rwmf_model_equation, only: equation_t
    use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
+   use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: warn_of_fuses, warn_of_reactions, warn_of_grazing, warn_of_short_history
-   public :: warn_of_weight, broken_laws, tell_broken_laws
+   public :: warn_of_sensitivity
+   public :: list_case_warnings, warn_of_reactions, warn_of_grazing, warn_of_short_history
 
 contains
-
-   !> Fuses that may hold the wall up when they have been drawn out.
-   subroutine warn_of_fuses(eta_y, eta_0, result)
-      real(wp), intent(in) :: eta_y
-      !! yield force over m_w g [-]
-      real(wp), intent(in) :: eta_0
-      !! prestress over m_w g, 0 without cable [-]
-      type(result_t), intent(inout) :: result
-
-      if (2*eta_y <= 1 + eta_0) return
-      call add_warning(result, '2 eta_y = '//trim(real_to_text(2*eta_y))//' of &fuse exceeds ' &
-         //'1 + eta_0 = '//trim(real_to_text(1 + eta_0)) &
-         //', weight and prestress: the wall need not come down again')
-   end subroutine warn_of_fuses
 
    !> A pivot that lifts or slides is not in the equation of motion.
    subroutine warn_of_reactions(result)
@@ -59,6 +47,19 @@ contains
          //'on the tolerance; &solver verify = .true. shows how much')
    end subroutine warn_of_grazing
 
+   !> Peaks that a small change of the motion changes a lot: their digits mean little.
+   subroutine warn_of_sensitivity(result)
+      type(result_t), intent(inout) :: result
+      real(wp), parameter :: many = 30
+      !! relative change of a peak per relative change of the motion [-]
+
+      if (result%peak_sensitivity <= many) return
+      call add_warning(result, 'sensitive: 1 % more ground motion changes the course so much that ' &
+         //'peaks may differ by their own size (estimated d ln theta_max/d ln motion = ' &
+         //trim(real_to_text(result%peak_sensitivity)) &
+         //'); compare many similar motions, &solver verify = .true. measures it')
+   end subroutine warn_of_sensitivity
+
    !> Rows of the history end with the motion.
    subroutine warn_of_short_history(t_end, result)
       real(wp), intent(in) :: t_end
@@ -71,20 +72,136 @@ contains
          result%overturned)))
    end subroutine warn_of_short_history
 
+   !> What the user should know about a case before it is simulated, one line each.
+   subroutine list_case_warnings(case, motion, in_grid, keys, lines)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      logical, intent(in) :: in_grid
+      !! anywhere in its `&spectrum`; otherwise in the run of the case
+      character(*), intent(in) :: keys(:)
+      !! (quantities) that are reported
+      character(256), allocatable, intent(out) :: lines(:)
+      real(wp), allocatable :: gamma(:), b(:)
+
+      call list_unusual(case%values, lines)
+      if (allocated(case%storeys) .and. size(lines) == 0) then
+         if (allocated(case%frame%T_s)) call add_line(unusual_text(case%values, 'frame', 'T_s', &
+            case%frame%T_s), lines)
+      end if
+      if (.not. allocated(case%wall)) return
+      if (allocated(case%storeys) .and. any(depends_on_bending(keys))) call add_line( &
+         'the wall is rigid: accelerations of linked floors, and shear and moment in the wall, ' &
+         //'are 1.4 to 3.6 times too small compared with a wall that bends', lines)
+      if (case%wall%base == 'pinned') return
+      gamma = [mass_ratio(case)]
+      b = [case%wall%b]
+      if (in_grid) then
+         if (allocated(case%spectrum%gamma)) gamma = case%spectrum%gamma
+         if (allocated(case%spectrum%b)) b = case%spectrum%b
+      end if
+      call warn_of_weight(case, motion, lines)
+      call warn_of_fuses(case, lines)
+      call warn_of_impacts(case, gamma, atan2(b, case%wall%h), lines)
+      call add_line(broken_laws(case, gamma, atan2(b, case%wall%h)), lines)
+      if (.not. allocated(case%cable)) return
+      if (case%model%formulation == 'published' .and. &
+         abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
+         call add_line('published: for theta < 0 the cable force of Eq. (1) falls ' &
+            //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|', lines)
+      end if
+   end subroutine list_case_warnings
+
+   !> Add a line unless it is empty.
+   pure subroutine add_line(line, lines)
+      character(*), intent(in) :: line
+      character(256), allocatable, intent(inout) :: lines(:)
+
+      if (line /= '') lines = [character(256) :: lines, line]
+   end subroutine add_line
+
+   !> Is a quantity underestimated beside a wall that does not bend?
+   elemental logical function depends_on_bending(key)
+      character(*), intent(in) :: key
+      !! of a quantity, with the number of a floor or '{i}'
+
+      depends_on_bending = (index(key, 'floor_') == 1 .and. index(key, 'acceleration') > 0) &
+         .or. index(key, 'wall_shear') == 1 .or. index(key, 'wall_moment') == 1
+   end function depends_on_bending
+
    !> A pivot that lifts is not in the equation of motion.
-   subroutine warn_of_weight(equation, t_end, result)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t_end
-      !! of the run [s]
-      type(result_t), intent(inout) :: result
+   subroutine warn_of_weight(case, motion, lines)
+      type(case_t), intent(in) :: case
+      !! with a rocking wall
+      type(motion_t), intent(in) :: motion
+      character(256), allocatable, intent(inout) :: lines(:)
       real(wp) :: lowest
       !! [m/s2]
 
-      lowest = lowest_vertical(equation%motion, t_end)
-      if (equation%p%g*(1 + equation%p%eta_0) + lowest > 0) return
-      call add_warning(result, 'v_g'''' falls to '//trim(real_to_text(lowest)) &
-         //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed')
+      if (.not. allocated(case%vertical)) return
+      lowest = lowest_vertical(motion, case%solver%t_end)
+      if (case%model%g*(1 + prestress(case)) + lowest > 0) return
+      call add_line('v_g'''' falls to '//trim(real_to_text(lowest)) &
+         //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed', &
+         lines)
    end subroutine warn_of_weight
+
+   !> Fuses that may hold the wall up when they have been drawn out.
+   subroutine warn_of_fuses(case, lines)
+      type(case_t), intent(in) :: case
+      !! with a rocking wall
+      character(256), allocatable, intent(inout) :: lines(:)
+
+      if (.not. allocated(case%fuse)) return
+      associate (eta_y => case%fuse%eta_y, eta_0 => prestress(case))
+         if (2*eta_y <= 1 + eta_0) return
+         call add_line('2 eta_y = '//trim(real_to_text(2*eta_y))//' of &fuse exceeds 1 + eta_0 = ' &
+            //trim(real_to_text(1 + eta_0)) &
+            //', weight and prestress: the wall need not come down again', lines)
+      end associate
+   end subroutine warn_of_fuses
+
+   !> Prestress of the cable over m_w g, 0 without one [-].
+   pure real(wp) function prestress(case)
+      type(case_t), intent(in) :: case
+
+      prestress = 0
+      if (allocated(case%cable)) prestress = case%cable%eta_0
+   end function prestress
+
+   !> Velocity factors that are zero, or that exceed what the momentum balance allows; of several
+   !> mass ratios and slendernesses that which exceeds it most.
+   subroutine warn_of_impacts(case, gamma, alpha, lines)
+      type(case_t), intent(in) :: case
+      !! with a rocking wall
+      real(wp), intent(in) :: gamma(:)
+      real(wp), intent(in) :: alpha(:)
+      !! [rad]
+      character(256), allocatable, intent(inout) :: lines(:)
+      type(case_t) :: one
+      real(wp) :: e, e_max, most(2)
+      logical :: is_dead
+      integer :: i, j
+
+      one%structure_t = case%structure_t
+      most = 0
+      is_dead = .false.
+      do i = 1, size(gamma)
+         if (allocated(one%frame)) one%frame%gamma = gamma(i)
+         do j = 1, size(alpha)
+            e = restitution(one, alpha(j))
+            e_max = balanced_restitution(one, alpha(j))
+            if (e - e_max > most(1) - most(2)) most = [e, e_max]
+            is_dead = is_dead .or. e <= 0
+         end do
+      end do
+      if (is_dead .and. allocated(case%impact)) then
+         if (any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) call add_line( &
+            'the momentum balance leaves no velocity at impact for so squat a wall: e = 0', lines)
+      end if
+      if (most(1) > most(2)) call add_line('e = '//trim(real_to_text(most(1))) &
+         //' exceeds e_max = '//trim(real_to_text(most(2))) &
+         //', the most that the momentum balance of wall and frame allows', lines)
+   end subroutine warn_of_impacts
 
    !> Does the case itself ask to break the conservation of energy, of angular momentum?
    !>
@@ -92,50 +209,37 @@ contains
    !> arm than its displacement has where theta < 0. A velocity factor below that of the momentum
    !> balance takes more than the contact at the new corner can: it damps the frame. One that
    !> exceeds it has a warning of its own.
-   pure function broken_laws(case, in_grid) result(is_broken)
+   pure function broken_laws(case, gamma, alpha) result(text)
       type(case_t), intent(in) :: case
-      logical, intent(in) :: in_grid
-      !! anywhere in its `&spectrum`; otherwise in the run of the case
+      !! with a rocking wall
+      real(wp), intent(in) :: gamma(:)
+      !! mass ratios [-]
+      real(wp), intent(in) :: alpha(:)
+      !! slendernesses [rad]
+      character(256) :: text
+      !! one line, '' for neither
+      type(case_t) :: one
       logical :: is_broken(2)
       !! energy, angular momentum
-      type(case_t) :: one
-      real(wp), allocatable :: gamma(:)
-      real(wp), allocatable :: b(:)
       integer :: i, j
 
-      is_broken = .false.
-      if (.not. (allocated(case%wall) .and. allocated(case%frame))) return
-      if (case%wall%base == 'pinned') return
+      text = ''
+      if (.not. allocated(case%frame)) return
       one%structure_t = case%structure_t
-      gamma = [mass_ratio(case)]
-      b = [case%wall%b]
-      if (in_grid) then
-         if (allocated(case%spectrum%gamma)) gamma = case%spectrum%gamma
-         if (allocated(case%spectrum%b)) b = case%spectrum%b
-      end if
-      is_broken(1) = case%model%formulation == 'published' .and. any(gamma > 0)
+      is_broken = [case%model%formulation == 'published' .and. any(gamma > 0), .false.]
       do i = 1, size(gamma)
          one%frame%gamma = gamma(i)
-         do j = 1, size(b)
-            is_broken(2) = is_broken(2) .or. loses_momentum(one, atan2(b(j), case%wall%h))
+         do j = 1, size(alpha)
+            is_broken(2) = is_broken(2) .or. loses_momentum(one, alpha(j))
          end do
       end do
-   end function broken_laws
-
-   !> What `broken_laws` found, in one line; '' for nothing.
-   pure function tell_broken_laws(is_broken) result(text)
-      logical, intent(in) :: is_broken(2)
-      !! energy while theta < 0, angular momentum at impacts
-      character(160) :: text
-
-      text = ''
       if (.not. any(is_broken)) return
       text = 'not conserved:'
       if (is_broken(1)) text = trim(text)//" energy while theta < 0 (formulation 'published')"
       if (all(is_broken)) text = trim(text)//','
       if (is_broken(2)) text = trim(text)//' angular momentum of wall and frame at impact ' &
          //'(e < e_max)'
-   end function tell_broken_laws
+   end function broken_laws
 
    !> Does an impact take more than the momentum balance of wall and frame?
    pure logical function loses_momentum(case, alpha)

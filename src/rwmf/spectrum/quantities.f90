@@ -174,6 +174,10 @@ contains
       call simulate_instant(asking, motion, instant, result, error)
       if (allocated(error)) return
       if (allocated(result%collapsed)) result%t_collapse = 0
+      if (allocated(result%storey_residual_drift)) result%storey_at_rest = &
+         result%storey_residual_drift
+      if (allocated(result%demands%roof_drift_max) .and. (allocated(case%yielding) .or. &
+         allocated(case%fuse))) result%demands%roof_at_rest = 0
       if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
       if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)

@@ -14,7 +14,7 @@ module rwmf_spectrum_spectrum
    use rwmf_simulation_quantities, only: spelled
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
-   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws
+   use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_fast_driver, only: begin_fast, exponential_t, run_fast
    use rwmf_spectrum_fast_schedule, only: order_by_cost
@@ -58,7 +58,7 @@ module rwmf_spectrum_spectrum
       !! wall-clock time [s]
       integer :: threads
       !! number of threads used
-      character(160), allocatable :: warnings(:)
+      character(256), allocatable :: warnings(:)
       !! what the user should know about all ordinates
    end type spectrum_t
 
@@ -163,7 +163,6 @@ contains
       type(motion_t), target :: motion
       type(control_t) :: signals
       integer(i8) :: started, finished, rate
-      logical :: is_broken(2)
 
       call choose_threads(threads, spectrum%threads, error)
       if (allocated(error)) return
@@ -181,8 +180,8 @@ contains
       if (allocated(error)) return
       queue%rows => rows
       queue%asked = asked_of(rows%case, keys)
-      is_broken = broken_laws(rows%case, in_grid=.not. associated(rows%table))
-      spectrum%warnings = pack([tell_broken_laws(is_broken)], [any(is_broken)])
+      call list_case_warnings(rows%case, queue%motion, .not. associated(rows%table), keys, &
+         spectrum%warnings)
       call run_rows(queue, signals, spectrum)
       call system_clock(finished)
       spectrum%seconds = real(finished - started, wp)/real(rate, wp)

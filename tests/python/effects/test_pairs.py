@@ -49,7 +49,7 @@ def test_no_law_is_missing() -> None:
 
     What a rule makes lists of (`distribution`) is the same effect as those lists.
     """
-    for group, key, kind, _, default, allowed, _ in _library.schema():
+    for group, key, kind, _, default, allowed, *_ in _library.schema():
         if group in _NO_EFFECTS or kind != "choice" or group in ("motion",):
             continue
         if key in ("unit", "distribution"):

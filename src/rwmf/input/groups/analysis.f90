@@ -5,7 +5,7 @@ module rwmf_input_groups_analysis
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, integer_of, &
       logical_of, real_of, text_of
-   use rwmf_problem_key, only: not_negative, optional_key, positive
+   use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_simulation_quantities, only: all_quantities, is_peak, look_up, spelled
    use rwmf_text_strings, only: nearest_name
@@ -26,7 +26,8 @@ contains
       group%keys = [ &
          optional_key('model', 'formulation', 'choice', '', 'exact', &
             'published symmetric exact', 'Eq. (15) as printed, or one that conserves energy'), &
-         optional_key('model', 'g', 'real', 'm/s2', '9.81', positive, 'gravity'), &
+         usually('[9, 10.5]', &
+            optional_key('model', 'g', 'real', 'm/s2', '9.81', positive, 'gravity')), &
          optional_key('model', 'overturning_angle', 'real', 'rad', 'pi/2', '(0, pi/2]', &
             'rotation at which the wall counts as overturned')]
       group%fill => fill_model
@@ -164,8 +165,8 @@ contains
             'energy ledger: its parts in the end, with dt in every row'), &
          optional_key('output', 'reactions', 'logical', '', '.false.', '', &
             'reactions of the base, demands of building and wall: extrema, with dt rows'), &
-         optional_key('output', 'friction_limit', 'real', '-', '', positive, &
-            'coefficient of friction: whether and when the friction demand exceeds it')]
+         usually('[0.05, 3]', optional_key('output', 'friction_limit', 'real', '-', '', positive, &
+            'coefficient of friction: whether and when the friction demand exceeds it'))]
       group%check => check_output
       group%fill => fill_output
    end function output_group

@@ -5,7 +5,7 @@ module rwmf_input_groups_excitation
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_key, integer_of, real_of, &
       text_of
-   use rwmf_problem_key, only: any_real, key_t, of_kind, positive, required
+   use rwmf_problem_key, only: any_real, key_t, of_kind, positive, required, usually
    use rwmf_problem_record, only: fill_source
    use rwmf_problem_rules, only: check_one_of, fail_group
    implicit none
@@ -37,13 +37,14 @@ contains
       keys = [ &
          required('motion', 'kind', 'choice', '', kinds, &
             'one_sine: Eq. (16), one_cosine: Eq. (17), sine: cycles; all: reference/pulses.md'), &
-         of_kind(pulse_kinds, 'a_max_g', 'real', '-', '', any_real, &
-            'largest acceleration over g; exactly one of a_max_g and v_p'), &
-         of_kind(velocity_kinds, 'v_p', 'real', 'm/s', '', any_real, &
-            'velocity amplitude of Eqs (16), (17), reference/pulses.md; no Ricker pulse has it'), &
-         of_kind(pulse_kinds, 'omega_p', 'real', 'rad/s', '', positive, &
-            'angular frequency; exactly one of omega_p and T_p'), &
-         of_kind(pulse_kinds, 'T_p', 'real', 's', '', positive, 'period of the pulse'), &
+         usually('[0.001, 5]', of_kind(pulse_kinds, 'a_max_g', 'real', '-', '', any_real, &
+            'largest acceleration over g; exactly one of a_max_g and v_p')), &
+         usually('[0.005, 6]', of_kind(velocity_kinds, 'v_p', 'real', 'm/s', '', any_real, &
+            'velocity amplitude of Eqs (16), (17), reference/pulses.md; no Ricker pulse has it')), &
+         usually('[0.2, 300]', of_kind(pulse_kinds, 'omega_p', 'real', 'rad/s', '', positive, &
+            'angular frequency; exactly one of omega_p and T_p')), &
+         usually('[0.02, 30]', &
+            of_kind(pulse_kinds, 'T_p', 'real', 's', '', positive, 'period of the pulse')), &
          of_kind('sine', 'cycles', 'real', '-', '1.0', positive, 'number of cycles'), &
          of_kind('type_c', 'n_pulses', 'integer', '', '1', '>= 1', 'n of the pulse C_n'), &
          of_kind('mavroeidis_papageorgiou', 'gamma_p', 'real', '-', '', '(1, 1000]', &

@@ -6,7 +6,7 @@ module rwmf_input_groups_spectrum
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, get_real, get_texts, group_values_t, has_group, &
       has_key, integer_of, real_of, text_of
-   use rwmf_problem_key, only: not_negative, optional_key, positive
+   use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, spelled
    use rwmf_text_strings, only: real_to_text
@@ -22,18 +22,21 @@ contains
       group%name = 'spectrum'
       group%is_of_scene = .false.
       group%keys = [ &
-         optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
-            'periods one by one (block: 2 pi/p); otherwise T_s_min, T_s_max and n are required'), &
-         optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period'), &
-         optional_key('spectrum', 'T_s_max', 'real', 's', '', positive, 'longest period'), &
+         usually('[0.005, 30]', optional_key('spectrum', 'T_s', 'real list', 's', '', positive, &
+            'periods one by one (block: 2 pi/p); otherwise T_s_min, T_s_max and n are required')), &
+         usually('[0.005, 30]', &
+            optional_key('spectrum', 'T_s_min', 'real', 's', '', positive, 'shortest period')), &
+         usually('[0.005, 30]', &
+            optional_key('spectrum', 'T_s_max', 'real', 's', '', positive, 'longest period')), &
          optional_key('spectrum', 'n', 'integer', '', '', '[1, 1000000]', &
             'number of periods, both ends included'), &
          optional_key('spectrum', 'spacing', 'choice', '', 'linear', 'linear log', &
             'spacing of the periods'), &
-         optional_key('spectrum', 'gamma', 'real list', '-', '', not_negative, &
-            'mass ratios; absent: that of &frame or of &storeys'), &
-         optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
-            'half widths; absent: that of &wall'), &
+         usually('[0.01, 1e5]', &
+            optional_key('spectrum', 'gamma', 'real list', '-', '', not_negative, &
+            'mass ratios; absent: that of &frame or of &storeys')), &
+         usually('[0.05, 20]', optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
+            'half widths; absent: that of &wall')), &
          optional_key('spectrum', 'quantities', 'text list', '', '', 'see outputs.md', &
             'keys of what each ordinate reports; absent: u_s_max_m, of a block ' &
             //'theta_max_over_alpha')]

@@ -7,7 +7,7 @@ module rwmf_input_groups_structure
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, logical_of, real_of, text_of
    use rwmf_problem_key, only: any_real, dimensional, not_negative, optional_key, positive, &
-      required, with_si
+      required, with_si, usually
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -21,14 +21,17 @@ contains
    type(case_group_t) function wall_group() result(group)
       group%name = 'wall'
       group%keys = [ &
-         required('wall', 'h', 'real', 'm', positive, 'half height of the wall'), &
-         required('wall', 'b', 'real', 'm', positive, 'half width of the wall'), &
-         optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
-            'mass of the wall; given: forces are reported in N as well'), &
-         dimensional('wall', 'density', 'real', 'kg/m3', 'm_w', 'thickness', &
-            'or its density and thickness: m_w = 4 h b thickness density'), &
-         dimensional('wall', 'thickness', 'real', 'm', 'm_w', 'density', &
-            'across the plane of the motion'), &
+         usually('[0.5, 150]', &
+            required('wall', 'h', 'real', 'm', positive, 'half height of the wall')), &
+         usually('[0.05, 20]', &
+            required('wall', 'b', 'real', 'm', positive, 'half width of the wall')), &
+         usually('[500, 1e8]', optional_key('wall', 'm_w', 'real', 'kg', '', positive, &
+            'mass of the wall; given: forces are reported in N as well')), &
+         usually('[300, 8000]', &
+            dimensional('wall', 'density', 'real', 'kg/m3', 'm_w', 'thickness', &
+            'or its density and thickness: m_w = 4 h b thickness density')), &
+         usually('[0.05, 3]', dimensional('wall', 'thickness', 'real', 'm', 'm_w', 'density', &
+            'across the plane of the motion')), &
          optional_key('wall', 'shear_key', 'logical', '', '.false.', '', &
             'a key keeps the base from sliding: its force is reported, not the friction demand')]
       group%derive => derive_wall
@@ -64,15 +67,17 @@ contains
    type(case_group_t) function frame_group() result(group)
       group%name = 'frame'
       group%keys = [ &
-         optional_key('frame', 'T_s', 'real', 's', '', positive, &
-            'undamped period; required without &spectrum'), &
-         with_si('kg', optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
-            'mass ratio m_s/m_w; required with &wall, refused without')), &
-         dimensional('frame', 'm_s', 'real', 'kg', 'gamma', '', &
-            'or the mass of the frame, with and without &wall', not_negative), &
-         dimensional('frame', 'k_s', 'real', 'N/m', 'T_s', 'm_s', &
-            'stiffness of the frame: T_s = 2 pi sqrt(m_s/k_s)'), &
-         required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio')]
+         usually('[0.02, 15]', optional_key('frame', 'T_s', 'real', 's', '', positive, &
+            'undamped period; required without &spectrum')), &
+         with_si('kg', usually('[0.01, 1e5]', &
+            optional_key('frame', 'gamma', 'real', '-', '', not_negative, &
+            'mass ratio m_s/m_w; required with &wall, refused without'))), &
+         usually('[500, 1e9]', dimensional('frame', 'm_s', 'real', 'kg', 'gamma', '', &
+            'or the mass of the frame, with and without &wall', not_negative)), &
+         usually('[1e4, 1e11]', dimensional('frame', 'k_s', 'real', 'N/m', 'T_s', 'm_s', &
+            'stiffness of the frame: T_s = 2 pi sqrt(m_s/k_s)')), &
+         usually('[0.001, 0.5]', &
+            required('frame', 'xi_s', 'real', '-', not_negative, 'viscous damping ratio'))]
       group%derive => derive_frame
       group%check => check_frame
       group%fill => fill_frame
@@ -126,10 +131,11 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'a cable holds a wall'
       group%keys = [ &
-         with_si('N', required('cable', 'eta_0', 'real', '-', not_negative, &
-            'P(0)/(m_w g), Eq. (1)')), &
-         with_si('N', optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
-            'P(alpha)/(m_w g)')), &
+         with_si('N', usually('[0.001, 30]', required('cable', 'eta_0', 'real', '-', not_negative, &
+            'P(0)/(m_w g), Eq. (1)'))), &
+         with_si('N', usually('[0.001, 200]', &
+            optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
+            'P(alpha)/(m_w g)'))), &
          optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
             'Eq. (1), or the exact length of the straight cable')]
       group%check => check_cable

@@ -11,7 +11,7 @@ module rwmf_model_effects_corner_damper
    use rwmf_problem_case, only: case_t, damper_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
-   use rwmf_problem_key, only: dimensional, not_negative, required, with_si
+   use rwmf_problem_key, only: dimensional, not_negative, required, with_si, usually
    implicit none
    private
 
@@ -28,8 +28,9 @@ contains
       group%keys = [ &
          with_si('N s/m', required('damper', 'c_over_m_w', 'real', '1/s', not_negative, &
             'viscous damper under each corner of the base: its constant over m_w')), &
-         dimensional('damper', 'c', 'real', 'N s/m', 'c_over_m_w', '', 'or its constant', &
-            not_negative)]
+         usually('[100, 1e9]', &
+            dimensional('damper', 'c', 'real', 'N s/m', 'c_over_m_w', '', 'or its constant', &
+            not_negative))]
       group%fill => fill_damper
       group%is_present => has_damper
    end function damper_group

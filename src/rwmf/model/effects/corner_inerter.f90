@@ -12,7 +12,7 @@ module rwmf_model_effects_corner_inerter
    use rwmf_problem_case, only: case_t, inerter_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
-   use rwmf_problem_key, only: dimensional, not_negative, required, with_si
+   use rwmf_problem_key, only: dimensional, not_negative, required, with_si, usually
    implicit none
    private
 
@@ -29,8 +29,9 @@ contains
       group%keys = [ &
          with_si('kg', required('inerter', 'inertance_over_m_w', 'real', '-', not_negative, &
             'inerter under each corner of the base: its inertance over m_w')), &
-         dimensional('inerter', 'inertance', 'real', 'kg', 'inertance_over_m_w', '', &
-            'or its inertance', not_negative)]
+         usually('[1, 1e10]', &
+            dimensional('inerter', 'inertance', 'real', 'kg', 'inertance_over_m_w', '', &
+            'or its inertance', not_negative))]
       group%fill => fill_inerter
       group%is_present => has_inerter
    end function inerter_group

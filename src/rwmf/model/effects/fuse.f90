@@ -7,7 +7,8 @@ module rwmf_model_effects_fuse
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_key, real_of, text_of
-   use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, required, with_si
+   use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, required, &
+      with_si, usually
    use rwmf_problem_rules, only: check_period, fail_key
    implicit none
    private
@@ -22,12 +23,15 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'fuses work under its corners'
       group%keys = [ &
-         with_si('N', required('fuse', 'eta_y', 'real', '-', positive, &
-            'yield force of the fuse under each corner of the base over m_w g')), &
-         required('fuse', 'stroke_y', 'real', 'm', positive, 'stroke at which it yields first'), &
-         dimensional('fuse', 'F_y', 'real', 'N', 'eta_y', '', 'or the yield force'), &
-         dimensional('fuse', 'k', 'real', 'N/m', 'stroke_y', 'F_y', &
-            'or the stiffness until then: stroke_y = F_y/k'), &
+         with_si('N', usually('[1e-4, 10]', required('fuse', 'eta_y', 'real', '-', positive, &
+            'yield force of the fuse under each corner of the base over m_w g'))), &
+         usually('[1e-5, 0.2]', &
+            required('fuse', 'stroke_y', 'real', 'm', positive, &
+            'stroke at which it yields first')), &
+         usually('[1e3, 1e8]', &
+            dimensional('fuse', 'F_y', 'real', 'N', 'eta_y', '', 'or the yield force')), &
+         usually('[1e5, 1e11]', dimensional('fuse', 'k', 'real', 'N/m', 'stroke_y', 'F_y', &
+            'or the stiffness until then: stroke_y = F_y/k')), &
          optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding fuse over its elastic one'), &
          optional_key('fuse', 'law', 'choice', '', 'elastic_plastic', &

@@ -11,7 +11,7 @@ module rwmf_model_effects_p_delta
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, real_of
-   use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive
+   use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_problem_units, only: mass_of_frame
    implicit none
@@ -33,14 +33,16 @@ contains
       group%needs(1) = 'frame'
       group%reasons(1) = 'its displacement is what gravity acts on'
       group%keys = [ &
-         optional_key('p_delta', 'm_g_over_m_s', 'real', '-', '1.0', not_negative, &
-            'mass whose weight leans on the frame, over the mass of the frame or of each floor'), &
-         dimensional('p_delta', 'm_g', 'real', 'kg', 'm_g_over_m_s', '', &
-            'or that mass, with &storeys that of all floors', not_negative), &
-         optional_key('p_delta', 'h_f', 'real', 'm', '2h', positive, &
-            'height of the frame; required without &wall, refused with &storeys'), &
-         optional_key('p_delta', 'drift_limit', 'real', '-', '0.1', positive, &
-            'drift of the frame or of a storey at which it has collapsed, which ends the run')]
+         usually('[0.01, 100]', &
+            optional_key('p_delta', 'm_g_over_m_s', 'real', '-', '1.0', not_negative, &
+            'mass whose weight leans on the frame, over the mass of the frame or of each floor')), &
+         usually('[500, 1e9]', dimensional('p_delta', 'm_g', 'real', 'kg', 'm_g_over_m_s', '', &
+            'or that mass, with &storeys that of all floors', not_negative)), &
+         usually('[1, 300]', optional_key('p_delta', 'h_f', 'real', 'm', '2h', positive, &
+            'height of the frame; required without &wall, refused with &storeys')), &
+         usually('[0.002, 0.5]', &
+            optional_key('p_delta', 'drift_limit', 'real', '-', '0.1', positive, &
+            'drift of the frame or of a storey at which it has collapsed, which ends the run'))]
       group%derive => derive_p_delta
       group%check => check_p_delta
       group%fill => fill_p_delta

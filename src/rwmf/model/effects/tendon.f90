@@ -8,7 +8,7 @@ module rwmf_model_effects_tendon
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_key, &
       real_of, text_of
    use rwmf_problem_key, only: below_one, dimensional, not_negative, optional_key, positive, &
-      with_si
+      with_si, usually
    use rwmf_problem_rules, only: check_period, fail_key
    use rwmf_problem_units, only: unit_of
    use rwmf_text_strings, only: real_to_text
@@ -26,23 +26,30 @@ contains
       group%name = 'cable'
       group%after = 'cable'
       group%keys = [ &
-         with_si('N', optional_key('cable', 'eta_y', 'real', '-', '', positive, &
-            'P/(m_w g) at which the tendon yields; absent: it stays elastic')), &
+         with_si('N', usually('[0.001, 200]', &
+            optional_key('cable', 'eta_y', 'real', '-', '', positive, &
+            'P/(m_w g) at which the tendon yields; absent: it stays elastic'))), &
          optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
             'stiffness of the yielding tendon over its elastic one'), &
-         optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
-            'strain at which it breaks, that of the prestress included; absent: never'), &
-         optional_key('cable', 'length', 'real', 'm', '', positive, &
-            'length that is strained, with strands or rupture_strain; absent: 2h'), &
+         usually('[0.003, 0.3]', &
+            optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
+            'strain at which it breaks, that of the prestress included; absent: never')), &
+         usually('[1, 300]', optional_key('cable', 'length', 'real', 'm', '', positive, &
+            'length that is strained, with strands or rupture_strain; absent: 2h')), &
          dimensional('cable', 'strands', 'integer', '', 'eta_0', of_strands, &
             'number of strands: P(0) = strands strand_area initial_stress'), &
-         dimensional('cable', 'strand_area', 'real', 'm2', 'eta_0', of_strands, 'area of each'), &
-         dimensional('cable', 'modulus', 'real', 'Pa', 'eta_alpha', of_strands, &
-            'of elasticity: P(alpha) follows from the elongation at alpha over length'), &
-         dimensional('cable', 'initial_stress', 'real', 'Pa', 'eta_0', of_strands, &
-            'stress at theta = 0', not_negative), &
-         dimensional('cable', 'yield_stress', 'real', 'Pa', 'eta_y', 'strands', &
-            'stress at which it yields; absent: it stays elastic')]
+         usually('[1e-5, 0.02]', &
+            dimensional('cable', 'strand_area', 'real', 'm2', 'eta_0', of_strands, &
+            'area of each')), &
+         usually('[1e10, 4e11]', &
+            dimensional('cable', 'modulus', 'real', 'Pa', 'eta_alpha', of_strands, &
+            'of elasticity: P(alpha) follows from the elongation at alpha over length')), &
+         usually('[1e7, 2e9]', &
+            dimensional('cable', 'initial_stress', 'real', 'Pa', 'eta_0', of_strands, &
+            'stress at theta = 0', not_negative)), &
+         usually('[1e8, 4e9]', &
+            dimensional('cable', 'yield_stress', 'real', 'Pa', 'eta_y', 'strands', &
+            'stress at which it yields; absent: it stays elastic'))]
       group%derive => derive_strands
       group%check => check_tendon
       group%fill => fill_tendon

@@ -15,7 +15,7 @@ module rwmf_model_effects_yielding
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, real_of, text_of
-   use rwmf_problem_key, only: below_one, dimensional, optional_key, positive
+   use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, usually
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_problem_units, only: mass_of_frame, unit_mass
    use rwmf_text_strings, only: integer_to_text, real_to_text
@@ -32,18 +32,21 @@ contains
       group%needs(1) = 'frame'
       group%reasons(1) = 'the frame is what yields'
       group%keys = [ &
-         optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
+         usually('[1e-4, 3]', optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
             'displacement at which the frame yields first, the same for all periods of a ' &
-            //'spectrum'), &
-         optional_key('yielding', 'f_y_over_m_s_g', 'real', '-', '', positive, &
-            'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2'), &
-         optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
+            //'spectrum')), &
+         usually('[0.002, 10]', &
+            optional_key('yielding', 'f_y_over_m_s_g', 'real', '-', '', positive, &
+            'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2')), &
+         usually('[1e-4, 0.5]', &
+            optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
             'or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for ' &
-            //'all or one each'), &
-         dimensional('yielding', 'F_y', 'real', 'N', 'f_y_over_m_s_g', '', &
-            'or the yield force of a frame without &storeys'), &
-         dimensional('yielding', 'storey_F_y', 'real list', 'N', 'storey_u_y', '', &
-            'or the forces at which storeys yield: one for all or one each'), &
+            //'all or one each')), &
+         usually('[1e3, 1e10]', dimensional('yielding', 'F_y', 'real', 'N', 'f_y_over_m_s_g', '', &
+            'or the yield force of a frame without &storeys')), &
+         usually('[1e3, 1e10]', &
+            dimensional('yielding', 'storey_F_y', 'real list', 'N', 'storey_u_y', '', &
+            'or the forces at which storeys yield: one for all or one each')), &
          optional_key('yielding', 'hardening', 'real', '-', '0.0', '(-1, 1)', &
             'stiffness of the yielding frame over its elastic one; < 0: it softens'), &
          optional_key('yielding', 'ultimate', 'real', '-', '', '> 1', &

@@ -521,25 +521,35 @@ contains
 
    !> The motion turns back, or hits the base, at a rotation: what yielded unloads. A frame that the
    !> wall takes through its position at rest does not turn; where its law could tell, it goes on.
-   subroutine turn_back(model, state, theta, goes_on)
+   subroutine turn_back(model, state, theta, goes_on, onward)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       logical, intent(in), optional :: goes_on
       !! the wall hits the base, and theta' keeps its sign; no
+      integer, intent(in), optional :: onward
+      !! sign of theta' from here on: springs that it goes on loading stay as they are; all unload
       logical :: unloads, passes
+      integer :: of_frame, of_corner
+      !! directions that go on, those of elongations at the wall beside that of the frame
       integer :: i
 
       if (.not. (model%has_bilinear_springs .and. state%ends_at_peak)) return
       passes = .false.
       if (present(goes_on)) passes = goes_on
-      unloads = loading_direction(model%cable%tendon, state%tendon) /= 0
+      of_frame = 0
+      if (present(onward)) of_frame = onward
+      of_corner = of_frame*state%side
+      associate (direction => loading_direction(model%cable%tendon, state%tendon))
+         unloads = direction /= 0 .and. direction /= of_corner
+      end associate
       if (unloads) call turn_spring(model%cable%tendon, state%tendon, &
          elongation_of(model, state%side, 0, state%side*theta))
       do i = 1, size(model%springs)
          associate (spring => model%springs(i)%spring, place => model%springs(i)%place)
-            if (loading_direction(spring, state%springs(i)) == 0) cycle
+            if (any(loading_direction(spring, state%springs(i)) == [0, merge(of_frame, of_corner, &
+               place == place_frame)])) cycle
             if (.not. moves(place, state%side)) cycle
             if (passes .and. place == place_frame .and. has_wear(spring)) cycle
             call turn_spring(spring, state%springs(i), elongation_of(model, state%side, i, &

@@ -24,6 +24,7 @@ module rwmf_simulation_recorder_recorder
       observe_demands, observe_demands_at, observe_demands_at_rest, put_demands, &
       put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
+   use rwmf_simulation_recorder_nearby_motion, only: follow_nearby, nearby_t
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
       observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
@@ -89,6 +90,8 @@ module rwmf_simulation_recorder_recorder
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
       integer :: n_events
+      type(nearby_t), allocatable :: nearby
+      !! only where the run tells how sensitive it is
    end type recorder_t
 
 contains
@@ -225,6 +228,7 @@ contains
       is_left = allocated(recorder%forces)
       if (present(has_plain_reactions) .and. allocated(recorder%demands)) is_left = is_left &
          .and. .not. has_plain_reactions
+      if (allocated(recorder%nearby)) call follow_nearby(recorder%nearby, piece)
       call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
       if (is_left) call observe_moving(recorder%forces, piece, error)

@@ -14,7 +14,8 @@ module rwmf_model_effects_storeys_storeys
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_group_values, only: derive, get_list, group_values_t, has_group, has_key, &
       integer_of, real_of, text_of
-   use rwmf_problem_key, only: dimensional, key_t, optional_key, positive, required, with_si
+   use rwmf_problem_key, only: dimensional, key_t, optional_key, positive, required, with_si, &
+      usually
    use rwmf_problem_rules, only: check_period, fail_group, fail_key
    use rwmf_problem_shear_frame, only: find_modes, shear_frame_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
@@ -37,20 +38,26 @@ contains
       group%needs(1) = 'frame'
       group%reasons(1) = 'its xi_s damps their modes'
       group%keys = [ &
-         with_si('kg', required('storeys', 'm_over_m_w', 'real list', '-', positive, &
-            'mass of each floor over m_w (no wall: over any mass), from the ground up')), &
+         with_si('kg', usually('[1e-4, 1e5]', &
+            required('storeys', 'm_over_m_w', 'real list', '-', positive, &
+            'mass of each floor over m_w (no wall: over any mass), from the ground up'))), &
          with_si('N/m', optional_key('storeys', 'k_over_m_w', 'real list', '1/s2', '', positive, &
             'stiffness of the storey below each floor over the same mass')), &
-         dimensional('storeys', 'm', 'real list', 'kg', 'm_over_m_w', 'k|T_1', 'or the masses'), &
-         dimensional('storeys', 'k', 'real list', 'N/m', 'k_over_m_w', 'm', 'or the stiffnesses'), &
-         required('storeys', 'height', 'real list', 'm', positive, &
-            'height of each storey; with &wall their sum is 2h'), &
+         usually('[500, 1e8]', &
+            dimensional('storeys', 'm', 'real list', 'kg', 'm_over_m_w', 'k|T_1', &
+            'or the masses')), &
+         usually('[1e5, 1e12]', &
+            dimensional('storeys', 'k', 'real list', 'N/m', 'k_over_m_w', 'm', &
+            'or the stiffnesses')), &
+         usually('[1.5, 20]', required('storeys', 'height', 'real list', 'm', positive, &
+            'height of each storey; with &wall their sum is 2h')), &
          scaling(dimensional('storeys', 'n', 'integer', '', 'height', '', &
             'number of storeys; masses, heights, stiffnesses: one number for all or one each', &
             '[1, 1000]')), &
          distribution, &
-         scaling(dimensional('storeys', 'T_1', 'real', 's', 'k_over_m_w', '', &
-            'period of the first mode of the frame by itself: it scales all stiffnesses')), &
+         scaling(usually('[0.02, 15]', &
+            dimensional('storeys', 'T_1', 'real', 's', 'k_over_m_w', '', &
+            'period of the first mode of the frame by itself: it scales all stiffnesses'))), &
          optional_key('storeys', 'coupling', 'choice', '', 'reduced', &
             'reduced every_floor full', &
             'roof linked: first mode or all modes; every floor linked: a straight line')]

@@ -1,0 +1,119 @@
+!> Values outside the range of real buildings: most of them are slips of the unit.
+module rwmf_problem_usual_ranges
+   use rwmf_core_kinds, only: wp
+   use rwmf_problem_group_values, only: group_values_t, has_group, key_place, key_values_t
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: list_unusual, unusual_text
+
+   !> A unit that may have been meant instead of that of the key.
+   type :: slip_t
+      character(6) :: unit
+      !! of the key
+      character(6) :: meant
+      real(wp) :: factor
+      !! from the one meant to that of the key
+   end type slip_t
+
+   type(slip_t), parameter :: slips(*) = [ &
+      slip_t('Pa', 'MPa', 1.0e6_wp), slip_t('Pa', 'GPa', 1.0e9_wp), &
+      slip_t('Pa', 'ksi', 6.894757e6_wp), slip_t('m', 'mm', 1.0e-3_wp), &
+      slip_t('m', 'cm', 1.0e-2_wp), slip_t('m', 'ft', 0.3048_wp), slip_t('m', 'in', 0.0254_wp), &
+      slip_t('m2', 'mm2', 1.0e-6_wp), slip_t('m2', 'cm2', 1.0e-4_wp), &
+      slip_t('m2', 'in2', 6.4516e-4_wp), slip_t('kg', 't', 1.0e3_wp), &
+      slip_t('kg', 'g', 1.0e-3_wp), slip_t('N', 'kN', 1.0e3_wp), slip_t('N', 'MN', 1.0e6_wp), &
+      slip_t('N/m', 'kN/m', 1.0e3_wp), slip_t('N/m', 'kN/mm', 1.0e6_wp), &
+      slip_t('N s/m', 'kN s/m', 1.0e3_wp), slip_t('kg/m3', 't/m3', 1.0e3_wp), &
+      slip_t('-', '%', 1.0e-2_wp), slip_t('s', 'ms', 1.0e-3_wp), &
+      slip_t('m/s', 'cm/s', 1.0e-2_wp), slip_t('m/s', 'mm/s', 1.0e-3_wp), &
+      slip_t('m/s2', 'cm/s2', 1.0e-2_wp)]
+
+contains
+
+   !> A line for each key whose value in force is outside its range. Zero switches off and is always
+   !> allowed; values that follow from others have lines only if all that are given are usual.
+   pure subroutine list_unusual(values, lines)
+      type(group_values_t), intent(in) :: values
+      character(256), allocatable, intent(out) :: lines(:)
+      type(key_values_t) :: row
+      real(wp) :: number
+      integer :: i, k, pass
+
+      allocate (lines(0))
+      if (.not. allocated(values%keys)) return
+      do pass = 1, 2
+         if (size(lines) > 0) return
+         do i = 1, size(values%keys)
+            row = values%keys(i)
+            if (row%n == 0 .or. .not. has_group(values, trim(row%group))) cycle
+            if (is_over_any_mass(values, row) .or. (row%source > 0 .neqv. pass == 2)) cycle
+            do k = row%first, row%first + row%n - 1
+               number = real(values%numbers(k), wp)
+               if (is_usual(row, number)) cycle
+               lines = [character(256) :: lines, unusual_text(values, row%group, row%key, number)]
+               exit
+            end do
+         end do
+      end do
+   end subroutine list_unusual
+
+   !> The line about a number for a key; '' when it is within the range.
+   pure character(256) function unusual_text(values, group, key, number) result(text)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      !! its name, without &
+      character(*), intent(in) :: key
+      !! its name
+      real(wp), intent(in) :: number
+      !! [unit of the key]
+      integer :: i, place
+
+      text = ''
+      place = key_place(values, group, key)
+      if (place == 0) return
+      associate (row => values%keys(place))
+         if (is_usual(row, number)) return
+         text = '&'//trim(row%group)//' '//trim(row%key)//' = '//with_unit(number, row%unit) &
+            //' is outside the range of real buildings, '//trim(real_to_text(row%usual(1)))//' to ' &
+            //with_unit(row%usual(2), row%unit)
+         do i = 1, size(slips)
+            if (slips(i)%unit /= row%unit .or. .not. is_usual(row, number*slips(i)%factor)) cycle
+            text = trim(text)//': '//trim(real_to_text(number))//' '//trim(slips(i)%meant) &
+               //' would be '//with_unit(number*slips(i)%factor, row%unit)
+            return
+         end do
+      end associate
+   end function unusual_text
+
+   !> A number and its unit.
+   pure function with_unit(number, unit) result(text)
+      real(wp), intent(in) :: number
+      character(*), intent(in) :: unit
+      !! '-' for a ratio
+      character(:), allocatable :: text
+
+      text = trim(real_to_text(number))
+      if (unit /= '-' .and. unit /= '') text = text//' '//trim(unit)
+   end function with_unit
+
+   !> Does a number lie within the range of a key?
+   pure logical function is_usual(row, number)
+      type(key_values_t), intent(in) :: row
+      real(wp), intent(in) :: number
+
+      is_usual = abs(number) <= 0 .or. (abs(number) >= row%usual(1) .and. abs(number) <= &
+         row%usual(2))
+   end function is_usual
+
+   !> Are these the ratios of storeys without a wall, which are over any mass?
+   pure logical function is_over_any_mass(values, row)
+      type(group_values_t), intent(in) :: values
+      type(key_values_t), intent(in) :: row
+
+      is_over_any_mass = row%group == 'storeys' .and. index(row%key, '_over_m_w') > 0 &
+         .and. .not. has_group(values, 'wall')
+   end function is_over_any_mass
+
+end module rwmf_problem_usual_ranges

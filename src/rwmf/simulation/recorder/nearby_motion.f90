@@ -1,0 +1,155 @@
+!> How far the motion would move with a slightly stronger ground motion: the derivative of the
+!> states by the factor of the ground motion, followed along the run.
+!>
+!> Between events it obeys the linearised equation of motion: one kick in the middle of each piece,
+!> from a difference of the rates. An impact happens earlier or later, at another velocity, which
+!> adds the jump of the rates times that time. Springs are taken on their branches in force.
+module rwmf_simulation_recorder_nearby_motion
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: equation_t, ground_at
+   use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_simulation_events_step_view, only: step_view_t
+   implicit none
+   private
+
+   public :: nearby_t, begin_nearby, follow_nearby, meet_impact
+
+   !> The derivative, and what it says of the peak.
+   type :: nearby_t
+      real(wp), allocatable :: by_factor(:)
+      !! (states) derivative by the factor of the ground motion
+      real(wp), allocatable :: before(:)
+      !! (states) rates before an impact that is to be taken into account; else not allocated
+      real(wp) :: kept = 1
+      !! velocity factor of that impact [-]
+      real(wp) :: largest = 0
+      !! |theta| so far, of a bare frame |u| [rad] or [m]
+      real(wp) :: sensitivity = 0
+      !! relative change of it per relative change of the ground motion [-]
+      real(wp) :: t = 0
+      !! end of the last piece [s]
+   end type nearby_t
+
+   real(wp), parameter :: small = 1.0e-7_wp
+   !! difference over the size of the motion [-]
+
+contains
+
+   !> The initial state does not depend on the ground motion.
+   pure subroutine begin_nearby(nearby, n)
+      type(nearby_t), intent(out) :: nearby
+      integer, intent(in) :: n
+      !! number of states
+
+      allocate (nearby%by_factor(n), source=0.0_wp)
+   end subroutine begin_nearby
+
+   !> Follow a piece of smooth motion.
+   subroutine follow_nearby(nearby, piece)
+      type(nearby_t), intent(inout) :: nearby
+      type(step_view_t), intent(in) :: piece
+      real(wp), dimension(size(piece%y_a)) :: y, change, rates
+      real(wp) :: step, t
+      integer :: n
+
+      associate (equation => piece%equation, by_factor => nearby%by_factor, h => piece%t_b &
+                 - piece%t_a)
+         if (equation%has_impacts .and. all(abs(piece%y_a(:2)) <= 0)) by_factor(:2) = 0
+         if (allocated(nearby%before)) call pass_impact(nearby, piece)
+         n = max(0, equation%floors%n - 1)
+         y = (piece%y_a + piece%y_b)/2
+         t = piece%t_a + h/2
+         call drift(equation, n, h/2, by_factor)
+         ! the difference must neither drown in round-off nor leave the branch
+         step = small*max(nearby%largest, maxval(abs(y(:2))), tiny(step)) &
+            /max(maxval(abs(by_factor)), 1.0_wp)
+         call rates_of(equation, t, 1.0_wp, y, rates)
+         call rates_of(equation, t, 1 + step, y + step*by_factor, change)
+         change = (change - rates)/step
+         change(1) = 0
+         change(equation%floors%first:equation%floors%first + n - 1) = 0
+         by_factor = by_factor + h*change
+         call drift(equation, n, h/2, by_factor)
+         ! beyond it is lost, whatever it is
+         by_factor = max(min(by_factor, 1/epsilon(h)**2), -1/epsilon(h)**2)
+         nearby%t = piece%t_b
+         if (abs(piece%y_b(1)) > nearby%largest) then
+            nearby%largest = abs(piece%y_b(1))
+            nearby%sensitivity = abs(by_factor(1))/nearby%largest
+         end if
+      end associate
+   end subroutine follow_nearby
+
+   !> Positions follow their velocities.
+   pure subroutine drift(equation, n, h, by_factor)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: n
+      !! floors with states
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp), intent(inout) :: by_factor(:)
+
+      by_factor(1) = by_factor(1) + h*by_factor(2)
+      associate (first => equation%floors%first)
+         by_factor(first:first + n - 1) = by_factor(first:first + n - 1) &
+            + h*by_factor(first + n:first + 2*n - 1)
+      end associate
+   end subroutine drift
+
+   !> Rates under a multiple of the ground motion.
+   subroutine rates_of(equation, t, factor, y, rates)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: factor
+      !! [-]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: rates(:)
+      !! (states)
+      type(lane_motion_t) :: motion
+
+      call ground_at(equation, t, motion)
+      motion%ground = factor*motion%ground
+      motion%vertical = factor*motion%vertical
+      call lane_rates(equation%scene, equation%state%coef, y, motion, rates)
+   end subroutine rates_of
+
+   !> The wall hits its base, with the side before it still in force.
+   subroutine meet_impact(nearby, equation, y, kept)
+      type(nearby_t), intent(inout) :: nearby
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states) before it
+      real(wp), intent(in) :: kept
+      !! velocity factor [-]
+
+      if (.not. allocated(nearby%before)) then
+         allocate (nearby%before(size(y)))
+         call rates_of(equation, nearby%t, 1.0_wp, y, nearby%before)
+         nearby%kept = 1
+      end if
+      nearby%kept = nearby%kept*kept
+   end subroutine meet_impact
+
+   !> The nearby motion meets that impact at another time, and has other rates until or from then.
+   subroutine pass_impact(nearby, piece)
+      type(nearby_t), intent(inout) :: nearby
+      type(step_view_t), intent(in) :: piece
+      !! that begins after it
+      real(wp) :: rates(size(piece%y_a)), delay
+
+      call rates_of(piece%equation, piece%t_a, 1.0_wp, piece%y_a, rates)
+      associate (by_factor => nearby%by_factor, before => nearby%before)
+         if (abs(before(1)) > 0 .and. nearby%kept > 0) then
+            delay = -by_factor(1)/before(1)
+            by_factor(2) = nearby%kept*by_factor(2)
+            before(2) = nearby%kept*before(2)
+            by_factor = by_factor - (rates - before)*delay
+         end if
+      end associate
+      deallocate (nearby%before)
+   end subroutine pass_impact
+
+end module rwmf_simulation_recorder_nearby_motion

@@ -1,0 +1,477 @@
+!> Static equilibrium after the motion: where wall and frame stay once everything has come to rest.
+!>
+!> Ground motion and velocities are taken away. What is then out of balance falls to zero in
+!> proportion (Newton's method along straight pieces), and springs go over to their next branch, or
+!> unload, on the way. Where the stiffness is not positive, or branches end in a circle, the path
+!> follows the damped motion instead (implicit Euler steps in a fictitious time): it finds no
+!> unstable equilibrium, and each piece releases energy.
+module rwmf_simulation_static_rest
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_effects_storeys_yielding_storeys, only: pass_storey_limit, settle_storeys
+   use rwmf_model_equation, only: discrete_state_t, enter_side, frame_travel, model_t
+   use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
+   use rwmf_model_hysteresis_laws, only: loading_direction, spring_limits
+   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
+   use rwmf_model_lanes, only: lane_motion_t
+   implicit none
+   private
+
+   public :: come_to_rest
+
+   integer, parameter :: most_pieces = 2000
+   !! of a path, each up to the end of a branch
+   real(wp), parameter :: still = 1.0e-13_wp
+   !! change of a position over the largest one that ends the path [-]
+   real(wp), parameter :: short = 0.1_wp
+   !! change in one piece, of a smooth spring over its yield displacement, of theta over alpha [-]
+
+   !> A path through states of rest.
+   type :: path_t
+      type(discrete_state_t) :: state
+      real(wp), allocatable :: y(:)
+      !! (states) without velocities
+      logical :: is_held = .false.
+      !! the wall stands on its base
+      integer, allocatable :: q(:)
+      !! (free positions) their places among the states
+      integer, allocatable :: v(:)
+      !! (free positions) places of their velocities
+      integer, allocatable :: z(:)
+      !! (smooth springs) places of their states
+      real(wp) :: damping = 0
+      !! of the masses over the fictitious time of a piece [1/s2]
+      integer :: ends = 0
+      !! of branches that have followed each other without a way between them
+   end type path_t
+
+   !> The branch that ends first.
+   type :: branch_end_t
+      real(wp) :: part = 1
+      !! of the piece up to it [-]
+      integer :: storey = 0
+      !! whose branch ends
+      logical :: of_window = .false.
+      !! springs that follow the rotation
+      logical :: of_flight = .false.
+      !! the wall is on its base again
+      logical :: is_rising = .false.
+      !! its displacement grows
+   end type branch_end_t
+
+contains
+
+   !> Follow a state to rest. Not found: the wall overturns, or nothing balances the loads.
+   subroutine come_to_rest(model, state, overturning_angle, y, is_found)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      !! in the end, with the side of y
+      real(wp), intent(in) :: overturning_angle
+      !! [rad]
+      real(wp), intent(inout) :: y(:)
+      !! (states) in the end; at rest
+      logical, intent(out) :: is_found
+      type(path_t) :: path
+      real(wp) :: largest
+      !! displacement so far [m]
+      real(wp), allocatable :: change(:)
+      integer :: i
+      logical :: lifts
+
+      path%state = state
+      path%state%coef(1, 1) = 1
+      path%y = y
+      call list_smooth(model, path%z)
+      path%is_held = model%has_impacts .and. abs(y(1)) <= 0
+      call free_positions(model, path)
+      largest = 0
+      is_found = .false.
+      do i = 1, most_pieces
+         call find_change(model, path, change)
+         largest = max(largest, maxval(abs(lengths(model, path))))
+         if (all(abs(change*unit_lengths(model, path)) <= still*largest)) then
+            lifts = .false.
+            if (path%is_held) call lift_wall(model, path, lifts)
+            is_found = .not. lifts
+            if (is_found) exit
+         else
+            call follow_piece(model, path, change)
+         end if
+         if (model%has_wall .and. abs(path%y(1)) >= overturning_angle) return
+         if (.not. all(abs(path%y) < sqrt(huge(largest)))) return
+      end do
+      if (.not. is_found) return
+      state = path%state
+      y = path%y
+   end subroutine come_to_rest
+
+   !> Places of the states of smooth springs.
+   pure subroutine list_smooth(model, z)
+      type(model_t), intent(in) :: model
+      integer, allocatable, intent(out) :: z(:)
+
+      allocate (z(0))
+      if (model%has_loading_direction) z = [model%hysteresis%place]
+      if (allocated(model%floors%laws)) z = model%floors%laws%place
+   end subroutine list_smooth
+
+   !> Positions that are not held: the wall, or the bare frame, and floors below the roof. Velocities
+   !> are taken away.
+   pure subroutine free_positions(model, path)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(inout) :: path
+      integer :: i
+
+      associate (first => model%floors%first, n => max(0, model%floors%n - 1))
+         path%q = [1, (first + i, i=0, n - 1)]
+         path%v = [2, (first + n + i, i=0, n - 1)]
+      end associate
+      path%y(path%v) = 0
+      if (path%is_held) then
+         path%q = path%q(2:)
+         path%v = path%v(2:)
+      end if
+   end subroutine free_positions
+
+   !> Displacement per unit of each free position [m/rad], [-].
+   pure function unit_lengths(model, path) result(unit)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(in) :: path
+      real(wp) :: unit(size(path%q))
+
+      unit = 1
+      where (path%q == 1) unit = frame_travel(model)
+   end function unit_lengths
+
+   !> Displacements of all positions, held or not [m].
+   pure function lengths(model, path) result(u)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(in) :: path
+      real(wp) :: u(size(path%q) + 1)
+
+      u = [frame_travel(model)*path%y(1), path%y(path%q)*unit_lengths(model, path)]
+   end function lengths
+
+   !> Rates at a state without motion of the ground.
+   subroutine rates_of(model, path, y, rates)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: rates(:)
+      !! (states)
+      type(lane_motion_t) :: motion
+
+      motion%ground = 0
+      motion%vertical = 0
+      call lane_rates(model%scene, path%state%coef, y, motion, rates)
+   end subroutine rates_of
+
+   !> Change of the free positions to where nothing is out of balance, were all branches to go on.
+   !> Springs that it turns back unload.
+   subroutine find_change(model, path, change)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(inout) :: path
+      real(wp), allocatable, intent(out) :: change(:)
+      !! (free positions)
+      real(wp), dimension(size(path%q), size(path%q)) :: stiffness
+      real(wp) :: rates(size(path%y))
+      integer, allocatable :: before(:)
+      integer :: i
+
+      allocate (change(size(path%q)))
+      if (model%has_bilinear_springs) call renew_window(model, path%state)
+      ! each spring turns at most once, and smooth ones perhaps back again
+      do i = 1, 2*(size(path%q) + 2)
+         call rates_of(model, path, path%y, rates)
+         call stiffness_of(model, path, stiffness)
+         call solve_stable(stiffness, path%damping, rates(path%v), change)
+         before = directions(model, path%state)
+         call turn_springs(model, path, change)
+         if (all(before == directions(model, path%state))) exit
+      end do
+   end subroutine find_change
+
+   !> Directions in which the branches of all springs are loaded, 0 for either.
+   pure function directions(model, state) result(direction)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      integer, allocatable :: direction(:)
+
+      direction = [state%signs%loading_direction]
+      if (model%has_bilinear_springs) direction = [direction, &
+         loading_direction(model%cable%tendon, state%tendon), &
+         loading_direction(model%springs%spring, state%springs)]
+      if (allocated(model%floors%springs)) direction = [direction, &
+         loading_direction(model%floors%springs, state%storeys)]
+      if (allocated(state%storey_signs)) direction = [direction, &
+         state%storey_signs%loading_direction]
+   end function directions
+
+   !> Let springs unload that a change of the positions moves against their loading direction.
+   subroutine turn_springs(model, path, change)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: change(:)
+      !! (free positions)
+      real(wp) :: y(size(path%y))
+
+      y = path%y
+      y(path%v) = change
+      if (model%floors%yields) call settle_storeys(model, path%state, y)
+      if (abs(y(2)) <= 0) return
+      call turn_back(model, path%state, y(1), onward=int(sign(1.0_wp, y(2))))
+      if (model%has_bilinear_springs) call renew_window(model, path%state)
+      if (.not. model%has_loading_direction) return
+      path%state%signs%loading_direction = int(sign(1.0_wp, y(2)))
+      call follow_loading_direction(model, path%state, y)
+   end subroutine turn_springs
+
+   !> Decrease of the accelerations with the free positions, by central differences; states of
+   !> smooth springs follow the positions [1/s2].
+   subroutine stiffness_of(model, path, stiffness)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(in) :: path
+      real(wp), intent(out) :: stiffness(:, :)
+      !! (free positions, free positions)
+      real(wp), parameter :: small = 1.0e-6_wp
+      !! displacement [m]
+      real(wp), dimension(size(path%y)) :: y, along, forward, backward
+      integer :: i
+
+      associate (unit => unit_lengths(model, path))
+         do i = 1, size(path%q)
+            y = path%y
+            y(path%v(i)) = 1
+            call rates_of(model, path, y, forward)
+            along = 0
+            along(path%q(i)) = small/unit(i)
+            along(path%z) = forward(path%z)*small/unit(i)
+            call rates_of(model, path, path%y + along, forward)
+            call rates_of(model, path, path%y - along, backward)
+            stiffness(:, i) = (backward(path%v) - forward(path%v))*(unit(i)/(2*small))
+         end do
+      end associate
+   end subroutine stiffness_of
+
+   !> Solve for the change; where the stiffness is not positive, over a fictitious time so short
+   !> that the damped motion moves away from its unstable equilibrium.
+   pure subroutine solve_stable(stiffness, least_damping, push, change)
+      real(wp), intent(in) :: stiffness(:, :)
+      real(wp), intent(in) :: least_damping
+      !! of the masses over that time [1/s2]
+      real(wp), intent(in) :: push(:)
+      !! accelerations
+      real(wp), intent(out) :: change(:)
+      real(wp) :: a(size(push), size(push))
+      real(wp) :: damping
+      logical :: is_positive
+      integer :: i
+
+      damping = least_damping
+      do
+         a = stiffness
+         do i = 1, size(push)
+            a(i, i) = a(i, i) + damping
+         end do
+         call eliminate(a, push, change, is_positive)
+         if (is_positive) return
+         damping = max(4*damping, 1.0e-3_wp*maxval(abs(stiffness)), 1.0e-3_wp)
+      end do
+   end subroutine solve_stable
+
+   !> Gaussian elimination in the given order: all pivots are positive when a symmetric matrix,
+   !> whose rows may have been divided by masses, is positive definite.
+   pure subroutine eliminate(a, b, x, is_positive)
+      real(wp), intent(inout) :: a(:, :)
+      real(wp), intent(in) :: b(:)
+      real(wp), intent(out) :: x(:)
+      logical, intent(out) :: is_positive
+      real(wp), parameter :: negligible = 1.0e-9_wp
+      !! pivot over its diagonal: errors of the difference quotients [-]
+      real(wp) :: diagonal(size(b))
+      integer :: i, j
+
+      diagonal = [(abs(a(i, i)), i=1, size(b))]
+      x = b
+      do i = 1, size(b)
+         is_positive = a(i, i) > negligible*diagonal(i)
+         if (.not. is_positive) return
+         do j = i + 1, size(b)
+            associate (factor => a(j, i)/a(i, i))
+               x(j) = x(j) - factor*x(i)
+               a(j, i:) = a(j, i:) - factor*a(i, i:)
+            end associate
+         end do
+      end do
+      is_positive = .true.
+      do i = size(b), 1, -1
+         x(i) = (x(i) - dot_product(a(i, i + 1:), x(i + 1:)))/a(i, i)
+      end do
+   end subroutine eliminate
+
+   !> Follow a change of the positions up to the first end of a branch.
+   subroutine follow_piece(model, path, change)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: change(:)
+      !! (free positions)
+      type(branch_end_t) :: ending
+
+      call find_end(model, path, change, ending)
+      call adapt_damping(path, ending%part)
+      call move_along(model, path, ending%part*change)
+      if (ending%storey > 0) then
+         call pass_storey_limit(model, path%state, ending%storey, ending%is_rising)
+      else if (ending%of_window) then
+         path%y(1) = merge(path%state%high, path%state%low, ending%is_rising)
+         call pass_window(model, path%state, ending%is_rising)
+      else if (ending%of_flight) then
+         path%y(1) = 0
+         path%is_held = .true.
+         call free_positions(model, path)
+      end if
+   end subroutine follow_piece
+
+   !> Springs whose directions depend on each other may send each other back for ever: damping, which
+   !> decides by the forces alone, ends that.
+   pure subroutine adapt_damping(path, part)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: part
+      !! of the piece up to its end [-]
+      integer, parameter :: most_ends = 8
+      !! per position
+      real(wp), parameter :: least = 1.0_wp, most = 1.0e9_wp
+      !! damping [1/s2]
+
+      path%ends = path%ends + 1
+      if (part > 0) then
+         path%ends = 0
+         path%damping = path%damping/4
+         if (path%damping < least) path%damping = 0
+      else if (path%ends > most_ends*(size(path%q) + 1)) then
+         path%ends = 0
+         path%damping = min(max(16*path%damping, least), most)
+      end if
+   end subroutine adapt_damping
+
+   !> Which branch ends first, and where.
+   subroutine find_end(model, path, change, ending)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: change(:)
+      type(branch_end_t), intent(out) :: ending
+      real(wp), dimension(model%floors%n, 2) :: d
+      real(wp) :: rate(model%floors%n), y(size(path%y)), limit, low, high
+      integer :: i
+
+      y = path%y
+      y(path%q) = y(path%q) + change
+      associate (from => path%y(1), to => y(1))
+         limit = short*model%p%alpha
+         if (model%has_wall .and. abs(to - from) > limit) ending%part = limit/abs(to - from)
+         if (model%has_loading_direction) call cut(frame_travel(model)*abs(to - from), &
+            short*model%hysteresis%u_y, ending)
+         if (model%has_impacts .and. path%state%side*to < 0) call cut_at(from, to, 0.0_wp, &
+            branch_end_t(of_flight=.true.), ending)
+         if (model%has_bilinear_springs) then
+            if (to > path%state%high) call cut_at(from, to, path%state%high, &
+               branch_end_t(of_window=.true., is_rising=.true.), ending)
+            if (to < path%state%low) call cut_at(from, to, path%state%low, &
+               branch_end_t(of_window=.true.), ending)
+         end if
+      end associate
+      if (.not. model%floors%yields) return
+      call storey_motion(model, path%state%side, path%y, d(:, 1), rate)
+      call storey_motion(model, path%state%side, y, d(:, 2), rate)
+      do i = 1, model%floors%n
+         if (allocated(model%floors%laws)) then
+            call cut(abs(d(i, 2) - d(i, 1)), short*model%floors%laws(i)%u_y, ending)
+            cycle
+         end if
+         call spring_limits(model%floors%springs(i), path%state%storeys(i), low, high)
+         if (d(i, 2) > d(i, 1) .and. d(i, 2) > high) call cut_at(d(i, 1), d(i, 2), high, &
+            branch_end_t(storey=i, is_rising=.true.), ending)
+         if (d(i, 2) < d(i, 1) .and. d(i, 2) < low) call cut_at(d(i, 1), d(i, 2), low, &
+            branch_end_t(storey=i), ending)
+      end do
+   end subroutine find_end
+
+   !> Let a piece be no longer than a limit.
+   pure subroutine cut(distance, limit, ending)
+      real(wp), intent(in) :: distance
+      real(wp), intent(in) :: limit
+      type(branch_end_t), intent(inout) :: ending
+
+      if (distance*ending%part > limit) ending = branch_end_t(part=limit/distance)
+   end subroutine cut
+
+   !> Let a piece end where a displacement comes to a limit.
+   pure subroutine cut_at(from, to, limit, candidate, ending)
+      real(wp), intent(in) :: from, to
+      !! displacement at both ends of the whole piece
+      real(wp), intent(in) :: limit
+      type(branch_end_t), intent(in) :: candidate
+      !! what ends there
+      type(branch_end_t), intent(inout) :: ending
+      real(wp) :: part
+
+      part = min(max((limit - from)/(to - from), 0.0_wp), 1.0_wp)
+      if (part >= ending%part .and. ending%part < 1) return
+      ending = candidate
+      ending%part = part
+   end subroutine cut_at
+
+   !> Move the free positions; states of smooth springs follow them (Runge and Kutta, fourth order).
+   subroutine move_along(model, path, change)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: change(:)
+      integer, parameter :: n = 16
+      !! steps, for a change of `short`
+      real(wp), parameter :: halves(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
+      real(wp), parameter :: weights(4) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp]/6
+      real(wp), dimension(size(path%y)) :: y, rates, total
+      integer :: i, j
+
+      do i = 1, merge(n, 0, size(path%z) > 0)
+         y = path%y
+         y(path%v) = change/n
+         rates = 0
+         total = 0
+         do j = 1, 4
+            y(path%z) = path%y(path%z) + halves(j)*rates(path%z)
+            y(path%q) = path%y(path%q) + halves(j)*change/n
+            call rates_of(model, path, y, rates)
+            total(path%z) = total(path%z) + weights(j)*rates(path%z)
+         end do
+         path%y(path%z) = path%y(path%z) + total(path%z)
+         path%y(path%q) = path%y(path%q) + change/n
+         call turn_springs(model, path, change)
+      end do
+      if (size(path%z) == 0) path%y(path%q) = path%y(path%q) + change
+   end subroutine move_along
+
+   !> Does a wall on its base lift off on a side? It is then free to.
+   subroutine lift_wall(model, path, lifts)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(inout) :: path
+      logical, intent(out) :: lifts
+      real(wp), parameter :: negligible = 1.0e-12_wp
+      !! acceleration over that of gravity [-]
+      real(wp) :: rates(size(path%y))
+      integer :: side
+
+      do side = -1, 1, 2
+         call enter_side(model, path%state, side)
+         call rates_of(model, path, path%y, rates)
+         lifts = side*rates(2) > negligible*model%p%g_over_R
+         if (.not. lifts) cycle
+         path%is_held = .false.
+         call free_positions(model, path)
+         return
+      end do
+   end subroutine lift_wall
+
+end module rwmf_simulation_static_rest
