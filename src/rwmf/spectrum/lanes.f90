@@ -11,7 +11,7 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
-   use rwmf_motion_ground_motion, only: motion_t, scaled_motion
+   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_error_control, only: shake
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
@@ -49,7 +49,7 @@ module rwmf_spectrum_lanes
       real(wp) :: rtol = 0
       !! tolerance, where it is not that of the case [-]
       real(wp) :: estimate = -1
-      !! of the relative error of the peak; negative: there is none [-]
+      !! of the relative error of the peak; not positive: there is none [-]
       real(wp) :: sensitivity = -1
       !! relative change of the peak per relative change of the motion, likewise [-]
       logical :: is_inaccurate = .false.
@@ -68,6 +68,8 @@ module rwmf_spectrum_lanes
       type(asked_t) :: asked
       logical :: verifies = .false.
       !! by the pair of the higher order, at the tolerance of the ordinate alone
+      integer :: parts = 1
+      !! into which the intervals of its motion are divided
       real(wp) :: shaken = 1
       !! factor on motions that rows have of their own, and on their initial states [-]
    end type queue_t
@@ -247,6 +249,7 @@ contains
       motion => queue%motion
       if (queue%rows%has_own_motion) then
          run%motion = row_motion(queue%rows, run%case)
+         if (queue%parts > 1) run%motion = refined_motion(run%motion, queue%parts)
          if (abs(queue%shaken - 1) > 0) run%motion = scaled_motion(run%motion, queue%shaken)
          motion => run%motion
       end if

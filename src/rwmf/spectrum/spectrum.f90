@@ -422,7 +422,7 @@ contains
       end if
       call take_values(queue%asked, row, result, values)
       status = ending_name(result)
-      if (allocated(row%solver%accuracy)) then
+      if (allocated(row%solver%accuracy) .and. allocated(result%estimated_relative_error)) then
          if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'
       end if
       evaluations = evaluations + result%rhs_evaluations

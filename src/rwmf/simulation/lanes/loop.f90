@@ -112,8 +112,7 @@ contains
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
       type(control_t) :: no_control
-      real(wp) :: t_limit
-      real(wp) :: span
+      real(wp) :: t_limit, span
 
       team%table(i, of_length) = 0
       associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%t_end)
@@ -128,7 +127,8 @@ contains
                if (hybrid%mode == mode_rest .and. t_limit > hybrid%t) exit
                cycle
             end if
-            call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
+            call begin_step(hybrid, equation, lane%recorder, lane%integrator%steps, t_end, &
+               t_limit, span)
             if (t_limit > hybrid%t) exit
          end do
       end associate

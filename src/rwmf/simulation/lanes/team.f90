@@ -12,7 +12,7 @@ module rwmf_simulation_lanes_team
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
-      is_piecewise_linear, line_of, line_t, motion_t, vertical_line_of
+      is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_hybrid_state, only: hybrid_t
    use rwmf_simulation_recorder_recorder, only: needs_all_steps, recorder_t
@@ -263,6 +263,7 @@ contains
       if (.not. (equation%has_wall .or. equation%has_bilinear_springs &
           .or. equation%has_loading_direction .or. equation%floors%yields)) longest = &
          longest_angle(2)/rate
+      longest = longest/step_parts(equation%motion)
    end function longest_step
 
    !> Which steps have to be looked into for what no event tells? All of them for histories and
