@@ -26,7 +26,7 @@ module rwmf_simulation_error_control
    real(wp), parameter :: tighter = 0.03_wp
    !! ratio of the tolerances of two runs that are compared
    real(wp), parameter :: loosest = 1.0e-2_wp
-   real(wp), parameter :: tightest = 3.0e-14_wp
+   real(wp), parameter :: tightest = 1.0e-14_wp
    !! below, round-off governs (double precision)
    integer, parameter :: most_refinements = 12
    integer, parameter :: refinement = 2

@@ -28,6 +28,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_elastic_chatter, only: skip_chatter
+   use rwmf_simulation_free_vibration, only: follow_free_vibration
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
@@ -327,6 +328,7 @@ contains
       span = huge(span)
       if (hybrid%must_restart) call skip_chatter(hybrid, equation, recorder, &
          negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), t_limit)
+      call follow_free_vibration(hybrid, equation, recorder, t_target, t_limit)
       if (t_limit - hybrid%t <= 8*epsilon(t_limit)*t_limit) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%flight = 0

@@ -20,6 +20,7 @@ module rwmf_simulation_run
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
+   use rwmf_simulation_finite_check, only: check_result
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest, &
       start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
@@ -141,6 +142,7 @@ contains
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
+      call check_result(case, result, error)
    end subroutine integrate
 
    !> Everything at t = 0, for the tolerances of an expected size.

@@ -14,6 +14,7 @@ module rwmf_spectrum_lanes
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_error_control, only: shake
+   use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_lanes_loop, only: join_team, step_team
    use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
@@ -33,6 +34,9 @@ module rwmf_spectrum_lanes
 
    character(*), parameter :: refused = 'refused'
    !! name of the failure of a row whose numbers the rules of the case do not allow
+
+   character(*), parameter :: not_finite = 'not_finite'
+   !! name of the failure of a row with a number that is infinite or NaN
 
    integer, parameter :: few_lanes = 2
    !! that are faster alone than in a team
@@ -366,6 +370,7 @@ contains
             return
          end if
          if (.not. asked%is_displacement) call report(asked, run, ordinate)
+         if (.not. is_finite(ordinate%peak)) ordinate%failure = not_finite
       else
          ordinate%failure = error%name
          deallocate (error)
@@ -380,12 +385,14 @@ contains
       type(lane_run_t), intent(inout) :: run
       type(ordinate_t), intent(inout) :: ordinate
       type(result_t) :: result
+      logical :: are_finite
 
       ! its warnings are no quantities
       allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))
-      call take_values(asked, run%case, result, ordinate%values)
+      call take_values(asked, run%case, result, ordinate%values, are_finite)
+      if (.not. are_finite) ordinate%failure = not_finite
       if (asked%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report
 
