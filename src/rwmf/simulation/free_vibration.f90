@@ -27,7 +27,6 @@ contains
       !! [s]
       real(wp), intent(inout) :: t_limit
       !! of the next step [s]
-      real(wp), parameter :: round_off = 1 + 64*epsilon(1.0_wp)
       real(wp), parameter :: died_out = 1.0e-18_wp
       !! part of the largest displacement below which forces and energies do not count either [-]
       real(wp) :: share
@@ -35,7 +34,8 @@ contains
       if (t_target - hybrid%t <= long_rest .or. .not. is_free(equation, hybrid)) return
       if (recorder%keeps_history .or. .not. is_known_until(equation%motion, &
          interval_of(equation), t_target)) return
-      share = round_off
+      ! energy that grows is an error of the integration
+      share = 1 + hybrid%rtol
       if (recorder%keeps_energy .or. allocated(recorder%forces) .or. allocated(recorder%demands)) &
          share = died_out
       associate (omega => equation%p%omega_s)

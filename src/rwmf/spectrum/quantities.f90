@@ -11,7 +11,7 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
-   use rwmf_simulation_finite_check, only: is_finite
+   use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_hybrid_loop, only: hybrid_t
    use rwmf_simulation_peak, only: list_reported
    use rwmf_simulation_quantities, only: all_quantities, is_demand, is_of_ordinate, look_up
@@ -208,7 +208,8 @@ contains
          scalar = scalar_of(case, result, trim(all_quantities(asked%place(i))%key), &
             asked%storey(i))
          values(i) = scalar%number + real(scalar%count, wp)
-         are_finite = are_finite .and. is_finite(values(i))
+         are_finite = are_finite .and. may_report(trim(all_quantities(asked%place(i))%key), &
+            values(i))
          if (.not. scalar%is_present) values(i) = ieee_value(1.0_wp, ieee_quiet_nan)
       end do
    end subroutine take_values
