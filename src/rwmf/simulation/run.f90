@@ -28,8 +28,8 @@ module rwmf_simulation_run
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
-   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws, warn_of_fuses, &
-      warn_of_grazing, warn_of_reactions, warn_of_short_history, warn_of_weight
+   use rwmf_simulation_warnings, only: broken_laws, tell_broken_laws, warn_of_chatter, &
+      warn_of_fuses, warn_of_grazing, warn_of_reactions, warn_of_short_history, warn_of_weight
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -64,6 +64,7 @@ contains
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
       call warn_of_grazing(result)
+      call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
@@ -260,6 +261,8 @@ contains
       if (hybrid%mode == mode_collapsed) result%t_collapse = hybrid%t
       if (allocated(result%t_grazing)) deallocate (result%t_grazing)
       if (recorder%t_grazing >= 0) result%t_grazing = recorder%t_grazing
+      if (allocated(result%t_chatter)) deallocate (result%t_chatter)
+      if (recorder%t_chatter >= 0) result%t_chatter = recorder%t_chatter
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y

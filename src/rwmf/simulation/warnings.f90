@@ -10,8 +10,8 @@ module rwmf_simulation_warnings
    implicit none
    private
 
-   public :: warn_of_fuses, warn_of_reactions, warn_of_grazing, warn_of_short_history
-   public :: warn_of_weight, broken_laws, tell_broken_laws
+   public :: warn_of_chatter, warn_of_fuses, warn_of_reactions, warn_of_grazing
+   public :: warn_of_short_history, warn_of_weight, broken_laws, tell_broken_laws
 
 contains
 
@@ -58,6 +58,16 @@ contains
          //' s the wall turns back on its base or hardly above it: what follows may depend ' &
          //'on the tolerance; &solver verify = .true. shows how much')
    end subroutine warn_of_grazing
+
+   !> What follows bounces that have been averaged depends on where in a flight they end.
+   subroutine warn_of_chatter(result)
+      type(result_t), intent(inout) :: result
+
+      if (.not. allocated(result%t_chatter)) return
+      call add_warning(result, 'from t = '//trim(real_to_text(result%t_chatter)) &
+         //' s on, bounces below the resolution of rtol are averaged, because impacts take next ' &
+         //'to no energy (e near 1): the instants of later lift-offs are not those of single bounces')
+   end subroutine warn_of_chatter
 
    !> Rows of the history end with the motion.
    subroutine warn_of_short_history(t_end, result)
