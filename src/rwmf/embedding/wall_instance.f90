@@ -13,6 +13,7 @@ module rwmf_embedding_wall_instance
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_advance, only: advance
+   use rwmf_simulation_finite_check, only: check_numbers
    use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, start_hybrid
    use rwmf_simulation_hybrid_state, only: hybrid_state_t
    use rwmf_simulation_lanes_team, only: team_t
@@ -174,6 +175,7 @@ contains
       instance%recorder%n_events = 0
       call advance(instance%hybrid, instance%equation, instance%integrator, instance%recorder, t, &
          no_control, instance%team, error)
+      call check_numbers('the state of the wall', instance%hybrid%y, error)
       if (allocated(error)) then
          call restore_state(instance, before)
          instance%hybrid%must_restart = .true.

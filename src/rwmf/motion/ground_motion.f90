@@ -15,7 +15,8 @@ module rwmf_motion_ground_motion
    implicit none
    private
 
-   public :: motion_t, motion_from_case, piecewise_linear_motion, scaled_motion
+   public :: motion_t, motion_from_case, piecewise_linear_motion, refined_motion, scaled_motion
+   public :: step_parts
    public :: unit_motion, motion_unit
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
@@ -51,6 +52,8 @@ module rwmf_motion_ground_motion
       !! of the vertical to the horizontal acceleration [-]
       type(lines_t), allocatable :: vertical
       !! vertical acceleration of its own, on the same knots [m/s2]
+      integer :: parts = 1
+      !! into which intervals and longest steps are divided
       logical :: is_open = .false.
       !! a host hands it over piece by piece: nothing is known beyond the present interval
    end type motion_t
@@ -273,6 +276,53 @@ contains
       scaled%vertical%a = factor*motion%vertical%a
       scaled%vertical%slope = factor*motion%vertical%slope
    end function scaled_motion
+
+   !> The same motion with every interval divided: steps that its knots limit become shorter, as do
+   !> those that nothing but the periods of the scene limits (`step_parts`).
+   function refined_motion(motion, parts) result(refined)
+      type(motion_t), intent(in) :: motion
+      !! of a case
+      integer, intent(in) :: parts
+      !! of each interval
+      type(motion_t) :: refined
+      type(lines_t) :: lines
+      real(wp), allocatable :: knot(:)
+      !! [s]
+      integer :: i, j, n
+
+      refined = motion
+      refined%parts = parts
+      n = size(motion%knot)
+      if (n < 2) return
+      allocate (knot((n - 1)*parts + 1))
+      knot(size(knot)) = motion%knot(n)
+      do i = 1, n - 1
+         associate (begin => motion%knot(i))
+            knot((i - 1)*parts + 1) = begin
+            do j = 1, parts - 1
+               knot((i - 1)*parts + 1 + j) = begin + (motion%knot(i + 1) - begin)*j/parts
+            end do
+         end associate
+      end do
+      if (allocated(motion%vertical)) refined%vertical = on_knots(motion%vertical, knot)
+      if (motion%shape == shape_linear) then
+         lines = on_knots(lines_t(motion%knot, motion%a, motion%slope), knot)
+         refined%a = lines%a
+         refined%slope = lines%slope
+      else
+         refined%curve%first = (motion%curve%first - 1)*parts + 1
+         refined%curve%last = (motion%curve%last - 1)*parts + 1
+         refined%last_turning = motion%last_turning*parts
+      end if
+      refined%knot = knot
+   end function refined_motion
+
+   !> Parts into which the longest step under a motion is divided.
+   pure integer function step_parts(motion)
+      type(motion_t), intent(in) :: motion
+
+      step_parts = motion%parts
+   end function step_parts
 
    !> A pulse as a motion.
    pure type(motion_t) function pulse_motion(curve) result(motion)

@@ -1,13 +1,15 @@
 !> What one run needs, and a case with `&spectrum` may leave to its ordinates.
 module rwmf_problem_single_run
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
    use rwmf_problem_group_values, only: has_group
    use rwmf_problem_rules, only: fail_group
+   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: has_period, check_single_run
+   public :: has_period, check_single_run, check_tolerance
 
 contains
 
@@ -29,12 +31,26 @@ contains
       character(*), parameter :: problem = 'the key T_s is missing (undamped period): must be ' &
          //'given for a single run, a number > 0 [s]; T_s of &spectrum serves spectra only'
 
-      if (has_period(case)) return
+      call check_tolerance(case, error)
+      if (has_period(case) .or. allocated(error)) return
       if (has_group(case%values, 'frame')) then
          call fail_group(case%values, 'frame', problem, error)
       else
          call fail(error, err_input, '&frame: '//problem)
       end if
    end subroutine check_single_run
+
+   !> Is the tolerance one that double precision can deliver? Keys of a case are checked when they
+   !> are read; a host may set the component itself. Fails with `err_input`.
+   subroutine check_tolerance(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: least = 45*epsilon(1.0_wp)
+      !! 1e-14 in double precision [-]
+
+      if (case%solver%rtol >= least) return
+      call fail(error, err_input, '&solver: rtol = '//trim(real_to_text(case%solver%rtol)) &
+         //' must be at least 1e-14: below it round-off governs the error of every method')
+   end subroutine check_tolerance
 
 end module rwmf_problem_single_run

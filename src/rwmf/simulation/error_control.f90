@@ -3,11 +3,14 @@
 !> The peak of a run is compared with that of a tighter one. The difference is the error of the
 !> first run up to that of the second, which is much smaller; so the first run is delivered together
 !> with an estimate of its true error, and not the second with none.
+!>
+!> Samples of a record may limit the steps of both, which would then be the same run: the second has
+!> shorter intervals (`refined_motion`).
 module rwmf_simulation_error_control
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_motion_ground_motion, only: motion_t, scaled_motion
+   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_case, only: case_t, structure_t
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_result, only: add_warning, ending_name, history_t, result_t
@@ -18,14 +21,16 @@ module rwmf_simulation_error_control
 
    public :: run_to_accuracy, verify_run
    public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, shake
-   public :: relative_change, most_refinements, tightest, shake_step
+   public :: relative_change, most_refinements, refinement, tightest, shake_step
 
    real(wp), parameter :: tighter = 0.03_wp
    !! ratio of the tolerances of two runs that are compared
    real(wp), parameter :: loosest = 1.0e-2_wp
-   real(wp), parameter :: tightest = 3.0e-14_wp
+   real(wp), parameter :: tightest = 1.0e-14_wp
    !! below, round-off governs (double precision)
    integer, parameter :: most_refinements = 12
+   integer, parameter :: refinement = 2
+   !! parts of the intervals of the motion in a run that verifies another
    real(wp), parameter :: shake_step = 1.0e-6_wp
    !! relative change of the motion by which its influence on the peak is found
 
@@ -44,6 +49,7 @@ contains
       type(result_t) :: tight
       type(history_t), allocatable :: history
       type(case_t) :: trial
+      type(motion_t), target :: refined
       real(wp) :: spent, found
       integer :: i
 
@@ -52,26 +58,27 @@ contains
       call run_once(trial, motion, control, result, error)
       if (allocated(error)) return
       spent = result%seconds
+      found = -1
       do i = 1, most_refinements
-         found = -1
-         if (allocated(result%estimated_relative_error)) found = result%estimated_relative_error
          trial%solver%rtol = next_tolerance(case%solver%accuracy, result%rtol, found)
-         call run_once(trial, motion, control, tight, error)
+         refined = refined_motion(motion, 1 + i)
+         call run_once(trial, refined, control, tight, error)
          if (allocated(error)) return
          spent = spent + tight%seconds
-         result%estimated_relative_error = relative_difference(case, result, tight)
-         if (is_close_enough(result%estimated_relative_error, case%solver%accuracy)) exit
+         found = relative_difference(case, result, tight)
+         if (is_close_enough(found, case%solver%accuracy)) exit
          if (trial%solver%rtol <= tightest) exit
          ! the history is moved: it can be the largest array
          call move_alloc(tight%history, history)
          result = tight
          call move_alloc(history, result%history)
       end do
+      if (found > 0) result%estimated_relative_error = found
       result%estimate_seconds = spent - result%seconds
-      if (result%estimated_relative_error > case%solver%accuracy) then
+      if (found > case%solver%accuracy) then
          call add_warning(result, 'the accuracy asked for, ' &
             //trim(real_to_text(case%solver%accuracy))//', cannot be delivered: estimated error ' &
-            //trim(real_to_text(result%estimated_relative_error))//' at the tightest tolerance')
+            //trim(real_to_text(found))//' at the tightest tolerance')
       end if
    end subroutine run_to_accuracy
 
@@ -83,10 +90,10 @@ contains
       real(wp), intent(in) :: present
       !! tolerance of the result [-]
       real(wp), intent(in) :: estimate
-      !! of its error, negative where there is none [-]
+      !! of its error, not positive where there is none [-]
 
       rtol = present*tighter
-      if (estimate >= 0) rtol = rtol*min(1.0_wp, accuracy/estimate)
+      if (estimate > 0) rtol = rtol*min(1.0_wp, accuracy/estimate)
       rtol = max(tightest, rtol)
    end function next_tolerance
 
@@ -139,7 +146,8 @@ contains
       type(result_t) :: tight
       type(result_t) :: larger
       type(case_t) :: trial
-      type(motion_t), target :: shaken
+      type(motion_t), target :: refined
+      real(wp) :: found
 
       trial = case
       trial%solver%method = 'dop853'
@@ -147,14 +155,16 @@ contains
       if (allocated(trial%solver%atol)) deallocate (trial%solver%atol)
       if (allocated(trial%output)) deallocate (trial%output)
       call ask_for_peak(trial)
-      call run_once(trial, motion, control, tight, error)
+      refined = refined_motion(motion, refinement)
+      call run_once(trial, refined, control, tight, error)
       if (allocated(error)) return
       if (.not. allocated(result%estimated_relative_error)) then
-         result%estimated_relative_error = relative_difference(case, result, tight)
+         found = relative_difference(case, result, tight)
+         if (found > 0) result%estimated_relative_error = found
       end if
-      shaken = scaled_motion(motion, 1 + shake_step)
+      refined = scaled_motion(refined, 1 + shake_step)
       call shake(trial, 1 + shake_step)
-      call run_once(trial, shaken, control, larger, error)
+      call run_once(trial, refined, control, larger, error)
       if (allocated(error)) return
       result%sensitivity = relative_difference(case, larger, tight)/shake_step
       if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0

@@ -27,6 +27,8 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
+   use rwmf_simulation_elastic_chatter, only: skip_chatter
+   use rwmf_simulation_free_vibration, only: follow_free_vibration
    use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
@@ -278,7 +280,7 @@ contains
       real(wp) :: t_limit
       real(wp) :: span
 
-      call begin_step(hybrid, equation, integrator%steps, t_target, t_limit, span)
+      call begin_step(hybrid, equation, recorder, integrator%steps, t_target, t_limit, span)
       if (t_limit <= hybrid%t) return
       if (hybrid%must_restart) call integrator%start(hybrid%t, hybrid%y, span, error)
       if (allocated(error)) return
@@ -310,9 +312,10 @@ contains
    end function longest_step
 
    !> How far the next step may go, and what a new piece of motion needs to know.
-   subroutine begin_step(hybrid, equation, steps, t_target, t_limit, span)
+   subroutine begin_step(hybrid, equation, recorder, steps, t_target, t_limit, span)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
       integer(i8), intent(in) :: steps
       !! that the integrator has taken
       real(wp), intent(in) :: t_target
@@ -324,6 +327,9 @@ contains
 
       t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       span = huge(span)
+      if (hybrid%must_restart) call skip_chatter(hybrid, equation, recorder, &
+         negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), t_limit)
+      call follow_free_vibration(hybrid, equation, recorder, t_target, t_limit)
       if (t_limit - hybrid%t <= 8*epsilon(t_limit)*t_limit) then
          ! An event within round-off of a knot: no integrator can step that far.
          hybrid%flight = 0

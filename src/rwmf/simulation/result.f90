@@ -186,6 +186,8 @@ module rwmf_simulation_result
       !! when it did [s]; absent unless it has
       real(wp), allocatable :: t_grazing
       !! when the wall first turned back on its base, or hardly above it [s]; absent unless it has
+      real(wp), allocatable :: t_chatter
+      !! when bounces below the resolution were first averaged [s]; absent unless they were
       integer(i8) :: steps
       !! accepted steps of the integrator
       integer(i8) :: rhs_evaluations

@@ -21,6 +21,7 @@ module rwmf_simulation_run
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
+   use rwmf_simulation_finite_check, only: check_result
    use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, mode_collapsed, &
       mode_overturned, mode_rest, start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
@@ -32,8 +33,9 @@ module rwmf_simulation_run
       needs_all_steps, recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_static_rest, only: come_to_rest
-   use rwmf_simulation_warnings, only: list_case_warnings, warn_of_grazing, warn_of_reactions, &
-      warn_of_sensitivity, warn_of_short_history
+   use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
+      warn_of_reactions, warn_of_sensitivity, warn_of_short_history
+   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
@@ -68,6 +70,7 @@ contains
       if (allocated(result%reactions)) call warn_of_reactions(result)
       call warn_of_sensitivity(result)
       call warn_of_grazing(result)
+      call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
@@ -151,6 +154,7 @@ contains
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
+      call check_result(case, result, error)
    end subroutine integrate
 
    !> Everything at t = 0, for the tolerances of an expected size.
@@ -268,6 +272,8 @@ contains
       if (hybrid%mode == mode_collapsed) result%t_collapse = hybrid%t
       if (allocated(result%t_grazing)) deallocate (result%t_grazing)
       if (recorder%t_grazing >= 0) result%t_grazing = recorder%t_grazing
+      if (allocated(result%t_chatter)) deallocate (result%t_chatter)
+      if (recorder%t_chatter >= 0) result%t_chatter = recorder%t_chatter
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y

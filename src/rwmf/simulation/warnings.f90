@@ -12,8 +12,8 @@ module rwmf_simulation_warnings
    implicit none
    private
 
-   public :: warn_of_sensitivity
-   public :: list_case_warnings, warn_of_reactions, warn_of_grazing, warn_of_short_history
+   public :: list_case_warnings, warn_of_chatter, warn_of_grazing, warn_of_reactions
+   public :: warn_of_sensitivity, warn_of_short_history
 
 contains
 
@@ -59,6 +59,16 @@ contains
          //trim(real_to_text(result%peak_sensitivity)) &
          //'); compare many similar motions, &solver verify = .true. measures it')
    end subroutine warn_of_sensitivity
+
+   !> What follows bounces that have been averaged depends on where in a flight they end.
+   subroutine warn_of_chatter(result)
+      type(result_t), intent(inout) :: result
+
+      if (.not. allocated(result%t_chatter)) return
+      call add_warning(result, 'from t = '//trim(real_to_text(result%t_chatter)) &
+         //' s on, bounces below the resolution of rtol are averaged, because impacts take next ' &
+         //'to no energy (e near 1): the instants of later lift-offs are not those of single bounces')
+   end subroutine warn_of_chatter
 
    !> Rows of the history end with the motion.
    subroutine warn_of_short_history(t_end, result)

@@ -1,11 +1,12 @@
 !> Ordinates that estimate their own error, as runs do (`rwmf_simulation_error_control`): all of
 !> them at one tolerance, then those that need it again at tighter ones.
 module rwmf_spectrum_estimates
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_kinds, only: wp
-   use rwmf_motion_ground_motion, only: motion_t, scaled_motion
+   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
-      next_tolerance, relative_change, shake_step, tightest, verifying_tolerance
+      next_tolerance, refinement, relative_change, shake_step, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
    use rwmf_spectrum_quantities, only: asked_of
    implicit none
@@ -32,6 +33,9 @@ contains
       if (queue%asked%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
+         ! equal peaks are no estimate
+         if (.not. ordinates(i)%estimate > 0) ordinates(i)%estimate = ieee_value(1.0_wp, &
+            ieee_quiet_nan)
          where (queue%asked%keys == 'estimated_relative_error') ordinates(i)%values = &
             ordinates(i)%estimate
          where (queue%asked%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
@@ -46,6 +50,8 @@ contains
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(ordinate_t), allocatable :: tight(:)
+      type(queue_t) :: trial
+      type(motion_t), target :: refined
       type(control_t) :: silent
       real(wp) :: accuracy
       integer, allocatable :: open(:)
@@ -63,7 +69,11 @@ contains
          if (is_cancelled(control)) return
          tight = ordinates(open)
          tight%rtol = next_tolerance(accuracy, tight%rtol, tight%estimate)
-         call run_ordinates(queue, threads, silent, tight)
+         trial = queue
+         trial%parts = 1 + round
+         refined = refined_motion(queue%motion, trial%parts)
+         trial%motion => refined
+         call run_ordinates(trial, threads, silent, tight)
          allocate (stays(size(open)))
          do m = 1, size(open)
             i = open(m)
@@ -93,7 +103,7 @@ contains
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(ordinate_t), allocatable :: tight(:), larger(:)
       type(queue_t) :: trial
-      type(motion_t), target :: shaken
+      type(motion_t), target :: refined
       type(control_t) :: silent
       integer :: i
 
@@ -101,21 +111,23 @@ contains
       trial = queue
       trial%asked = asked_of(queue%rows%case, [character(40) ::])
       trial%verifies = .true.
+      trial%parts = refinement
+      refined = refined_motion(queue%motion, refinement)
+      trial%motion => refined
       tight = ordinates
       where (tight%rtol <= 0) tight%rtol = queue%rows%case%solver%rtol
       tight%rtol = verifying_tolerance(tight%rtol)
       call run_ordinates(trial, threads, silent, tight)
       larger = tight
       trial%shaken = 1 + shake_step
-      shaken = scaled_motion(queue%motion, trial%shaken)
-      trial%motion => shaken
+      refined = scaled_motion(refined, trial%shaken)
       call run_ordinates(trial, threads, silent, larger)
       do i = 1, size(ordinates)
          if (ordinates(i)%failure == '') then
             if (tight(i)%failure /= '') ordinates(i)%failure = tight(i)%failure
             if (larger(i)%failure /= '') ordinates(i)%failure = larger(i)%failure
          end if
-         if (ordinates(i)%estimate < 0) ordinates(i)%estimate = difference(ordinates(i), tight(i))
+         if (ordinates(i)%estimate <= 0) ordinates(i)%estimate = difference(ordinates(i), tight(i))
          ordinates(i)%sensitivity = difference(larger(i), tight(i))/shake_step
          ordinates(i)%rhs_evaluations = larger(i)%rhs_evaluations
       end do

@@ -11,9 +11,10 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, verner_65
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
-   use rwmf_motion_ground_motion, only: motion_t, scaled_motion
+   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_error_control, only: shake
+   use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
    use rwmf_simulation_lanes_loop, only: join_team, step_team
    use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
@@ -34,6 +35,9 @@ module rwmf_spectrum_lanes
    character(*), parameter :: refused = 'refused'
    !! name of the failure of a row whose numbers the rules of the case do not allow
 
+   character(*), parameter :: not_finite = 'not_finite'
+   !! name of the failure of a row with a number that is infinite or NaN
+
    integer, parameter :: few_lanes = 2
    !! that are faster alone than in a team
 
@@ -49,7 +53,7 @@ module rwmf_spectrum_lanes
       real(wp) :: rtol = 0
       !! tolerance, where it is not that of the case [-]
       real(wp) :: estimate = -1
-      !! of the relative error of the peak; negative: there is none [-]
+      !! of the relative error of the peak; not positive: there is none [-]
       real(wp) :: sensitivity = -1
       !! relative change of the peak per relative change of the motion, likewise [-]
       logical :: is_inaccurate = .false.
@@ -68,6 +72,8 @@ module rwmf_spectrum_lanes
       type(asked_t) :: asked
       logical :: verifies = .false.
       !! by the pair of the higher order, at the tolerance of the ordinate alone
+      integer :: parts = 1
+      !! into which the intervals of its motion are divided
       real(wp) :: shaken = 1
       !! factor on motions that rows have of their own, and on their initial states [-]
    end type queue_t
@@ -247,6 +253,7 @@ contains
       motion => queue%motion
       if (queue%rows%has_own_motion) then
          run%motion = row_motion(queue%rows, run%case)
+         if (queue%parts > 1) run%motion = refined_motion(run%motion, queue%parts)
          if (abs(queue%shaken - 1) > 0) run%motion = scaled_motion(run%motion, queue%shaken)
          motion => run%motion
       end if
@@ -363,6 +370,7 @@ contains
             return
          end if
          if (.not. asked%is_displacement) call report(asked, run, ordinate)
+         if (.not. is_finite(ordinate%peak)) ordinate%failure = not_finite
       else
          ordinate%failure = error%name
          deallocate (error)
@@ -377,12 +385,14 @@ contains
       type(lane_run_t), intent(inout) :: run
       type(ordinate_t), intent(inout) :: ordinate
       type(result_t) :: result
+      logical :: are_finite
 
       ! its warnings are no quantities
       allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))
-      call take_values(asked, run%case, result, ordinate%values)
+      call take_values(asked, run%case, result, ordinate%values, are_finite)
+      if (.not. are_finite) ordinate%failure = not_finite
       if (asked%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report
 

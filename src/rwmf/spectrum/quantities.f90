@@ -11,6 +11,7 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
+   use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_hybrid_loop, only: hybrid_t
    use rwmf_simulation_peak, only: list_reported
    use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, of_demands, &
@@ -178,6 +179,8 @@ contains
          result%storey_residual_drift
       if (allocated(result%demands%roof_drift_max) .and. (allocated(case%yielding) .or. &
          allocated(case%fuse))) result%demands%roof_at_rest = 0
+      if (allocated(asking%solver%accuracy) .or. asking%solver%verify) &
+         result%estimated_relative_error = 0
       if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
       if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
@@ -185,19 +188,24 @@ contains
 
    !> The numbers that were asked for; counts and yes (1) or no (0) as numbers; NaN for what there
    !> is not, such as the time of what has not happened.
-   pure subroutine take_values(asked, case, result, values)
+   pure subroutine take_values(asked, case, result, values, are_finite)
       type(asked_t), intent(in) :: asked
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       real(wp), intent(out) :: values(:)
       !! (quantities) [unit of each]
+      logical, intent(out) :: are_finite
+      !! no number that there is is infinite or NaN
       type(scalar_t) :: scalar
       integer :: i
 
+      are_finite = .true.
       do i = 1, size(asked%place)
          scalar = scalar_of(case, result, trim(all_quantities(asked%place(i))%key), &
             asked%storey(i))
          values(i) = scalar%number + real(scalar%count, wp)
+         are_finite = are_finite .and. may_report(trim(all_quantities(asked%place(i))%key), &
+            values(i))
          if (.not. scalar%is_present) values(i) = ieee_value(1.0_wp, ieee_quiet_nan)
       end do
    end subroutine take_values
@@ -221,7 +229,7 @@ contains
    end function follow_from_displacement
 
    !> What follows from the largest displacement of a run.
-   subroutine values_from_displacement(asked, case, motion, u_s_max, values)
+   subroutine values_from_displacement(asked, case, motion, u_s_max, values, is_done)
       type(asked_t), intent(in) :: asked
       type(case_t), intent(in) :: case
       !! with a wall, and any period of the frame
@@ -231,6 +239,8 @@ contains
       !! [m]
       real(wp), intent(out) :: values(:)
       !! (quantities) [unit of each]
+      logical, intent(out) :: is_done
+      !! all of them are finite
       type(equation_t), target :: equation
       type(explicit_pair_t) :: integrator
       type(hybrid_t) :: hybrid
@@ -247,7 +257,7 @@ contains
       recorder%theta_max = rotation_of(equation, u_s_max)
       recorder%theta_min = -recorder%theta_max
       call fill_result(case, equation, hybrid, recorder, result)
-      call take_values(asked, case, result, values)
+      call take_values(asked, case, result, values, is_done)
    end subroutine values_from_displacement
 
    !> Rotation at a displacement of the frame, by Newton's method [rad].

@@ -11,6 +11,7 @@ module rwmf_spectrum_spectrum
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_scene_axes, only: set_axes
+   use rwmf_problem_single_run, only: check_tolerance
    use rwmf_simulation_quantities, only: spelled
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
@@ -165,6 +166,7 @@ contains
       integer(i8) :: started, finished, rate
 
       call choose_threads(threads, spectrum%threads, error)
+      if (.not. allocated(error)) call check_tolerance(rows%case, error)
       if (allocated(error)) return
       if (present(control)) signals = control
       call system_clock(started, rate)
@@ -298,8 +300,10 @@ contains
       end if
       !$omp parallel do num_threads(fast%threads) schedule(dynamic, 16) default(shared)
       do i = 1, size(status)
-         if (is_done(i)) call values_from_displacement(queue%asked, fast%row(i), fast%motion, &
-            u_s_max(i), values(i, :))
+         if (.not. is_done(i)) cycle
+         call values_from_displacement(queue%asked, fast%row(i), fast%motion, u_s_max(i), &
+            values(i, :), is_done(i))
+         if (.not. is_done(i)) status(i) = interrupted
       end do
       !$omp end parallel do
    end subroutine run_lanes
@@ -398,6 +402,7 @@ contains
       type(case_t) :: row
       type(result_t) :: result
       type(error_t), allocatable :: error
+      logical :: are_finite
 
       if (is_cancelled(control)) return
       call take_row(queue%rows, number, row, error)
@@ -419,9 +424,10 @@ contains
          status = error%name
          return
       end if
-      call take_values(queue%asked, row, result, values)
+      ! the run has been checked already
+      call take_values(queue%asked, row, result, values, are_finite)
       status = ending_name(result)
-      if (allocated(row%solver%accuracy)) then
+      if (allocated(row%solver%accuracy) .and. allocated(result%estimated_relative_error)) then
          if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'
       end if
       evaluations = evaluations + result%rhs_evaluations

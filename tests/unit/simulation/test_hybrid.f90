@@ -5,8 +5,17 @@ program test_hybrid
    use ledgers, only: check_ledger
    use rwmf_core_error, only: err_numerical, error_t
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_problem_case, only: case_t
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
+   use rwmf_integrator_pairs, only: dormand_prince_853
+   use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_model_energy, only: impact_loss
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
+   use rwmf_problem_case, only: case_t, initial_t, output_t
+   use rwmf_simulation_elastic_chatter, only: skip_chatter
+   use rwmf_simulation_hybrid_state, only: hybrid_t
+   use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_run, only: begin_run
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: block_scene, frame_scene, rwmf_scene
    implicit none
@@ -29,9 +38,62 @@ program test_hybrid
    if (checks%wants('bound_on_work')) call check_bound_on_work()
    if (checks%wants('bare_frame')) call check_bare_frame()
    if (checks%wants('ground_at_rest')) call check_ground_at_rest()
+   if (checks%wants('averaged_bounces')) call check_averaged_bounces()
    call checks%finish()
 
 contains
+
+   !> Bounces under a pressure that falls to a fifth, one by one and in the average: as many, with
+   !> the same work of dampers and of the ground motion.
+   subroutine check_averaged_bounces()
+      type(case_t) :: case
+      type(result_t) :: single
+      type(error_t), allocatable :: error
+      type(motion_t), target :: motion
+      type(equation_t), target :: equation
+      type(explicit_pair_t) :: integrator
+      type(hybrid_t) :: hybrid
+      type(recorder_t) :: recorder
+      real(wp), parameter :: v = 1.0e-5_wp
+      !! [rad/s]
+      real(wp) :: energy, t
+      integer :: jumps
+
+      case = rwmf_scene('symmetric', 5.0_wp, 0.2_wp, 'dop853')
+      deallocate (case%cable, case%motion%a_max_g, case%motion%omega_p)
+      case%impact%e = 1
+      case%initial = initial_t(0.0_wp, v)
+      case%motion%kind = 'record'
+      allocate (case%record)
+      case%record%t = [0.0_wp, 2.0_wp, 2.1_wp]
+      case%record%a = [0.0_wp, 0.18_wp, 0.18_wp]
+      case%solver%t_end = 2
+      case%solver%rtol = 1.0e-6_wp
+      case%output = output_t(energy=.true.)
+      call simulate(case, single, error)
+      call checks%no_error(error, 'single bounces')
+      motion = motion_from_case(case)
+      call build_equation(case, motion, equation)
+      integrator%pair = dormand_prince_853()
+      call begin_run(case, [v, v], equation, integrator, hybrid, recorder, error)
+      call checks%no_error(error, 'averaged bounces')
+      energy = impact_loss(equation, v, 0.0_wp)
+      do jumps = 1, 100
+         t = hybrid%t
+         call skip_chatter(hybrid, equation, recorder, 1.0_wp, case%solver%t_end)
+         if (.not. hybrid%t > t) exit
+      end do
+      call checks%that(hybrid%t > 1.99_wp, 'nearly all of the time is averaged')
+      call checks%close_to(real(recorder%impacts, wp), real(single%impacts, wp), 'their number', &
+         rtol=0.02_wp)
+      call checks%close_to(recorder%energy%viscous/energy, single%energy%viscous/energy, &
+         'work of the dampers', rtol=0.01_wp)
+      call checks%close_to(recorder%energy%input/energy, single%energy%input/energy, &
+         'work of the ground motion', rtol=0.02_wp, atol=0.01_wp)
+      call checks%close_to(energy + recorder%energy%input - recorder%energy%viscous, &
+         impact_loss(equation, hybrid%y(2), 0.0_wp), 'ledger', rtol=1.0e-12_wp, &
+         atol=1.0e-12_wp*energy)
+   end subroutine check_averaged_bounces
 
    !> An independent Taylor-series program, 11 digits (provenance: tests/reference).
    subroutine check_published_peak(method)

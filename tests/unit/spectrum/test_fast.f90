@@ -4,10 +4,14 @@ program test_fast
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_lanes, only: lane_count, lane_motion_t
+   use rwmf_model_scene, only: scene_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_spectrum_fast_driver, only: begin_fast, exponential_t, run_fast
-   use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation
+   use rwmf_spectrum_fast_reduced_equation, only: build_reduced_equation, is_reducible, probe_t
    use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
    use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
    use rwmf_spectrum_fast_team, only: ordinate_result_t, run_team
@@ -42,6 +46,7 @@ program test_fast
    if (checks%wants('levels')) call check_levels()
    if (checks%wants('wide_motion')) call check_wide_motion()
    if (checks%wants('kinks')) call check_kinks()
+   if (checks%wants('reducible')) call check_reducible()
    call checks%finish()
 
 contains
@@ -318,6 +323,115 @@ contains
       call checks%that(any(abs(shared%ground%kink) > 0), 'kinks: there are some')
       call checks%that(.not. any(shared%grid%has_jumps), 'kinks: no jumps')
    end subroutine check_kinks
+
+   !> Only moments that are parabolas in phi' and straight lines in the ground motion are reduced.
+   subroutine check_reducible()
+      type(case_t) :: case
+      type(equation_t) :: equation
+      type(probe_t) :: probe
+      real(wp), parameter :: phi(2) = [0.0_wp, 0.05_wp]
+      !! [rad]
+      integer :: i
+
+      case = shaken_scene('exact')
+      allocate (case%damper, case%inerter)
+      case%damper%c_over_m_w = 3
+      case%inerter%inertance_over_m_w = 0.2_wp
+      call build_equation(case, motion_from_case(case), equation)
+      probe%scene = equation%scene
+      probe%coef = equation%state%coef
+      probe%side = 1
+      probe%gamma = case%frame%gamma
+      probe%ratio = 0.3_wp
+      do i = 1, size(phi)
+         probe%rates => lane_rates
+         call checks%that(is_reducible(probe, phi(i)), 'own effects are reduced')
+         probe%rates => with_root
+         call checks%that(.not. is_reducible(probe, phi(i)), 'a root of the rate is not')
+         probe%rates => with_friction
+         call checks%that(.not. is_reducible(probe, phi(i)), 'friction is not')
+         probe%rates => with_cube
+         call checks%that(.not. is_reducible(probe, phi(i)), 'a cube of the rate is not')
+         probe%rates => with_limit
+         call checks%that(.not. is_reducible(probe, phi(i)), 'a valve that opens is not')
+         probe%rates => with_coupling
+         call checks%that(.not. is_reducible(probe, phi(i)), 'ground times rate is not')
+         probe%rates => with_inertia
+         call checks%that(.not. is_reducible(probe, phi(i)), 'inertia that depends on it is not')
+      end do
+   end subroutine check_reducible
+
+   !> The equation of motion with a damper of the power 0.5.
+   subroutine with_root(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+
+      call lane_rates(scene, coef, y, motion, y_dot)
+      motion%moment = motion%moment - 0.1_wp*sign(sqrt(abs(motion%rate)), motion%rate)
+   end subroutine with_root
+
+   !> The equation of motion with friction.
+   subroutine with_friction(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+
+      call lane_rates(scene, coef, y, motion, y_dot)
+      motion%moment = motion%moment - 0.01_wp*sign(1.0_wp, motion%rate)
+   end subroutine with_friction
+
+   !> The equation of motion with a cubic damper.
+   subroutine with_cube(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+
+      call lane_rates(scene, coef, y, motion, y_dot)
+      motion%moment = motion%moment - 0.01_wp*motion%rate**3
+   end subroutine with_cube
+
+   !> The equation of motion with a damper whose force is limited beyond 20 rad/s.
+   subroutine with_limit(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+
+      call lane_rates(scene, coef, y, motion, y_dot)
+      motion%moment = motion%moment - 0.01_wp*min(20.0_wp, max(-20.0_wp, motion%rate))
+   end subroutine with_limit
+
+   !> The equation of motion with a moment by ground motion times rate.
+   subroutine with_coupling(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+
+      call lane_rates(scene, coef, y, motion, y_dot)
+      motion%moment = motion%moment - 0.01_wp*motion%ground*motion%rate
+   end subroutine with_coupling
+
+   !> The equation of motion with an inertia that depends on the rate.
+   subroutine with_inertia(scene, coef, y, motion, y_dot)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: y_dot(lane_count, scene%n)
+
+      call lane_rates(scene, coef, y, motion, y_dot)
+      motion%inertia = motion%inertia + 0.01_wp*motion%rate**2
+   end subroutine with_inertia
 
    !> Shared data and tasks of the shaken wall.
    subroutine prepare(stages, shared, task)

@@ -49,8 +49,9 @@ contains
       group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
             'integrator; auto: fast for the ordinates of a spectrum, dop853 for other runs'), &
-         optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '(0, 0.1]', 'relative tolerance'), &
-         optional_key('solver', 'accuracy', 'real', '-', '', '(0, 0.1]', &
+         optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '[1.0e-14, 0.1]', &
+            'relative tolerance; below the lower limit round-off governs every method'), &
+         optional_key('solver', 'accuracy', 'real', '-', '', '[2.0e-14, 0.1]', &
             'relative error of a peak asked instead of rtol'), &
          optional_key('solver', 'accuracy_of', 'text', '', '', 'see outputs.md', &
             'key of the peak that accuracy and verify are about; absent: u_s_max_m (no frame: ' &

@@ -26,6 +26,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cubic_of, first_event, &
       no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: from, step_view_t, until, view_step
+   use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
       has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, &
@@ -112,8 +113,7 @@ contains
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
       type(control_t) :: no_control
-      real(wp) :: t_limit
-      real(wp) :: span
+      real(wp) :: t_limit, span
 
       team%table(i, of_length) = 0
       associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%t_end)
@@ -128,7 +128,8 @@ contains
                if (hybrid%mode == mode_rest .and. t_limit > hybrid%t) exit
                cycle
             end if
-            call begin_step(hybrid, equation, lane%integrator%steps, t_end, t_limit, span)
+            call begin_step(hybrid, equation, lane%recorder, lane%integrator%steps, t_end, &
+               t_limit, span)
             if (t_limit > hybrid%t) exit
          end do
       end associate
@@ -158,8 +159,7 @@ contains
    subroutine load_lane(lane, i, t_limit, span, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      real(wp), intent(in) :: t_limit
-      real(wp), intent(in) :: span
+      real(wp), intent(in) :: t_limit, span
       type(team_t), intent(inout) :: team
       integer :: j
 
@@ -544,15 +544,16 @@ contains
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
-      real(wp) :: t_limit
+      real(wp) :: t_limit, span
 
       call catch_up(lane, i, team)
-      associate (t_end => lane%t_end)
-         if (lane%hybrid%t < t_end) then
-            call enter_interval(lane%equation%model_t, lane%equation%state, &
-               interval_of(lane%equation) + 1)
-            t_limit = min(t_end, interval_end(lane%equation%motion, interval_of(lane%equation)))
-            if (t_limit - lane%hybrid%t > 16*epsilon(t_limit)*t_limit) then
+      associate (hybrid => lane%hybrid, equation => lane%equation)
+         if (hybrid%t < lane%t_end &
+             .and. hybrid%t >= interval_end(equation%motion, interval_of(equation))) then
+            call enter_interval(equation%model_t, equation%state, interval_of(equation) + 1)
+            t_limit = min(lane%t_end, interval_end(equation%motion, interval_of(equation)))
+            span = t_limit - hybrid%t
+            if (span > 16*epsilon(t_limit)*t_limit .and. span <= long_rest) then
                call load_line(lane, i, t_limit, team)
                return
             end if
@@ -724,8 +725,7 @@ contains
       integer, parameter :: most_trials = 6
       real(wp) :: short
       !! part of the step that a Taylor series may go [-]
-      real(wp) :: rates(lane%equation%n)
-      real(wp) :: t, rest
+      real(wp) :: rates(lane%equation%n), t, rest
 
       call catch_up(lane, i, team)
       associate (table => team%table, y_new => team%y_new)

@@ -12,8 +12,9 @@ module rwmf_simulation_lanes_team
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
-      is_piecewise_linear, line_of, line_t, motion_t, vertical_line_of
+      is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
    use rwmf_simulation_events_step_quartic, only: no_event
+   use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_state, only: hybrid_t
    use rwmf_simulation_recorder_recorder, only: needs_all_steps, recorder_t
    implicit none
@@ -225,7 +226,8 @@ contains
          line = line_of(motion, i)
          if (has_vertical) vertical = vertical_line_of(motion, i, line)
          limit = min(t_end, interval_end(motion, i))
-         if (team%has_curves .or. limit - begin <= 16*epsilon(limit)*limit) limit = no_limit
+         if (team%has_curves .or. limit - begin <= 16*epsilon(limit)*limit &
+             .or. limit - begin > long_rest) limit = no_limit
          team%lines(:, i) = line_row(limit, line, vertical)
          begin = interval_end(motion, i)
       end do
@@ -263,6 +265,7 @@ contains
       if (.not. (equation%has_wall .or. equation%has_bilinear_springs &
           .or. equation%has_loading_direction .or. equation%floors%yields)) longest = &
          longest_angle(2)/rate
+      longest = longest/step_parts(equation%motion)
    end function longest_step
 
    !> Which steps have to be looked into for what no event tells? All of them for histories and

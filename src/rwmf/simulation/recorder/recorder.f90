@@ -37,6 +37,7 @@ module rwmf_simulation_recorder_recorder
    public :: needs_all_steps, sees_rest
    public :: observe_rest, observe_still
    public :: observe_impact, observe_event, observe_grazing, finish_recorder
+   public :: observe_chatter
 
    !> What has been counted, and the largest values so far.
    type :: peaks_t
@@ -56,6 +57,8 @@ module rwmf_simulation_recorder_recorder
       integer(i8) :: lift_offs = 0
       real(wp) :: t_grazing = -1
       !! when the wall first turned back on its base, or hardly above it; negative: never [s]
+      real(wp) :: t_chatter = -1
+      !! when bounces below the resolution were first averaged; negative: never [s]
    end type peaks_t
 
    !> Running maxima, counts and records.
@@ -525,6 +528,18 @@ contains
       end associate
       recorder%t_grazing = t
    end subroutine observe_grazing
+
+   !> Bounces below the resolution are averaged.
+   pure subroutine observe_chatter(recorder, t, impacts)
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), intent(in) :: t
+      !! [s]
+      integer(i8), intent(in) :: impacts
+      !! their number
+
+      recorder%impacts = recorder%impacts + impacts
+      if (recorder%t_chatter < 0) recorder%t_chatter = t
+   end subroutine observe_chatter
 
    !> Keep an event for the list when there is one.
    subroutine observe_event(recorder, kind, t, y)

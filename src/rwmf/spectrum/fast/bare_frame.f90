@@ -1,16 +1,17 @@
 !> Spectra of the bare frame: the exact linear recursion, with exact peaks between samples.
 !>
-!> The same Taylor series as for the walls: the step is halved until omega_s h is at most 0.6, so
-!> that its sixteen terms are exact to round-off. A record is linear in a step; a pulse is the cubic
-!> through its values on Lobatto's nodes.
+!> The same Taylor series as for the walls: the step is halved until the faster root of the
+!> oscillator times h is at most 0.6, so that its sixteen terms are exact to round-off. A record is
+!> linear in a step; a pulse is the cubic through its values on Lobatto's nodes. The free vibration
+!> after the motion ends as soon as its energy no longer reaches the largest displacement.
 module rwmf_spectrum_fast_bare_frame
    use rwmf_core_control, only: control_t, count_done, is_cancelled
-   use rwmf_core_kinds, only: pi, wp
+   use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_spectrum_fast_taylor_oscillator, only: newton_to_powers, series, state_at, &
-      step_weights, terms => series_terms
+   use rwmf_spectrum_fast_taylor_oscillator, only: fastest_root, newton_to_powers, series, &
+      state_at, step_weights, terms => series_terms
    use rwmf_spectrum_fast_time_grid, only: build_grids, pulse_step, time_grid_t
    use rwmf_spectrum_fast_types, only: ground_step_t
    implicit none
@@ -48,7 +49,7 @@ contains
       integer :: level(size(T_s))
       integer :: i
 
-      level = max(0, ceiling(log(2*pi*base_step/(0.6_wp*T_s))/log(2.0_wp)))
+      level = halvings_for(fastest_root(4*pi*xi_s/T_s, (2*pi/T_s)**2))
       h_max = [(merge(min(base_step/2.0_wp**i, pulse_step(case, motion)), 0.0_wp, &
          any(level == i)), i=0, halvings)]
       call build_grids(case, motion, threads, h_max, ground, grid)
@@ -57,15 +58,28 @@ contains
          if (is_cancelled(control)) cycle
          if (level(i) > halvings) cycle
          if (.not. associated(grid(level(i))%step)) cycle
-         call run_frame(grid(level(i)), 4*pi*xi_s(i)/T_s(i), (2*pi/T_s(i))**2, u_max(i))
-         is_done(i) = .true.
-         call count_done(control)
+         call run_frame(grid(level(i)), 4*pi*xi_s(i)/T_s(i), (2*pi/T_s(i))**2, u_max(i), &
+            is_done(i))
+         if (is_done(i)) call count_done(control)
       end do
       !$omp end parallel do
    end subroutine run_frames
 
+   !> Halvings of the step for the faster root of an oscillator; `halvings` + 1 where they do not
+   !> suffice.
+   pure elemental integer function halvings_for(root) result(level)
+      real(wp), intent(in) :: root
+      !! [1/s]
+      real(wp) :: ratio
+      !! of the longest step to that which the series allows [-]
+
+      ratio = base_step*root/0.6_wp
+      level = halvings + 1
+      if (ratio <= 2.0_wp**halvings) level = max(0, ceiling(log(ratio)/log(2.0_wp)))
+   end function halvings_for
+
    !> Advance a frame from rest to the end.
-   pure subroutine run_frame(grid, damping, stiffness, u_max)
+   pure subroutine run_frame(grid, damping, stiffness, u_max, is_done)
       type(time_grid_t), intent(in) :: grid
       real(wp), intent(in) :: damping
       !! 2 xi_s omega_s [1/s]
@@ -73,8 +87,12 @@ contains
       !! omega_s**2 [1/s2]
       real(wp), intent(out) :: u_max
       !! largest |u| [m]
+      logical, intent(out) :: is_done
+      !! it is that of the whole time, and finite
+      real(wp), parameter :: round_off = 1 + 64*epsilon(1.0_wp)
       real(wp) :: a(12), weight(12, 3)
       real(wp) :: h, u, w, u_0, w_0, rise
+      integer(i8) :: repetitions
       integer :: number
       logical :: is_at_rest
       !! the ground has not moved yet
@@ -84,7 +102,21 @@ contains
       w = 0
       u_max = 0
       is_at_rest = .true.
-      do number = 1, size(grid%step)
+      is_done = .not. grid%is_cut
+      repetitions = grid%repetitions
+      number = 0
+      do
+         if (number >= size(grid%step)) then
+            if (repetitions == 0) exit
+            repetitions = repetitions - 1
+            number = grid%motion_end_step
+         end if
+         number = number + 1
+         ! free vibration gains no energy
+         if (number >= grid%motion_end_step) then
+            is_done = is_done .or. u**2 + w**2/stiffness <= (round_off*u_max)**2
+            if (u**2 + w**2/stiffness <= (round_off*u_max)**2) exit
+         end if
          associate (step => grid%step(number), f => grid%step(number)%f)
             if (abs(step%h - h) > 0) then
                h = step%h
@@ -105,6 +137,7 @@ contains
             end if
          end associate
       end do
+      is_done = is_done .and. u_max <= huge(u_max)
    end subroutine run_frame
 
    !> Update the largest |u| by a peak within a step. For a motion that begins with u' = 0 the root

@@ -17,6 +17,7 @@ module rwmf_spectrum_fast_driver
    use rwmf_spectrum_fast_schedule, only: order_by_cost
    use rwmf_spectrum_fast_shared_data, only: max_stages, shared_data_t, task_t
    use rwmf_spectrum_fast_simd_dispatch, only: best_level, kernels_of
+   use rwmf_spectrum_fast_taylor_oscillator, only: fastest_root
    use rwmf_spectrum_fast_team, only: ordinate_result_t, run_team
    use rwmf_spectrum_fast_time_grid, only: build_grids, longest_interval, pulse_step, shared_step
    use rwmf_spectrum_fast_types, only: reduced_equation_t
@@ -39,6 +40,8 @@ module rwmf_spectrum_fast_driver
    real(wp), parameter :: fit_range(4) = [0.1_wp, 0.14_wp, 0.2_wp, 0.3_wp]
    !! ends of the ranges of v on which equations are fitted: a narrow one, and wider ones for
    !! ordinates that leave it [-]
+   real(wp), parameter :: largest_angle = 0.69_wp
+   !! of the vibration in a step at rtol = 1e-8; twice as much converges still [rad]
    real(wp), parameter :: fit_share = 0.1_wp
    !! error of the fit over the tolerance: a steady error of the acceleration is amplified by
    !! (g/R)/(omega_s**2 v), about 10 for flexible frames
@@ -284,7 +287,7 @@ contains
       real(wp) :: angle
       !! omega_s h allowed [rad]
 
-      angle = 0.69_wp*fineness(case)
+      angle = largest_angle*fineness(case)
       level = max(0, ceiling(log(2*pi*longest/(case%frame%T_s*angle))/log(2.0_wp)))
       level = min(level, halvings + 1)
    end function level_for
@@ -322,7 +325,30 @@ contains
       !$omp end parallel do
       attempt = pack(attempt, fast%shared%equation(equation_of(attempt, scenes))%fit_error &
          < fit_share*fast%shared%rtol)
+      do i = 1, size(attempt)
+         call shorten_step(fast%shared%equation(equation_of(attempt(i), scenes)), attempt(i))
+      end do
+      attempt = pack(attempt, attempt%stages > 0)
    end subroutine fit_equations
+
+   !> Halve the step of an overdamped frame until its series converges; an attempt for which no step
+   !> is short enough has no stages afterwards.
+   pure subroutine shorten_step(equation, attempt)
+      type(reduced_equation_t), intent(in) :: equation
+      type(attempt_t), intent(inout) :: attempt
+      real(wp) :: omega_s, damping, stiffness, angle
+
+      omega_s = 2*pi/attempt%T_s
+      damping = 2*attempt%xi_s*omega_s*equation%m1 + equation%m4
+      stiffness = max(0.0_wp, omega_s**2*equation%m1 + equation%m3_1)
+      angle = fastest_root(damping, stiffness)*attempt%h
+      if (damping**2 > 4*stiffness) then
+         do while (attempt%level <= halvings .and. angle > largest_angle*2.0_wp**attempt%level)
+            attempt%level = attempt%level + 1
+         end do
+      end if
+      if (.not. angle <= 2.1_wp*largest_angle*2.0_wp**attempt%level) attempt%stages = 0
+   end subroutine shorten_step
 
    !> Number of the equation of an attempt.
    pure elemental integer function equation_of(attempt, scenes)

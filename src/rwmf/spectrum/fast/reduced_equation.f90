@@ -29,7 +29,7 @@ module rwmf_spectrum_fast_reduced_equation
    implicit none
    private
 
-   public :: build_reduced_equation, under_motion
+   public :: build_reduced_equation, is_reducible, probe_t, under_motion
 
    integer, parameter :: short_degree = 4
    !! of polynomials that are accurate enough with it
@@ -49,6 +49,8 @@ module rwmf_spectrum_fast_reduced_equation
       !! [1/s2]
       real(wp) :: ratio
       !! vertical over horizontal ground acceleration [-]
+      procedure(lane_rates), pointer, nopass :: rates => lane_rates
+      !! equation of motion that is probed
    end type probe_t
 
 contains
@@ -112,6 +114,8 @@ contains
          call ask(probe(side), min(case%model%overturning_angle, 1.0_wp), 0.0_wp, 0.0_wp, &
             overturned)
          if (reduced%v_high >= overturned%u(1)/2) reduced%fit_error = huge(1.0_wp)
+         if (.not. is_reducible(probe(side), 0.0_wp)) reduced%fit_error = huge(1.0_wp)
+         if (.not. is_reducible(probe(side), reduced%v_high/2)) reduced%fit_error = huge(1.0_wp)
       end do
       if (minval(reduced%m2) <= 0 .or. reduced%m3 <= 0) then
          reduced%fit_error = huge(1.0_wp)
@@ -208,8 +212,48 @@ contains
       y(1, 2) = probe%side*rate
       motion%ground = probe%side*ground
       motion%vertical = probe%ratio*motion%ground
-      call lane_rates(probe%scene, probe%coef, y, motion, y_dot)
+      call probe%rates(probe%scene, probe%coef, y, motion, y_dot)
    end subroutine ask
+
+   !> Is the moment a parabola in phi' and a straight line in the ground's acceleration, and are
+   !> kinematics and inertia independent of both, as the curves assume?
+   !>
+   !> The curves are formed at phi' = 0, 1 and -1. Further rates over four orders of magnitude
+   !> expose every other dependence: powers, friction, dead zones, saturation.
+   logical function is_reducible(probe, phi)
+      type(probe_t), intent(in) :: probe
+      real(wp), intent(in) :: phi
+      !! rotation [rad]
+      type(lane_motion_t) :: rest, pushed, opening, closing, motion
+      real(wp), parameter :: rate(4) = [2.0_wp, -0.125_wp, 32.0_wp, -0.001_wp]
+      !! [rad/s]
+      real(wp), parameter :: ground(4) = [-3.0_wp, 0.5_wp, 10.0_wp, 0.0_wp]
+      !! [m/s2]
+      real(wp), parameter :: round_off = 1.0e3_wp*epsilon(1.0_wp)
+      real(wp) :: line, bend, expected, largest
+      integer :: i
+
+      call ask(probe, phi, 0.0_wp, 0.0_wp, rest)
+      call ask(probe, phi, 0.0_wp, 1.0_wp, pushed)
+      call ask(probe, phi, 1.0_wp, 0.0_wp, opening)
+      call ask(probe, phi, -1.0_wp, 0.0_wp, closing)
+      line = (opening%moment(1) - closing%moment(1))/2
+      bend = (opening%moment(1) + closing%moment(1))/2 - rest%moment(1)
+      is_reducible = .true.
+      do i = 1, size(rate)
+         call ask(probe, phi, rate(i), ground(i), motion)
+         expected = rest%moment(1) + rate(i)*(line + rate(i)*bend) &
+            + ground(i)*(pushed%moment(1) - rest%moment(1))
+         largest = (1 + rate(i)**2)*(abs(rest%moment(1)) + abs(opening%moment(1)) &
+            + abs(closing%moment(1))) + abs(ground(i))*(abs(pushed%moment(1)) &
+            + abs(rest%moment(1)))
+         is_reducible = is_reducible .and. abs(motion%moment(1) - expected) <= round_off*largest &
+            .and. abs(motion%inertia(1) - rest%inertia(1)) <= round_off*abs(rest%inertia(1)) &
+            .and. abs(motion%u(1) - rest%u(1)) <= round_off*abs(rest%u(1)) &
+            .and. abs(motion%j(1) - rest%j(1)) <= round_off*abs(rest%j(1)) &
+            .and. abs(motion%lever(1) - rest%lever(1)) <= round_off*abs(rest%lever(1))
+      end do
+   end function is_reducible
 
    !> Q [-], M1 [-], M2 [1/m], M3 [1/s2] and M4 [1/s] at v.
    function curves_at(probe, v) result(values)

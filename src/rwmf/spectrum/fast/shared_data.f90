@@ -1,7 +1,7 @@
 !> Data shared by all ordinates of a fast spectrum: time grids and reduced equations.
 module rwmf_spectrum_fast_shared_data
    use rwmf_core_control, only: control_t
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: i8, wp
    use rwmf_spectrum_fast_simd_dispatch, only: kernels_t
    use rwmf_spectrum_fast_time_grid, only: time_grid_t
    use rwmf_spectrum_fast_types, only: ground_step_t, reduced_equation_t, scheme_t
@@ -52,6 +52,8 @@ module rwmf_spectrum_fast_shared_data
       integer :: uplift = 1
       !! no step before this one, after the present one, lifts the resting wall
       integer :: impacts = 0
+      integer(i8) :: repetitions = 0
+      !! of the steps after the motion so far
       logical :: failed = .false.
       !! left to the general lanes
    end type ordinate_t

@@ -2,19 +2,32 @@
 !>
 !> In z'' = - d z' - k z + F(x) with a cubic F every derivative follows from the two before it. The
 !> series converges for every step and for any sign of k; with sqrt(k) h < 1 its terms fall below
-!> round-off before the last one that is kept.
+!> round-off before the last one that is kept; strong damping asks the same of `fastest_root` h.
 module rwmf_spectrum_fast_taylor_oscillator
    use rwmf_core_kinds, only: wp
    use rwmf_spectrum_fast_types, only: c_2, c_3
    implicit none
    private
 
-   public :: series_terms, series, state_at, newton_to_powers, step_weights
+   public :: fastest_root, newton_to_powers, series, series_terms, state_at, step_weights
 
    integer, parameter :: series_terms = 15
    !! highest power of the series
 
 contains
+
+   !> Largest magnitude of the roots of s**2 + d s + k [1/s].
+   pure elemental real(wp) function fastest_root(damping, stiffness) result(root)
+      real(wp), intent(in) :: damping
+      !! d >= 0 [1/s]
+      real(wp), intent(in) :: stiffness
+      !! k >= 0 [1/s2]
+      real(wp) :: half
+
+      half = damping/2
+      root = sqrt(stiffness)
+      if (half > root) root = half + sqrt((half - root)*(half + root))
+   end function fastest_root
 
    !> Coefficients of z in powers of x = t/h.
    pure subroutine series(damping, stiffness, h, z, rate, forcing, p)

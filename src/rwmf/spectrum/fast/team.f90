@@ -194,7 +194,7 @@ contains
          result%error = large_angle_factor*result%error
       end if
       result%failed = ordinate%failed .or. .not. abs(team%now%v(i)) < huge(1.0_wp) &
-         .or. result%v_max > ordinate%equation%v_high
+         .or. .not. result%v_max <= ordinate%equation%v_high .or. .not. result%error <= huge(1.0_wp)
    end function result_of
 
    !> Start a task in a lane.
@@ -326,10 +326,17 @@ contains
 
       associate (team => work%team, ordinate => work%ordinate(i))
          if (team%step(i) < team%length_change(i)) return
-         if (team%step(i) - ordinate%offset > size(shared%grid(ordinate%grid)%step)) then
-            call finish(i, work)
-            return
-         end if
+         associate (grid => shared%grid(ordinate%grid))
+            if (team%step(i) - ordinate%offset > size(grid%step)) then
+               if (ordinate%repetitions >= grid%repetitions) then
+                  ordinate%failed = grid%is_cut
+                  call finish(i, work)
+                  return
+               end if
+               ordinate%repetitions = ordinate%repetitions + 1
+               team%step(i) = ordinate%offset + grid%motion_end_step + 1
+            end if
+         end associate
          associate (ground => shared%ground(team%step(i)))
             team%length_change(i) = team%step(i) + ground%equal_steps
             if (abs(ground%h - team%h(i)) <= 0) return

@@ -4,11 +4,11 @@
 !> is monotone within a step. In a step it is the cubic through its values on Lobatto's nodes, which
 !> is exact for a record.
 module rwmf_spectrum_fast_time_grid
-   use rwmf_core_kinds, only: pi, wp
+   use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_motion_ground_motion, only: acceleration, fastest_rate, interval_at, interval_end, &
       interval_last, is_piecewise_linear, line_of, line_t, motion_t, peak_acceleration, &
       turning_point
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, solver_t
    use rwmf_spectrum_fast_types, only: c_2, c_3, ground_step_t
    implicit none
    private
@@ -17,6 +17,8 @@ module rwmf_spectrum_fast_time_grid
 
    integer, parameter :: max_grid_steps = 1000000
    !! steps of a grid: 64 MB
+   integer, parameter :: max_tail_steps = 1024
+   !! stored steps after the motion; a longer tail repeats all of them but the first
    real(wp), parameter :: round_off = 1.0e-11_wp
    !! bound of the round-off of differences of accelerations, over the largest acceleration [-]
 
@@ -25,6 +27,10 @@ module rwmf_spectrum_fast_time_grid
 
    !> Steps from 0 to the end of the simulation.
    type :: time_grid_t
+      integer(i8) :: repetitions = 0
+      !! of the steps behind `motion_end_step` until the end of the simulation
+      logical :: is_cut = .false.
+      !! they end before it: more would exceed `max_steps`
       type(ground_step_t), pointer, contiguous :: step(:) => null()
       !! (steps) in the array of all grids; null: there is no grid
       real(wp), allocatable :: t(:)
@@ -47,8 +53,9 @@ contains
 
    !> Cut [0, t_end] into steps, once for every longest step that is asked for.
    !>
-   !> A grid with more steps than the case or `max_grid_steps` allows is left out. The steps of all
-   !> grids follow each other in one array, which is large: it is written once and not copied.
+   !> A grid with more steps than the case or `max_grid_steps` allows is left out; of a long time
+   !> after the motion only the beginning is stored. The steps of all grids follow each other in one
+   !> array, which is large: it is written once and not copied.
    subroutine build_grids(case, motion, threads, h_max, ground, grid)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -65,7 +72,7 @@ contains
       number = 0
       do i = 1, size(h_max)
          if (.not. h_max(i) > 0) cycle
-         call cut_steps(motion, case%solver%t_end, h_max(i), grid(i), number(i))
+         call cut_steps(motion, case%solver, h_max(i), grid(i), number(i))
          if (number(i) > min(max_grid_steps, case%solver%max_steps)) number(i) = 0
       end do
       allocate (ground(sum(number)))
@@ -77,7 +84,7 @@ contains
          grid(i)%first = sum(number(:i - 1)) + 1
          grid(i)%step => ground(grid(i)%first:grid(i)%first + number(i) - 1)
          allocate (grid(i)%t(number(i)), grid(i)%largest(number(i)))
-         call cut_steps(motion, case%solver%t_end, h_max(i), grid(i), number(i))
+         call cut_steps(motion, case%solver, h_max(i), grid(i), number(i))
          call set_kinks(round_off*peak_acceleration(motion), grid(i))
          call count_equal_steps(grid(i))
          grid(i)%longest_step = maxval(grid(i)%step%h)
@@ -110,7 +117,7 @@ contains
       !! powers of the fourth root of 2
 
       if (longest < interval) then
-         h = interval/ceiling(interval/longest*(1 - 1.0e-9_wp))
+         h = interval/real(ceiling(interval/longest*(1 - 1.0e-9_wp), i8), wp)
       else
          h = quarters(count(quarters <= fraction(longest)))
          h = max(interval, set_exponent(h, exponent(longest)))
@@ -134,12 +141,13 @@ contains
    !>
    !> Round-off may put an extremum at which a pulse ends before that end. There is no step between
    !> the two: over so short a time rates are round-off.
-   pure subroutine cut_steps(motion, t_end, h_max, grid, number)
+   pure subroutine cut_steps(motion, solver, h_max, grid, number)
       type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: t_end
+      type(solver_t), intent(in) :: solver
       real(wp), intent(in) :: h_max
       type(time_grid_t), intent(inout) :: grid
       integer, intent(out) :: number
+      !! beyond `max_grid_steps` some larger number
       real(wp) :: t
       real(wp) :: t_next
       real(wp) :: h
@@ -150,12 +158,17 @@ contains
       number = 0
       t = 0
       interval = interval_at(motion, t)
-      do while (t < t_end)
-         t_next = min(turning_point(motion, interval, t), t_end)
-         parts = max(1, ceiling((t_next - t)/h_max*(1 - 1.0e-9_wp)))
+      do while (t < solver%t_end .and. number <= max_grid_steps)
+         t_next = min(turning_point(motion, interval, t), solver%t_end)
+         parts = ceiling(min((t_next - t)/h_max*(1 - 1.0e-9_wp), max_grid_steps + 1.0_wp))
+         parts = max(1, parts)
+         h = (t_next - t)/parts
          if (t_next - t < negligible_step*h_max) parts = 0
+         if (interval >= interval_last(motion) .and. parts > max_tail_steps) then
+            parts = max_tail_steps
+            call repeat_tail(t_next - t, h_max, solver%max_steps - number, grid, h)
+         end if
          if (associated(grid%step)) then
-            h = (t_next - t)/max(1, parts)
             do i = 1, parts
                call store_step(motion, interval, t + (i - 1)*h, h, number + i, grid)
             end do
@@ -165,6 +178,27 @@ contains
          if (t >= interval_end(motion, interval)) interval = interval + 1
       end do
    end subroutine cut_steps
+
+   !> Length of the steps of a long time after the motion, and how often all but the first of those
+   !> that are stored are repeated.
+   pure subroutine repeat_tail(span, h_max, most_steps, grid, h)
+      real(wp), intent(in) :: span
+      !! [s]
+      real(wp), intent(in) :: h_max
+      !! [s]
+      integer, intent(in) :: most_steps
+      !! that are left to the case
+      type(time_grid_t), intent(inout) :: grid
+      real(wp), intent(out) :: h
+      !! [s]
+      real(wp) :: rounds
+      !! of the repeated steps
+
+      rounds = max(1.0_wp, aint(span/h_max/(max_tail_steps - 1)) + 1)
+      h = span/(1 + rounds*(max_tail_steps - 1))
+      grid%is_cut = 1 + rounds*(max_tail_steps - 1) > most_steps
+      grid%repetitions = int(min(rounds, real(max(most_steps, 0), wp)/(max_tail_steps - 1)), i8) - 1
+   end subroutine repeat_tail
 
    !> Store one step, with the cubic of the acceleration in it.
    pure subroutine store_step(motion, interval, t, h, number, grid)

@@ -1,0 +1,76 @@
+!> No result with a number that is not finite is delivered: every path to one asks here.
+module rwmf_simulation_finite_check
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_quantities, only: all_quantities
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   implicit none
+   private
+
+   public :: check_numbers, check_result, is_finite, may_report
+
+contains
+
+   !> Is a number neither infinite nor NaN?
+   elemental logical function is_finite(number)
+      real(wp), intent(in) :: number
+      !! of any unit
+
+      is_finite = abs(number) <= huge(number)
+   end function is_finite
+
+   !> May a number be reported? No friction suffices where the pivot lifts: that demand is infinite.
+   pure logical function may_report(key, number)
+      character(*), intent(in) :: key
+      !! as it stands in the table of quantities
+      real(wp), intent(in) :: number
+      !! in the unit of the key
+
+      may_report = is_finite(number) .or. (key == 'friction_demand_max' .and. number > 0)
+   end function may_report
+
+   !> Fails with `err_numerical` if a number of a name is not finite.
+   subroutine check_numbers(name, numbers, error)
+      character(*), intent(in) :: name
+      !! of the numbers, for the message
+      real(wp), intent(in) :: numbers(:)
+      !! of any unit
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error) .or. all(is_finite(numbers))) return
+      call fail(error, err_numerical, name//' is not a finite number: the motion or a parameter ' &
+         //'is beyond what double precision can represent', 'not_finite')
+   end subroutine check_numbers
+
+   !> Fails with `err_numerical` if a scalar that a result reports, or its last state, is not finite.
+   subroutine check_result(case, result, error)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(in) :: result
+      !! of a run of the case
+      type(error_t), allocatable, intent(out) :: error
+      type(scalar_t) :: scalar
+      integer :: i, number
+
+      if (allocated(result%final_state)) call check_numbers('the state at the end', &
+         result%final_state, error)
+      do i = 1, size(all_quantities)
+         if (allocated(error)) return
+         if (all_quantities(i)%kind /= 'real' .or. all_quantities(i)%found == 'work') cycle
+         number = 1
+         do
+            scalar = scalar_of(case, result, trim(all_quantities(i)%key), number)
+            if (.not. scalar%is_present) exit
+            if (.not. may_report(trim(all_quantities(i)%key), scalar%number)) then
+               call check_numbers(trim(numbered(trim(all_quantities(i)%key), number)), &
+                  [scalar%number], error)
+            end if
+            if (index(all_quantities(i)%key, '{i}') == 0) exit
+            number = number + 1
+         end do
+      end do
+   end subroutine check_result
+
+end module rwmf_simulation_finite_check
