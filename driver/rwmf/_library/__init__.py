@@ -10,6 +10,7 @@ from rwmf._library.start import check_threads, start_rows, start_simulation, sta
 from rwmf._library.tables import (
     instruction_set,
     law_warning,
+    meant_quantity,
     needs_of_groups,
     quantities,
     result_names,
@@ -28,6 +29,7 @@ __all__ = [
     "instruction_set",
     "keep_samples",
     "law_warning",
+    "meant_quantity",
     "needs_of_groups",
     "quantities",
     "read_case",

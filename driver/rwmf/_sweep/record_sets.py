@@ -10,7 +10,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
+from rwmf._numbers import show
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
@@ -83,6 +85,7 @@ class RecordFile:
         return (self.unit or "as in the file") + interval + factor
 
 
+@checked
 def find_records(
     words: Iterable[str | os.PathLike[str] | RecordFile | Motion],
     folder: str | os.PathLike[str] = "",
@@ -123,7 +126,9 @@ def find_records(
         if isinstance(word, Motion):
             found.append(RecordFile(word.name, "", word.checksum, word.unit, word.dt, array=word))
             continue
-        text = os.fspath(word)
+        if not isinstance(word, str | os.PathLike):
+            raise InputError(f"records: {show(word)}: must be a path, a Motion or a RecordFile")
+        text = os.fsdecode(word)
         if text.lower().startswith(_FEMA_PREFIX):
             suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
             found += [_record(path, fema.UNIT, interval) for path, interval in suite]

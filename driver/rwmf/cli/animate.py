@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +48,9 @@ def run(options: argparse.Namespace) -> int:
     if options.until is not None:
         shown &= response["time"].values <= options.until
     response = response.isel(time=shown)
-    with progress_bar(response.sizes["time"]) as report:
+    frames = response.sizes["time"]
+    print(f"{path}: {frames} frames to draw", file=sys.stderr)
+    with progress_bar(frames, "frame") as report:
         factor = animate(case, response, path, options.fps, report)
     print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, factor)}")
     return 0

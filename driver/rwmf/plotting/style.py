@@ -15,6 +15,8 @@ import numpy as np
 
 from rwmf.quantities import AXES
 
+from rwmf.errors import InputError
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
@@ -242,7 +244,7 @@ def make_panels(
 
     Raises
     ------
-    ValueError
+    InputError
         When there are more or fewer axes.
     """
     if axes is None:
@@ -256,7 +258,7 @@ def make_panels(
             )
     panels = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if panels.size != n:
-        raise ValueError(f"{panels.size} axes for {n} panels: there must be as many")
+        raise InputError(f"{panels.size} axes for {n} panels: there must be as many")
     return panels
 
 
