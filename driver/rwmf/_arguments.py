@@ -215,11 +215,20 @@ def _part(name: str, value: object) -> tuple[int, int]:
     return k, n
 
 
+def _ax(name: str, value: object) -> object:
+    if not hasattr(value, "get_xaxis_transform"):
+        raise InputError(f"{name} = {show(value)}: must be axes of matplotlib")
+    return value
+
+
 def _axes(name: str, value: object) -> object:
+    if value is None:
+        # a new figure
+        return value
     items = value.ravel() if isinstance(value, np.ndarray) else value
-    for ax in items if isinstance(items, Sequence | np.ndarray) else [items]:
-        if not hasattr(ax, "get_xaxis_transform"):
-            raise InputError(f"{name} = {show(value)}: must be axes of matplotlib")
+    is_several = isinstance(items, Sequence | np.ndarray)
+    for ax in items if is_several and len(items) else [items]:
+        _ax(name, ax)
     return value
 
 
@@ -233,15 +242,16 @@ def _positives(name: str, value: object) -> list[float]:
 
 # by the names of arguments; None is allowed where it is the default
 _CHECKS: dict[str, Check] = {
+    "across": _truth,
     "amplitude": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
-    "ax": _axes,
+    "ax": _ax,
     "axes": _axes,
-    "chunk": lambda name, value: to_whole(name, value, 0),
+    "chunk": lambda name, value: to_whole(name, value, 0, 10**15),
     "damping": lambda name, value: _not_negative(name, value),
     "dt": _positive,
     "executor": _executor,
     "file": path_of,
-    "folder": lambda name, value: os.fspath(value) and path_of(name, value),
+    "folder": lambda name, value: "" if isinstance(value, str) and not value else path_of(name, value),
     "force": _truth,
     "grid": _mapping,
     "intensity": _text,

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -17,10 +17,12 @@ import numpy.typing as npt
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
 
-__all__ = ["float_of", "show", "to_array", "to_items", "to_number", "to_whole"]
+__all__ = ["float_of", "is_whole", "show", "to_array", "to_items", "to_number", "to_whole"]
 
 Array = npt.NDArray[np.float64]
 _NUMBERS = int | float | np.integer | np.floating
+# what Python and NumPy count among the integers
+_NO_NUMBERS = bool | np.timedelta64
 # kinds of NumPy's types that are no numbers here, in the words of a message
 _KINDS = {"b": "true or false", "c": "complex", "U": "text", "S": "bytes", "M": "dates",
           "m": "time differences", "V": "records"}  # fmt: skip
@@ -89,6 +91,22 @@ def to_number(
     raise InputError(f"{name} = {show(value)}: must be {wanted}")
 
 
+def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
+    """Tell whether a value is a whole number by its type; truth values and times are none.
+
+    Parameters
+    ----------
+    value : object
+        Any value.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    return isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
+
+
 def to_whole(name: str, value: object, lowest: int, highest: int | None = None) -> int:
     """Convert one whole number.
 
@@ -114,7 +132,7 @@ def to_whole(name: str, value: object, lowest: int, highest: int | None = None) 
         When it is no whole number or out of range.
     """
     number: int | None = None
-    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+    if is_whole(value):
         number = operator.index(value)
     if number is not None and lowest <= number and (highest is None or number <= highest):
         return number
@@ -212,7 +230,7 @@ def float_of(value: object) -> float | None:
     """
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.is_masked(value):
         value = value.item()
-    if not isinstance(value, _NUMBERS) or isinstance(value, bool):
+    if not isinstance(value, _NUMBERS) or isinstance(value, _NO_NUMBERS):
         return None
     try:
         return float(value)
@@ -228,6 +246,8 @@ def _floats(name: str, values: object, wanted: str) -> Array:
     if masked is not None:
         raise InputError(f"{name}: the value at position {masked} is masked: must be {wanted}")
     try:
+        if isinstance(values, Iterator):
+            values = list(values)
         array: npt.NDArray[Any] = np.asarray(values)
     except Exception:  # noqa: BLE001 (ragged lists, and arrays of other packages)
         raise InputError(f"{name} = {show(values)}: must be {wanted}") from None

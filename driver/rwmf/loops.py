@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._arguments import case_of, checked, dataset_of
-from rwmf._numbers import show
+from rwmf._numbers import show, to_array, to_items
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.plotting.style import LEVEL, legend_above, make_panels, series
@@ -23,6 +23,14 @@ __all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "spri
 
 Array = npt.NDArray[np.float64]
 
+_COLUMNS = (
+    "theta",
+    "u_s",
+    "frame_force_over_m_s_g",
+    "cable_force_over_m_w_g",
+    "fuse_left_force_over_m_w_g",
+    "fuse_right_force_over_m_w_g",
+)
 _FUSES = {"left": 1.0, "right": -1.0}
 _DISPLACEMENTS = {
     "frame": "$u_s$ (mm)",
@@ -107,6 +115,8 @@ def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
     case = case_of(case)
     if not isinstance(columns, Mapping):
         raise InputError(f"columns = {show(columns)}: must be columns of a history by their names")
+    columns = {name: to_array(f"columns: {name}", values, is_finite=False)
+               for name, values in columns.items() if name in _COLUMNS}  # fmt: skip
     loops = []
     if "frame_force_over_m_s_g" in columns:
         force = columns["frame_force_over_m_s_g"]
@@ -155,8 +165,11 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     dict
         Loops by kind: 'frame', 'cable', 'fuse'.
     """
+    found = to_items(loops)
+    if found is None or not all(isinstance(loop, Loop) for loop in found):
+        raise InputError(f"loops = {show(loops)}: must be what find_loops returns")
     kinds: dict[str, list[Loop]] = {}
-    for loop in loops:
+    for loop in found:
         kinds.setdefault(loop.spring.split()[-1], []).append(loop)
     return kinds
 

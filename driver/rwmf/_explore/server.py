@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+from rwmf._arguments import case_of, checked
 from rwmf._explore.model import Model
 from rwmf._explore.questions import BadQuestionError, read
 from rwmf.case import Case
@@ -353,6 +354,7 @@ def _interrupted_by_the_end() -> Any:  # noqa: ANN401 (what signal.signal return
     return signal.signal(signal.SIGTERM, _interrupt)
 
 
+@checked
 def explore(
     case: Case | str | os.PathLike[str] | None = None,
     port: int = 0,
@@ -384,8 +386,8 @@ def explore(
     if case is None:
         # without the place of the package: the case is nobody's file
         case = Case.from_text(_START.read_text(encoding="utf-8"), "fig12_one_sine.nml")
-    elif not isinstance(case, Case):
-        case = Case.from_namelist(case)
+    else:
+        case = case_of(case)
     server = PageServer(case, port)
     terminated = _interrupted_by_the_end()
     try:

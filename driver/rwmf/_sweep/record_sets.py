@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
-from rwmf._numbers import show
+from rwmf._numbers import show, to_number
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
@@ -54,6 +54,25 @@ class RecordFile:
     dt: float | None = None
     scale: float = 1.0
     array: Motion | None = None
+
+    def __post_init__(self) -> None:
+        """Check the kinds of all values.
+
+        Raises
+        ------
+        InputError
+            When one is of another kind.
+        """
+        texts = {"name": self.name, "path": self.path, "crc32": self.crc32}
+        texts |= {} if self.unit is None else {"unit": self.unit}
+        for name, value in texts.items():
+            if not isinstance(value, str):
+                raise InputError(f"RecordFile: {name} = {show(value)}: must be a text")
+        if self.dt is not None:
+            to_number("RecordFile: dt", self.dt, above=0.0)
+        to_number("RecordFile: scale", self.scale)
+        if self.array is not None and not isinstance(self.array, Motion):
+            raise InputError(f"RecordFile: array = {show(self.array)}: must be a Motion")
 
     def motion(self) -> dict[str, Value]:
         """Give the `&motion` that reads it.

@@ -11,6 +11,7 @@ import numpy as np
 
 from rwmf import _library
 from rwmf._files import files
+from rwmf._files.names import problem_of_name
 from rwmf._numbers import show
 from rwmf.case.changes import numbers_of
 from rwmf.case.group import Group
@@ -324,6 +325,7 @@ class Case:
         OutputError
             When a file cannot be written.
         """
+        path = None if path is None else _path_text(path)
         if path is None and self._motions:
             raise InputError(
                 f"{next(iter(self._motions.values()))!r} is in memory, which no text can name: "
@@ -439,6 +441,9 @@ def _path_text(path: object) -> str:
     text = os.fspath(path) if isinstance(path, str | os.PathLike) else None
     if not isinstance(text, str):
         raise InputError(f"{show(path)}: must be the path of a namelist")
+    problem = problem_of_name(text)
+    if problem is not None:
+        raise InputError(f"{show(path)}: {problem}")
     return text
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
-from rwmf._numbers import to_array, to_number
+from rwmf._numbers import is_whole, to_array, to_number
 from rwmf.errors import InputError
 
 __all__ = ["numbers_of"]
@@ -61,7 +61,7 @@ def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | N
             return to_array(name, value, least=1)
         if kind == "logical" and isinstance(value, bool | np.bool_):
             return np.array([value], dtype=np.float64)
-        if kind == "real" or (kind == "integer" and isinstance(value, int | np.integer)):
+        if kind == "real" or (kind == "integer" and is_whole(value)):
             return np.array([to_number(name, value)])
     except InputError:
         # the text of the whole case says what is wrong

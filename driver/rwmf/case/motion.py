@@ -173,6 +173,8 @@ class Motion:
         OutputError
             When the file cannot be written.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise InputError(f"path = {show(path)}: must be the path of a file")
         columns = [self._values] if self._times is None else [self._times, self._values]
         lines = [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
         files.write_bytes(Path(path), ("\n".join(lines) + "\n").encode())

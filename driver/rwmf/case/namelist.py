@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rwmf._numbers import show, to_items
+from rwmf._numbers import is_whole, show, to_items
 from rwmf.case.motion import Motion
 from rwmf.errors import InputError
 
@@ -124,7 +124,7 @@ def format_value(value: object) -> str:
         return "'" + str(value).replace("'", "''") + "'"
     if isinstance(value, bool | np.bool_):
         return ".true." if value else ".false."
-    if isinstance(value, int | np.integer) and abs(int(value)) <= _LARGEST:
+    if is_whole(value) and abs(int(value)) <= _LARGEST:
         return repr(int(value))
     if isinstance(value, float | np.floating):
         return repr(float(value))

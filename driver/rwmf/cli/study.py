@@ -195,7 +195,7 @@ def _fit_in_words(dataset: xr.Dataset) -> str:
     return (
         f"{dataset.attrs['quantity']} > {limit}: "
         f"median {float(dataset['median']):.6g} g, dispersion {float(dataset['dispersion']):.6g}"
-        f" of the {dataset['scale'].attrs['long_name']}"
+        f"\nintensity: {dataset['scale'].attrs['long_name']}"
     )
 
 

@@ -19,6 +19,7 @@ from rwmf.plotting.style import (
     LEVEL,
     label_plainly,
     legend_above,
+    make_panels,
     period_label,
     series,
 )
@@ -166,8 +167,9 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
         The axes.
     """
     dataset_of(dataset, "rwmf.studies.friction_spectra", DEMAND)
+    panels = make_panels(axes, 2)
     second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
-    for ax, name in zip(axes, (DEMAND, second), strict=True):
+    for ax, name in zip(panels, (DEMAND, second), strict=True):
         values = dataset[name]
         if "record" in values.dims:
             values = values.median("record", keep_attrs=True)

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rwmf.quantities import AXES
-
+from rwmf._arguments import checked
 from rwmf.errors import InputError
+from rwmf.quantities import AXES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -223,6 +223,7 @@ def tint(colour: str, strength: float) -> tuple[float, float, float]:
     return red, green, blue
 
 
+@checked
 def make_panels(
     axes: Axes | Sequence[Axes] | np.ndarray | None, n: int, across: bool = False
 ) -> np.ndarray:

@@ -25,6 +25,11 @@ Drawing = Callable[[rwmf.Case, Figure], object]
 _SHORT: dict[str, Any] = {"output": {"dt": 0.02, "reactions": True}, "solver": {"t_end": 3.0}}
 
 
+def _own_period(case: rwmf.Case) -> dict[str, Any]:
+    """At another period a force and a displacement at first yield are two strengths."""
+    return {"T_s": [case.kernel.axes()["T_s"].value]}
+
+
 def _history(case: rwmf.Case, figure: Figure) -> None:
     run = rwmf.simulate(case)
     names = rwmf.plotting.response.panels_of(run)
@@ -34,13 +39,15 @@ def _history(case: rwmf.Case, figure: Figure) -> None:
 def _profile(case: rwmf.Case, figure: Figure) -> None:
     run = rwmf.simulate(case)
     n = len(rwmf.plotting.profile.demands_of(run))
-    if n:
+    # without a wall ratios are over no mass, and no shear is in N
+    if n and case.wall is not None:
         rwmf.plot.profile(run, figure.subplots(1, n), case=case)
 
 
 def _loops(case: rwmf.Case, figure: Figure) -> None:
-    if {"yielding", "cable", "fuse"} & case.groups.keys():
-        run = rwmf.simulate(case)
+    run = rwmf.simulate(case)
+    # storeys that yield one by one have no column of a force
+    if rwmf.loops.springs_of({str(name): run[name].values for name in run}, case):
         n = len(rwmf.loops.group_by_kind(rwmf.loops.find_loops(run, case)))
         rwmf.loops.draw(run, case, figure.subplots(1, n, squeeze=False)[0])
 
@@ -54,24 +61,24 @@ def _film(case: rwmf.Case, figure: Figure) -> None:
 
 def _spectrum(case: rwmf.Case, figure: Figure) -> None:
     if "T_s" in case.kernel.axes():
-        rwmf.plot.spectrum(rwmf.spectrum(case, T_s=[0.6, 0.9]), figure.subplots())
+        rwmf.plot.spectrum(rwmf.spectrum(case, **_own_period(case)), figure.subplots())
 
 
 def _wall_effect(case: rwmf.Case, figure: Figure) -> None:
     if case.frame is not None and case.wall is not None:
-        found = rwmf.studies.wall_effect(case, {"T_s": [0.6, 0.9]})
+        found = rwmf.studies.wall_effect(case, _own_period(case))
         rwmf.plot.draw_wall_effect(found, figure.subplots())
 
 
 def _friction(case: rwmf.Case, figure: Figure) -> None:
     if case.wall is not None and case.wall.base == "rocking":
-        found = rwmf.studies.friction_spectra(case, {"T_s": [0.6, 0.9]})
+        found = rwmf.studies.friction_spectra(case, _own_period(case))
         rwmf.plot.draw_friction(found, figure.subplots(1, 2))
 
 
 def _bands(case: rwmf.Case, figure: Figure) -> None:
     if case.frame is not None:
-        found = rwmf.studies.sensitivity_bands(case, {"T_s": [0.6, 0.9]}, {"xi_s": [0.02, 0.05]})
+        found = rwmf.studies.sensitivity_bands(case, _own_period(case), {"xi_s": [0.02, 0.05]})
         rwmf.plot.draw_bands(found, figure.subplots())
 
 

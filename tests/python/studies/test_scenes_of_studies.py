@@ -172,7 +172,7 @@ def test_what_makes_no_sense_says_why(suite: tuple[RecordFile, ...]) -> None:
         studies.incremental_dynamic_analysis(case, [1.0], suite, intensity="pseudo_acceleration")
     with pytest.raises(InputError, match="bands: nothing is uncertain: give values of a key"):
         studies.sensitivity_bands(case, {"T_s": [2.0]}, {})
-    with pytest.raises(InputError, match=r"fragility: quantity: must be given, one of u_s_max"):
+    with pytest.raises(InputError, match=r"fragility: quantities: must be one of u_s_max"):
         several = studies.incremental_dynamic_analysis(
             _storeys("full"), [0.2, 0.4], suite, ["u_s_max", ROTATION]
         )
