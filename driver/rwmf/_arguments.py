@@ -164,7 +164,7 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     if not isinstance(value, xr.DataArray):
         raise InputError(f"values = {show(value)}: must be a variable of the dataset of a sweep")
     if not isinstance(dim, str) or dim not in value.dims:
-        raise InputError(f"values: has no dimension {show(dim)}, only {', '.join(value.dims)}")
+        raise InputError(f"values: has no dimension {show(dim)}, only {', '.join(map(str, value.dims))}")
     return value
 
 
@@ -225,9 +225,8 @@ def _axes(name: str, value: object) -> object:
     if value is None:
         # a new figure
         return value
-    items = value.ravel() if isinstance(value, np.ndarray) else value
-    is_several = isinstance(items, Sequence | np.ndarray)
-    for ax in items if is_several and len(items) else [items]:
+    items = list(value.ravel()) if isinstance(value, np.ndarray) else value
+    for ax in items if isinstance(items, Sequence) and items else [items]:
         _ax(name, ax)
     return value
 
@@ -251,7 +250,9 @@ _CHECKS: dict[str, Check] = {
     "dt": _positive,
     "executor": _executor,
     "file": path_of,
-    "folder": lambda name, value: "" if isinstance(value, str) and not value else path_of(name, value),
+    "folder": lambda name, value: (
+        "" if isinstance(value, str) and not value else path_of(name, value)
+    ),
     "force": _truth,
     "grid": _mapping,
     "intensity": _text,
@@ -304,9 +305,7 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """
     signature = inspect.signature(function)
     defaults = {name: item.default for name, item in signature.parameters.items()}
-    further = {
-        name for name, item in signature.parameters.items() if item.kind is item.VAR_KEYWORD
-    }
+    further = {name for name, item in signature.parameters.items() if item.kind is item.VAR_KEYWORD}
 
     takes_one = "quantities" in signature.parameters and "quantity" not in signature.parameters
 

@@ -46,7 +46,7 @@ def show(value: object) -> str:
         return f"an integer of {value.bit_length()} bits"
     try:
         text = repr(value.item() if isinstance(value, np.generic) else value)
-    except Exception:  # noqa: BLE001 (an object of the caller's may raise anything)
+    except Exception:
         text = f"an object of type {type(value).__name__}"
     return shorten(" ".join(text.split()))
 
@@ -211,7 +211,7 @@ def to_items(value: object) -> list[Any] | None:
         return None
     try:
         return list(value)
-    except Exception:  # noqa: BLE001 (an object of the caller may raise anything)
+    except Exception:
         return None
 
 
@@ -249,7 +249,7 @@ def _floats(name: str, values: object, wanted: str) -> Array:
         if isinstance(values, Iterator):
             values = list(values)
         array: npt.NDArray[Any] = np.asarray(values)
-    except Exception:  # noqa: BLE001 (ragged lists, and arrays of other packages)
+    except Exception:
         raise InputError(f"{name} = {show(values)}: must be {wanted}") from None
     if array.dtype.kind == "O":
         return _floats_of_objects(name, array, wanted)

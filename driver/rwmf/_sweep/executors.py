@@ -234,7 +234,9 @@ def _mpi(_: str, __: int) -> Iterator[Executor]:
     try:
         from mpi4py.futures import MPIPoolExecutor
     except ImportError as error:
-        raise InputError(f"engine mpi: needs the package mpi4py and an MPI ({error}): {how_to_install('mpi')}") from error
+        raise InputError(
+            f"engine mpi: needs the package mpi4py and an MPI ({error}): {how_to_install('mpi')}"
+        ) from error
     with MPIPoolExecutor() as executor:
         yield executor
 
@@ -244,7 +246,9 @@ def _dask(address: str, workers: int) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError as error:
-        raise InputError(f"engine dask: needs the package distributed ({error}): {how_to_install('dask')}") from error
+        raise InputError(
+            f"engine dask: needs the package distributed ({error}): {how_to_install('dask')}"
+        ) from error
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     try:
         # silence: workers that come and go are its business, not an alarm on the user's terminal

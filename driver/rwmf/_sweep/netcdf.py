@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._extras import how_to_install
 from rwmf import quantities
+from rwmf._extras import how_to_install
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
 from rwmf._sweep.axes import Coordinate

@@ -160,8 +160,10 @@ def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (what makes an
         raise InputError(f"points: {show(name)}: has masked values: must have one value a row")
     try:
         array = np.asarray(values)
-    except Exception:  # noqa: BLE001 (ragged lists, and objects of the caller)
-        raise InputError(f"points: {show(name)} = {show(values)}: must be one value a row") from None
+    except Exception:
+        raise InputError(
+            f"points: {show(name)} = {show(values)}: must be one value a row"
+        ) from None
     if isinstance(values, list | tuple) and (
         array.dtype.kind not in "biuf"
         or (array.dtype.kind != "b" and any(isinstance(item, bool) for item in values))

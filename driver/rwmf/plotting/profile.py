@@ -11,11 +11,10 @@ import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
+from rwmf.errors import InputError
 from rwmf.plotting.levels import levels_of_storeys
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, legend_above, make_panels
-
-from rwmf.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,6 +11,7 @@ import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
+from rwmf.errors import InputError
 from rwmf.plotting.levels import draw_levels, levels_of_frame, levels_of_storeys
 from rwmf.plotting.style import (
     ALONE,
@@ -24,8 +25,6 @@ from rwmf.plotting.style import (
     storey,
 )
 from rwmf.quantities import AXES
-
-from rwmf.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -59,8 +59,5 @@ def suite_spectra(
     names = list(find_quantities(tuple(quantities or (default_quantity(case),))))
     found = sweep(case, grid, records, quantities=names, **how)
     return found.assign(
-        {
-            f"{name}_percentiles": percentiles(with_overturning(found, name), q)
-            for name in names
-        }
+        {f"{name}_percentiles": percentiles(with_overturning(found, name), q) for name in names}
     )

@@ -63,10 +63,10 @@ contains
 
       plain = to_lower(adjustl(word))
       do place = 1, len(plain)
-         if (scan(plain(place:place), '- ') > 0 .and. place <= len_trim(plain)) &
-            plain(place:place) = '_'
+         if (place > len_trim(plain)) exit
+         if (scan(plain(place:place), '- ') > 0) plain(place:place) = '_'
       end do
-      call strip_extremes(plain)
+      plain = without_extremes(plain)
       place = findloc(words%word == plain, .true., dim=1)
       if (place > 0) then
          key = words(place)%key
@@ -85,23 +85,25 @@ contains
       if (place == 0) key = ''
    end function meant_quantity
 
-   !> Take 'peak' and 'max' off a word, and the number of a storey or floor behind it.
-   pure subroutine strip_extremes(word)
-      character(*), intent(inout) :: word
-      character(8), parameter :: before(*) = [character(8) :: 'peak_', 'max_', 'maximum_', 'largest_']
+   !> A word without 'peak' and 'max', and without the number of a storey or floor behind it.
+   pure function without_extremes(word) result(plain)
+      character(*), intent(in) :: word
+      !! in small letters
+      character(len(word)) :: plain
+      character(8), parameter :: before(*) = [character(8) :: 'peak_', 'max_', 'maximum_', &
+         'largest_']
       integer :: i, n
 
+      plain = word
       do i = 1, size(before)
          n = len_trim(before(i))
-         if (index(word, trim(before(i))) == 1) word = word(n + 1:)
+         if (index(plain, trim(before(i))) == 1) plain = plain(n + 1:)
       end do
-      n = len_trim(word)
-      n = verify(word(:n), '0123456789_', back=.true.)
-      if (n > 0) word = word(:n)
-      n = len_trim(word)
-      if (n > 4) then
-         if (word(n - 3:n) == '_max') word = word(:n - 4)
-      end if
-   end subroutine strip_extremes
+      n = verify(trim(plain), '0123456789_', back=.true.)
+      if (n > 0) plain = plain(:n)
+      n = len_trim(plain)
+      if (n <= 4) return
+      if (plain(n - 3:n) == '_max') plain = plain(:n - 4)
+   end function without_extremes
 
 end module rwmf_simulation_quantity_words

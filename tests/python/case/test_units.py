@@ -14,20 +14,16 @@ import pytest
 import rwmf
 from combinations import combination
 from dimensional import (
-    CABLE,
-    DENSITY,
-    G,
-    MOTION,
     SCENES,
-    STOREYS,
     STRAND_AREA,
     STRANDS,
-    THICKNESS,
+    G,
     groups_of,
     in_both,
     in_units,
 )
 from rwmf.cli import main
+
 
 @pytest.fixture(params=SCENES)
 def both(request: pytest.FixtureRequest) -> tuple[rwmf.Case, rwmf.Case]:
@@ -165,7 +161,9 @@ def test_what_is_refused(scene: str, changes: dict[str, Any], message: str) -> N
 def test_length_belongs_to_strands() -> None:
     groups = groups_of("corners")
     groups["cable"] = groups["cable"] | {"length": 3.0}
-    with pytest.raises(rwmf.InputError, match=r"length = 3.0: .* without strands or rupture_strain"):
+    with pytest.raises(
+        rwmf.InputError, match=r"length = 3.0: .* without strands or rupture_strain"
+    ):
         rwmf.Case(**groups)
 
 

@@ -1,4 +1,4 @@
-"""Public functions answer arguments of a wrong kind with the package's own errors, and no others."""
+"""Public functions answer arguments of a wrong kind with errors of the package alone."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ WRONG: dict[str, Any] = {
     "ragged": [[1.0], [1.0, 2.0]],
     "mixed": [True, 2.0],
     "text list": ["1"],
-    "date": datetime.datetime(2020, 1, 1),  # noqa: DTZ001 (a wrong value)
+    "date": datetime.datetime(2020, 1, 1),
     "time difference": np.timedelta64(1, "s"),
     "huge": 10**400,
     "huge list": [10**400, 1.0],
@@ -200,7 +200,7 @@ def test_functions_refuse_what_they_cannot_use(
                 continue
             try:
                 _refused(call, **(right | {argument: value}))
-            except Exception as error:  # noqa: BLE001 (the test is that none comes)
+            except Exception as error:
                 pytest.fail(f"{name}({argument}={kind}): {type(error).__name__}: {error}")
 
 
@@ -247,7 +247,7 @@ def test_methods_refuse_what_they_cannot_use(
     for name, call in _methods():
         try:
             _refused(lambda call=call: call(WRONG[kind]))
-        except Exception as error:  # noqa: BLE001 (the test is that none comes)
+        except Exception as error:
             pytest.fail(f"{name}({kind}): {type(error).__name__}: {error}")
 
 

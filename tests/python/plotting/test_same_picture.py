@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -162,7 +163,7 @@ def test_prestress_in_newtons_follows_every_axis() -> None:
             assert float(at) == pytest.approx(force, rel=1e-4), (share, b, k)
 
 
-def test_a_figure_of_a_file_reads_the_case_from_its_path(tmp_path: Any) -> None:
+def test_a_figure_of_a_file_reads_the_case_from_its_path(tmp_path: Path) -> None:
     _, units = in_both("storeys full")
     case = units.replace(**_SHORT)
     case.to_namelist(tmp_path / "case.nml")

@@ -452,7 +452,7 @@ def test_each_number_of_the_table_of_keys_is_a_column(key: str) -> None:
 
 
 def _of_one_number(scene: str) -> dict[str, Any]:
-    """The same scene with as many equal storeys, each key one number."""
+    """Give the same scene as many equal storeys, each key one number."""
     groups = groups_of(scene)
     if "storeys" not in groups:
         return in_units(groups)
