@@ -5,16 +5,17 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._arguments import case_of, checked
 from rwmf._library import measure as _measure
 from rwmf._library.measure import Measurement, Reference
 from rwmf._sweep.quantities import find_quantities
-from rwmf.case import Case
+from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, NumericalError
 
 __all__ = ["METHODS", "PRACTICES", "TOLERANCES", "Cost", "Row", "cheapest", "cost", "count_tasks"]
@@ -150,11 +151,12 @@ def count_tasks() -> int:
     return 2 * (len(METHODS) * len(TOLERANCES) + len(PRACTICES)) + 1
 
 
+@checked
 def cost(
-    case: Case,
+    case: CaseLike,
     target: float = 1e-6,
     progress: Progress | None = None,
-    quantity: str | None = None,
+    quantities: str | Sequence[str] | None = None,
 ) -> Cost:
     """Measure what accuracy costs in time.
 
@@ -164,14 +166,14 @@ def cost(
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The case.
     target : float
         Relative error of the peak that the recommendation is for [-].
     progress : callable, optional
         Called with the number of finished units of work and of all, and about 20 times a second
         while the reference is computed; what it raises stops the kernel.
-    quantity : str, optional
+    quantities : str, optional
         Peak whose error is compared, by its key or its name in a dataset; otherwise the largest
         displacement of the frame, without one the largest rotation. What it takes to find it is
         part of the time.
@@ -192,7 +194,9 @@ def cost(
     """
     if not 0 < target < 1:
         raise InputError(f"target = {target}: must be in (0, 1)")
-    case = _asked(case, quantity)
+    if quantities is not None and len(quantities) != 1:
+        raise InputError(f"cost: quantities = {', '.join(quantities)}: must be one quantity")
+    case = _asked(case_of(case), None if quantities is None else quantities[0])
     total = count_tasks()
     report = progress or (lambda done, total: None)
     report(0, total)

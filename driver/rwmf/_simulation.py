@@ -9,19 +9,21 @@ from typing import Any
 import xarray as xr
 
 from rwmf import _library
+from rwmf._arguments import case_of
 from rwmf._labels import Labelled, dataset
-from rwmf.case import Case
+from rwmf._numbers import to_number
+from rwmf.case import Case, CaseLike
 from rwmf.quantities import find
 
 __all__ = ["simulate", "start", "to_dataset", "with_history"]
 
 
-def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
+def simulate(case: CaseLike, dt: float | None = None) -> xr.Dataset:
     """Compute the response of a case.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The case.
     dt : float, optional
         Interval of the history [s]; otherwise that of the case's `&output`. The integration
@@ -45,6 +47,7 @@ def simulate(case: Case, dt: float | None = None) -> xr.Dataset:
     Interrupted
         After Ctrl-C.
     """
+    case = case_of(case)
     with start(case if dt is None else with_history(case, dt)) as run:
         return to_dataset(run)
 
@@ -69,7 +72,7 @@ def with_history(case: Case, dt: float) -> Case:
     InputError
         When the interval is not acceptable.
     """
-    return case.replace(output={"dt": float(dt)})
+    return case.replace(output={"dt": to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")})
 
 
 @contextmanager

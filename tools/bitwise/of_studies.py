@@ -181,7 +181,7 @@ _STUDIES: dict[str, Callable[[], xr.Dataset]] = {
     "suite-spectra": lambda: studies.suite_spectra(_case(), _GRID, **_suite()),
     "percentiles": _percentiles,
     "incremental": lambda: studies.incremental_dynamic_analysis(
-        _case(), [0.1, 0.3], **_suite(), quantity="theta_max_over_alpha"
+        _case(), [0.1, 0.3], **_suite(), quantities="theta_max_over_alpha"
     ),
     "fragility": _fragility,
     "wall-effect": lambda: studies.wall_effect(_case(), _GRID),

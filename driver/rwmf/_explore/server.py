@@ -29,6 +29,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+from rwmf._arguments import case_of, checked
 from rwmf._explore.folder import Folder
 from rwmf._explore.model import as_files, encode, start
 from rwmf._explore.questions import BadQuestionError, read
@@ -499,6 +500,7 @@ def _set_signals(action: Any, numbers: Iterable[int]) -> dict[int, Any]:  # noqa
     return {number: signal.signal(number, action) for number in numbers}
 
 
+@checked
 def explore(
     case: Case | str | os.PathLike[str] | None = None,
     port: int = 0,
@@ -530,8 +532,8 @@ def explore(
     if case is None:
         # without the place of the package: the case is nobody's file
         case = Case.from_text(_START.read_text(encoding="utf-8"), "fig12_one_sine.nml")
-    elif not isinstance(case, Case):
-        case = Case.from_namelist(case)
+    else:
+        case = case_of(case)
     # whatever ends the process ends it as Ctrl-C does: no folder stays behind. What is ignored,
     # as by nohup, stays so
     ends = [x for x in _ENDS if signal.getsignal(x) is not signal.SIG_IGN]

@@ -63,7 +63,10 @@ def problem_of_name(word: str) -> str | None:
     str or None
         What is wrong; None when a file may be called so.
     """
-    raw = os.fsencode(word)
+    try:
+        raw = os.fsencode(word)
+    except UnicodeEncodeError:
+        return "must not contain a character that is none of UTF-8"
     if not raw:
         return "must not be empty"
     if b"\0" in raw:

@@ -9,6 +9,7 @@ from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
     instruction_set,
+    meant_quantity,
     needs_of_groups,
     quantities,
     result_names,
@@ -26,6 +27,7 @@ __all__ = [
     "check_threads",
     "instruction_set",
     "keep_samples",
+    "meant_quantity",
     "needs_of_groups",
     "quantities",
     "read_case",

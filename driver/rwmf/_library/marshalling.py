@@ -142,9 +142,18 @@ def encode(text: str) -> bytes:
     -------
     bytes
         UTF-8, or the bytes that a name of a file really has.
+
+    Raises
+    ------
+    InputError
+        When UTF-8 cannot hold the text.
     """
-    # file names that are not UTF-8 come as surrogates and go back to the same bytes
-    return text.encode("utf-8", "surrogateescape")
+    try:
+        # file names that are not UTF-8 come as surrogates and go back to the same bytes
+        return text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError as error:
+        letter = f"U+{ord(text[error.start]):04X}"
+        raise InputError(f"a text has {letter} in it, which is no character of UTF-8") from None
 
 
 def decode(buffer: npt.NDArray[np.int8], length: int) -> str:

@@ -41,7 +41,7 @@ def check_threads(threads: int, name: str = "threads") -> int:
     """
     most = int(_kernel.most_threads())
     try:
-        number = operator.index(threads)
+        number = -1 if isinstance(threads, bool) else operator.index(threads)
     except TypeError:
         number = -1
     if not 0 <= number <= most:

@@ -9,6 +9,7 @@ from rwmf._library.marshalling import encode, fetch_text, split_table
 
 __all__ = [
     "instruction_set",
+    "meant_quantity",
     "needs_of_groups",
     "quantities",
     "result_names",
@@ -75,6 +76,22 @@ def quantities() -> list[list[str]]:
         One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
     """
     return split_table(fetch_text(_kernel.quantities))
+
+
+def meant_quantity(word: str) -> str:
+    """Find the quantity that a word may mean: a word of the field, or a misspelled key.
+
+    Parameters
+    ----------
+    word : str
+        The word.
+
+    Returns
+    -------
+    str
+        Key of the quantity, '' for none.
+    """
+    return fetch_text(_kernel.meant_quantity, encode(word[:80]))
 
 
 def result_names(source: str) -> list[str]:

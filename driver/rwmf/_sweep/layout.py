@@ -6,7 +6,7 @@ import difflib
 import functools
 import itertools
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -89,6 +89,8 @@ class Layout:
         How all runs are computed, '' when they differ in it.
     warnings : str
         What is not conserved in some of its runs, in one line; '' for nothing.
+    intensity : dict of str to str or float
+        Attributes that say what a factor on the ground motion is a level of; empty for a factor.
     table : Table, optional
         Of the points; the text has its checksum.
     """
@@ -102,6 +104,7 @@ class Layout:
     motion_crc32: str = ""
     method: str = ""
     warnings: str = ""
+    intensity: dict[str, str | float] = field(default_factory=dict)
     table: Table | None = None
 
     @property

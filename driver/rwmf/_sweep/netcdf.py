@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import quantities
+from rwmf._extras import how_to_install
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
 from rwmf._sweep.axes import Coordinate
@@ -59,7 +60,7 @@ def check_package() -> None:
         import h5py
     except ImportError as error:
         raise InputError(
-            f"a NetCDF file needs h5netcdf and h5py ({error}): pip install 'rwmf[netcdf]'"
+            f"a NetCDF file needs h5netcdf and h5py ({error}): {how_to_install('netcdf')}"
         ) from error
     del h5netcdf, h5py
 
@@ -87,6 +88,7 @@ def attributes(layout: Layout) -> dict[str, object]:
         "method": layout.method,
         "warnings": layout.warnings,
         "sweep": layout.to_text(),
+        **layout.intensity,
     }
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,22 +17,24 @@ from rwmf._sweep.axes import (
     Axis,
     Coordinate,
     Entries,
+    Key,
     grid_axis,
     keys_of_axis,
     name_axes,
     put_number,
     record_axis,
 )
+from rwmf._sweep.intensity import Intensity
 from rwmf._sweep.layout import Dimension, Layout
 from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.task import Task
 from rwmf.case import Case, Motion
-from rwmf.case.namelist import compose
+from rwmf.case.namelist import compose, without_lines
 from rwmf.errors import InputError
 from rwmf.quantities import AXES, keys_of
 
-__all__ = ["Plan", "make_plan"]
+__all__ = ["Plan", "make_plan", "varied_keys"]
 
 # runs of a chunk: enough to keep lanes and threads full, few enough to lose without regret
 _CHUNK_RUNS = (256, 4096)
@@ -177,9 +178,7 @@ class Plan:
         try:
             return _library.read_case(compose(entries), self.source, known, **samples)
         except InputError as error:
-            # nobody sees the text whose lines the kernel counts
-            reason = re.sub(r" \(line \d+\)", "", str(error))
-            raise InputError(f"sweep, {label}: {reason}") from error
+            raise InputError(f"sweep, {label}: {without_lines(str(error))}") from error
 
 
 def _telling_positions(axis: Axis) -> list[int]:
@@ -201,7 +200,7 @@ def make_plan(
     quantities: tuple[str, ...] | None = None,
     chunk: int = 0,
     points: Axis | None = None,
-    level: str | None = None,
+    intensity: Intensity | None = None,
 ) -> Plan:
     """Lay out a sweep.
 
@@ -219,8 +218,8 @@ def make_plan(
         Largest number of runs of a chunk, 0 for the usual one.
     points : Axis, optional
         Rows of a table, from `point_axis`.
-    level : str, optional
-        What a factor on the ground motion is, where it is more than that.
+    intensity : Intensity, optional
+        What a factor on the ground motion is a level of.
 
     Returns
     -------
@@ -239,7 +238,7 @@ def make_plan(
     grid = name_axes(grid)
     axes += [grid_axis(name, values) for name, values in grid.items() if name not in AXES]
     axes += _kernel_axes(case, grid, points)
-    axes = [_labelled(axis, case, level) for axis in axes]
+    axes = [_labelled(axis, case, intensity) for axis in axes]
     _check_names(grid, axes, points)
     base = _base_entries(case, axes)
     for quantity in wanted.values():
@@ -248,6 +247,8 @@ def make_plan(
     runs = math.prod(axis.size for axis in axes)
     block = chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
     layout = _make_layout(case, compose(base), axes, tuple(wanted), block)
+    if intensity is not None:
+        layout = replace(layout, intensity=intensity.attributes)
     return Plan(layout, base, case.kernel_source(), tuple(axes), case.motions).checked()
 
 
@@ -262,6 +263,38 @@ def _united(warnings: Sequence[str]) -> list[str]:
         else:
             found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
     return list(found.values())
+
+
+def varied_keys(case: Case, grid: Mapping[str, object], points: Axis | None) -> list[Key]:
+    """List the keys that the runs of a sweep set to other numbers than the case.
+
+    Parameters
+    ----------
+    case : Case
+        What all runs have in common; its `&spectrum` is part of the grid.
+    grid : mapping
+        Values of the axes by name.
+    points : Axis, optional
+        Rows of a table.
+
+    Returns
+    -------
+    list of (group, key)
+        In the order of the axes.
+    """
+    spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
+    own: dict[str, object] = {name: spectrum[name] for name in AXES if name in spectrum}
+    if "n" in spectrum:
+        own["T_s"] = list(_periods(spectrum))
+    found: list[Key] = []
+    for name, values in (own | name_axes(grid)).items():
+        axis = grid_axis(name, values)
+        if axis.size == 1 and name in AXES:
+            same = case.kernel.axes().get(name)
+            if same is not None and same.value == axis.columns[name][0]:
+                continue
+        found += keys_of_axis(name)
+    return found + sorted(points.keys if points is not None else ())
 
 
 def _make_layout(
@@ -353,7 +386,7 @@ def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) ->
             yield grid_axis(name, [axis.value])
 
 
-def _labelled(axis: Axis, case: Case, level: str | None) -> Axis:
+def _labelled(axis: Axis, case: Case, intensity: Intensity | None) -> Axis:
     """Say what period, mass ratio and width are in the scene, and what a factor is."""
     known = case.kernel.axes()
 
@@ -361,8 +394,8 @@ def _labelled(axis: Axis, case: Case, level: str | None) -> Axis:
         if item.name in known:
             own = known[item.name]
             return replace(item, unit=own.unit, meaning=own.meaning)
-        if item.name == SCALE and level is not None:
-            return replace(item, meaning=level)
+        if item.name == SCALE and intensity is not None:
+            return replace(item, meaning=intensity.label)
         return item
 
     return replace(axis, coordinates=tuple(map(label, axis.coordinates)))

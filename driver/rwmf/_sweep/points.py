@@ -14,6 +14,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf._files.names import shorten
+from rwmf._numbers import show
 from rwmf._sweep.axes import (
     NUMBERS,
     PAIRS,
@@ -21,6 +22,7 @@ from rwmf._sweep.axes import (
     Coordinate,
     Scene,
     column_coordinate,
+    is_number,
     key_of_column,
     keys_of_axis,
     kind_of,
@@ -116,7 +118,7 @@ def point_axis(
         records, which = _find_records(codes, values, table, pool, unit, dt)
         texts[_RECORD] = (which[codes], records)
     for name in [name for name in named if name not in numbers]:
-        texts[name] = _texts(name, table, named[name])
+        texts[name] = _settings(name, table, named[name])
     scenes, scene_of = _make_scenes(texts, len(next(iter(table.values.values()))))
     labels = _labels([*named])
     coordinates = tuple(_coordinate(name, labels[name], scenes) for name in named)
@@ -150,12 +152,22 @@ def _read(points: Points) -> _Columns:
         points = {name: points[name].to_numpy() for name in points.columns}
     if not isinstance(points, Mapping):
         raise InputError(f"points: {shorten(type(points).__name__)}: must be {_FORMS}")
-    return _Columns(_same_length({name: _column(item) for name, item in points.items()}))
+    return _Columns(_same_length({name: _column(name, item) for name, item in points.items()}))
 
 
-def _column(values: Any) -> Column:  # noqa: ANN401 (a list, an array or what makes one)
-    array = np.asarray(values)
-    if isinstance(values, list | tuple) and array.dtype.kind not in "biuf":
+def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (what makes an array)
+    if np.ma.is_masked(values):
+        raise InputError(f"points: {show(name)}: has masked values: must have one value a row")
+    try:
+        array = np.asarray(values)
+    except Exception:
+        raise InputError(
+            f"points: {show(name)} = {show(values)}: must be one value a row"
+        ) from None
+    if isinstance(values, list | tuple) and (
+        array.dtype.kind not in "biuf"
+        or (array.dtype.kind != "b" and any(isinstance(item, bool) for item in values))
+    ):
         # one text would make texts of all numbers
         return np.fromiter(values, dtype=object, count=len(values))
     return array
@@ -200,18 +212,18 @@ def _is_column_of_numbers(word: str, source: str) -> bool:
     if word.lower() == _RECORD:
         return False
     (name,) = name_axes({word: None}, source)
-    return kind_of(name) in ("real", "integer") and _is_number(name, source)
+    return kind_of(name) in ("real", "integer", "real list")
 
 
 def _is_number(name: str, source: str) -> bool:
-    kind = kind_of(name)
-    if name in PAIRS or kind.endswith("list"):
+    """Tell whether a column is numbers of the kernel; a list has one number a row."""
+    if name in PAIRS or kind_of(name) == "text list":
         parts = " and ".join(".".join(key) for key in keys_of_axis(name))
         raise InputError(
             f"{source}: {name}: is a list, a column has one value a row"
             + (f"; give the columns {parts}" if name in PAIRS else "")
         )
-    return kind in NUMBERS
+    return is_number(name) or kind_of(name) == "real list"
 
 
 def _codes(column: Column) -> tuple[Places, list[Any]]:
@@ -231,13 +243,18 @@ def _codes(column: Column) -> tuple[Places, list[Any]]:
     return np.array(codes), list(values.values())
 
 
-def _texts(name: str, table: _Columns, column: Column) -> tuple[Places, list[Any]]:
+def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[Any]]:
+    """Find the texts of a column, or its numbers that a scene is made of."""
+    is_text = kind_of(name) not in NUMBERS
+    if not is_text:
+        column = take_numbers(name, column, table.where)
     codes, values = _codes(column)
     for i, value in enumerate(values):
-        if not isinstance(value, str):
+        if is_text and not isinstance(value, str):
             place = table.where(int(np.argmax(codes == i)))
             raise InputError(f"{place}: {name} = {shorten(repr(value))}: must be a text")
-    return codes, values
+    is_whole = kind_of(name) == "integer"
+    return codes, [int(value) if is_whole else value for value in values]
 
 
 def _make_scenes(
@@ -255,7 +272,7 @@ def _make_scenes(
     for row in first[order].tolist():
         found = {name: values[codes[row]] for name, (codes, values) in texts.items()}
         record = found.pop(_RECORD, None)
-        settings = tuple((key_of_column(name), str(value)) for name, value in found.items())
+        settings = tuple((key_of_column(name), value) for name, value in found.items())
         scenes.append(Scene(record, settings))
     return tuple(scenes), rank[which].astype(np.uint32)
 
@@ -298,7 +315,7 @@ def _find_records(
             raise InputError(f"{place}: {error}{hint}") from error
         which.append(found.setdefault(record, len(found)))
     # two files of one name get their folders' names as well
-    return find_records(found), np.array(which)
+    return find_records(list(found)), np.array(which)
 
 
 def _find_record(

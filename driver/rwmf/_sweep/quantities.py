@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from rwmf import quantities
+from collections.abc import Sequence
+
+from rwmf import _library, quantities
+from rwmf._files.names import shorten
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["QUANTITIES", "default_quantity", "find_quantities"]
+__all__ = ["QUANTITIES", "default_quantity", "find_quantities", "find_quantity"]
 
 
 class _Table(dict[str, quantities.Quantity]):
@@ -75,7 +78,44 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
             unknown.append(name)
         else:
             asked[quantity.called(name)] = quantity
-    if unknown or not names:
-        wrong = ", ".join(unknown) or "nothing"
-        raise InputError(f"quantities: {wrong}: known are {', '.join(QUANTITIES)}")
+    if not names:
+        raise InputError(f"quantities: none is given; known are {', '.join(QUANTITIES)}")
+    if unknown:
+        hints = [f"{shorten(word)}: is unknown{_hint(word)}" for word in unknown]
+        raise InputError(f"quantities: {' '.join(hints)} Known are {', '.join(QUANTITIES)}")
     return asked
+
+
+def _hint(word: str) -> str:
+    meant = _library.meant_quantity(word)
+    if not meant:
+        return "."
+    return f", did you mean {quantities.QUANTITIES[meant].names('ordinate')[0]}?"
+
+
+def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
+    """Look up the one quantity of a study, by default what the scene reports by itself.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    names : sequence of str, optional
+        Its name, in a list of one.
+    study : str
+        Name of the study in messages.
+
+    Returns
+    -------
+    str
+        Its name in a dataset.
+
+    Raises
+    ------
+    InputError
+        When it is not known, or when there are several.
+    """
+    found = find_quantities(tuple(names or (default_quantity(case),)))
+    if len(found) > 1:
+        raise InputError(f"{study}: quantities = {', '.join(found)}: must be one quantity")
+    return next(iter(found))

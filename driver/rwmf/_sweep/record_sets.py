@@ -10,7 +10,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
+from rwmf._numbers import show, to_number
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
@@ -53,6 +55,25 @@ class RecordFile:
     scale: float = 1.0
     array: Motion | None = None
 
+    def __post_init__(self) -> None:
+        """Check the kinds of all values.
+
+        Raises
+        ------
+        InputError
+            When one is of another kind.
+        """
+        texts = {"name": self.name, "path": self.path, "crc32": self.crc32}
+        texts |= {} if self.unit is None else {"unit": self.unit}
+        for name, value in texts.items():
+            if not isinstance(value, str):
+                raise InputError(f"RecordFile: {name} = {show(value)}: must be a text")
+        if self.dt is not None:
+            to_number("RecordFile: dt", self.dt, above=0.0)
+        to_number("RecordFile: scale", self.scale)
+        if self.array is not None and not isinstance(self.array, Motion):
+            raise InputError(f"RecordFile: array = {show(self.array)}: must be a Motion")
+
     def motion(self) -> dict[str, Value]:
         """Give the `&motion` that reads it.
 
@@ -83,6 +104,7 @@ class RecordFile:
         return (self.unit or "as in the file") + interval + factor
 
 
+@checked
 def find_records(
     words: Iterable[str | os.PathLike[str] | RecordFile | Motion],
     folder: str | os.PathLike[str] = "",
@@ -123,7 +145,9 @@ def find_records(
         if isinstance(word, Motion):
             found.append(RecordFile(word.name, "", word.checksum, word.unit, word.dt, array=word))
             continue
-        text = os.fspath(word)
+        if not isinstance(word, str | os.PathLike):
+            raise InputError(f"records: {show(word)}: must be a path, a Motion or a RecordFile")
+        text = os.fsdecode(word)
         if text.lower().startswith(_FEMA_PREFIX):
             suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
             found += [_record(path, fema.UNIT, interval) for path, interval in suite]

@@ -9,21 +9,21 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import TypedDict
 
-import numpy as np
 import xarray as xr
 
+from rwmf._arguments import case_of, checked, path_of
 from rwmf._files import files
 from rwmf._sweep import netcdf
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
-from rwmf._sweep.intensity import MEASURES, choose_measure, scale_to_one_g
+from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one_g
 from rwmf._sweep.layout import Layout, difference
-from rwmf._sweep.plan import Plan, make_plan
+from rwmf._sweep.plan import Plan, make_plan, varied_keys
 from rwmf._sweep.points import Points, point_axis
 from rwmf._sweep.quantities import QUANTITIES
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
-from rwmf.case import Case, Motion
+from rwmf.case import CaseLike, Motion
 from rwmf.errors import InputError, Interrupted, OutputError
 
 __all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
@@ -67,8 +67,9 @@ class SweepOptions(RunOptions, total=False):
     dt: float | None
 
 
+@checked
 def sweep(
-    case: Case,
+    case: CaseLike,
     grid: Mapping[str, object] | None = None,
     records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
     file: str | os.PathLike[str] | None = None,
@@ -84,12 +85,14 @@ def sweep(
     unit: str | None = None,
     dt: float | None = None,
     intensity: str | None = None,
+    period: float | None = None,
+    damping: float | None = None,
 ) -> xr.Dataset:
     """Run the product of records, the rows of a table and parameters.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         What all runs have in common; the values of its `&spectrum` are part of the grid.
     grid : mapping, optional
         Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on
@@ -125,9 +128,13 @@ def sweep(
     dt : float, optional
         Sampling interval [s] of records of one column.
     intensity : str, optional
-        ``pseudo_acceleration`` (of an oscillator with the frame's period and damping) or
-        ``peak_acceleration``: each record is scaled so that this is 1 g, and the values of
-        ``scale`` in the grid are then levels of it in g.
+        ``pseudo_acceleration`` (of a linear oscillator) or ``peak_acceleration``: each record is
+        scaled so that this is 1 g, and the values of ``scale`` in the grid are then levels of it
+        in g.
+    period, damping : float, optional
+        Period [s] and damping ratio [-] of that oscillator; otherwise those of the frame. Both
+        are required where the runs differ in the structure (period, mass ratio, storeys, wall):
+        each record then has one factor for all runs.
 
     Returns
     -------
@@ -145,13 +152,19 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    if not isinstance(chunk, int | np.integer) or chunk < 0:
-        raise InputError(f"chunk = {chunk!r}: must be a whole number >= 0")
+    case = case_of(case)
     found: Sequence[RecordFile] = find_records(records, unit=unit, dt=dt) if len(records) else ()
+    measure: Intensity | None = None
     if intensity is not None:
         if not found:
             raise InputError(f"intensity = {intensity!r}: needs records, which it scales")
-        found = scale_to_one_g(case, found, choose_measure(case, intensity))
+        # the records of a table must be those that are scaled: a second reading finds them
+        table = None if points is None else point_axis(points, found, unit, dt)
+        varied = varied_keys(case, grid or {}, table)
+        measure = choose_intensity(case, intensity, period, damping, varied)
+        found = scale_to_one_g(case, found, measure)
+    elif period is not None or damping is not None:
+        raise InputError("period and damping: belong to intensity, which is not given")
     table = None if points is None else point_axis(points, found, unit, dt)
     named = () if table is None else [scene.record for scene in table.scenes if scene.record]
     if intensity is not None and any(record not in found for record in named):
@@ -164,7 +177,7 @@ def sweep(
         None if quantities is None else tuple(quantities),
         chunk,
         table,
-        MEASURES.get(intensity or ""),
+        measure,
     )
     work = _Work(plan, threads, executor, progress, part)
     if file is None:
@@ -286,6 +299,7 @@ def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
     return path.with_name(f"{path.name}{suffix}.journal")
 
 
+@checked
 def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> xr.Dataset:
     """Join the parts of a sweep; the file is that of an undivided one.
 
@@ -309,7 +323,10 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
         When the file cannot be written.
     """
     netcdf.check_package()
+    parts = [path_of("parts", part) for part in parts]
     files.check_outputs([file], parts)
+    if not parts:
+        raise InputError("parts: none is given")
     layout = read_layout(Path(parts[0]))
     stores: list[ChunkStore] = []
     try:

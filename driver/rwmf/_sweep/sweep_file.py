@@ -44,6 +44,8 @@ _KEYS = {
     "quantities": (str, True),
     "chunk": (int, False),
     "intensity": (str, False),
+    "period": (float, False),
+    "damping": (float, False),
 }
 _PAIR = "eta"
 _PATHS = ("case", "file", "records", "points")
@@ -77,6 +79,8 @@ class SweepFile:
         Largest number of runs in a chunk, 0 for the usual one.
     intensity : str, optional
         What the records are scaled to 1 g of.
+    period, damping : float, optional
+        Period [s] and damping ratio [-] of its oscillator.
     """
 
     case: Path
@@ -89,6 +93,8 @@ class SweepFile:
     quantities: list[str] = field(default_factory=list)
     chunk: int = 0
     intensity: str | None = None
+    period: float | None = None
+    damping: float | None = None
 
 
 def read_sweep_file(path: str) -> SweepFile:

@@ -11,13 +11,15 @@ import numpy as np
 
 from rwmf import _library
 from rwmf._files import files
+from rwmf._files.names import problem_of_name
+from rwmf._numbers import show
 from rwmf.case.changes import numbers_of
 from rwmf.case.group import Group
 from rwmf.case.motion import Motion
-from rwmf.case.namelist import compose, read_text
+from rwmf.case.namelist import compose, read_text, without_lines
 from rwmf.errors import InputError, did_you_mean
 
-__all__ = ["Case"]
+__all__ = ["Case", "CaseLike"]
 
 
 class Case:
@@ -55,7 +57,8 @@ class Case:
 
     def __init__(self, **groups: Mapping[str, object] | Motion) -> None:
         entries = {name: _entries_of(name.lower(), group) for name, group in groups.items()}
-        self._assemble(compose(entries), None, None, _motions_of(entries))
+        _check_groups(entries, ())
+        self._assemble_entries(entries, None, None)
 
     def _assemble(
         self, text: str, source: str | None, origin: Case | None, motions: dict[str, Motion]
@@ -69,6 +72,15 @@ class Case:
         samples = {group: motion.samples for group, motion in motions.items()}
         kernel = _library.read_case(text, self.kernel_source(), known, **samples)
         super().__setattr__("_kernel", kernel)
+
+    def _assemble_entries(
+        self, entries: Mapping[str, Mapping[str, object]], source: str | None, origin: Case | None
+    ) -> None:
+        """Let the kernel read composed text; its lines are no lines of the user's."""
+        try:
+            self._assemble(compose(entries), source, origin, _motions_of(entries))
+        except InputError as error:
+            raise InputError(without_lines(str(error))) from None
 
     def _put(
         self,
@@ -92,11 +104,10 @@ class Case:
         cls,
         text: str,
         source: str | None,
-        origin: Case | None = None,
         motions: dict[str, Motion] | None = None,
     ) -> Case:
         case = cls.__new__(cls)
-        case._assemble(text, source, origin, motions or {})
+        case._assemble(text, source, None, motions or {})
         return case
 
     def _changed(self, changes: _library.Changes, numbers: np.ndarray[Any, Any]) -> Case | None:
@@ -143,7 +154,7 @@ class Case:
         InputError
             When the file cannot be read or the kernel does not accept the case.
         """
-        source = os.fspath(path)
+        source = _path_text(path)
         return cls._make(read_text(source), source)
 
     @classmethod
@@ -168,7 +179,9 @@ class Case:
         InputError
             When the kernel does not accept the case.
         """
-        return cls._make(text, None if source is None else os.fspath(source))
+        if not isinstance(text, str):
+            raise InputError(f"text = {show(text)}: must be the text of a namelist")
+        return cls._make(text, None if source is None else _path_text(source))
 
     @property
     def source(self) -> str | None:
@@ -259,7 +272,9 @@ class Case:
                 # the same key in another spelling is the same key
                 same = next((k for k in group if k.lower() == key.lower()), key)
                 group[same] = value
-        return self._make(compose(entries), self._source, self, _motions_of(entries))
+        case = type(self).__new__(type(self))
+        case._assemble_entries(entries, self._source, self)
+        return case
 
     def without(self, *groups: str) -> Case:
         """Return a case without some groups: effects that are then not simulated.
@@ -280,9 +295,10 @@ class Case:
             When there is no such group in the case, or the kernel does not accept the rest.
         """
         for name in groups:
-            if name.lower() not in self._groups:
+            if not isinstance(name, str) or name.lower() not in self._groups:
                 present = ", ".join(f"&{group}" for group in self._groups)
-                raise InputError(f"this case has no group &{name.lower()}; it has {present}")
+                shown = name.lower() if isinstance(name, str) else show(name)
+                raise InputError(f"this case has no group &{shown}; it has {present}")
         return self.replace(**dict.fromkeys(groups))
 
     def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:
@@ -309,6 +325,7 @@ class Case:
         OutputError
             When a file cannot be written.
         """
+        path = None if path is None else _path_text(path)
         if path is None and self._motions:
             raise InputError(
                 f"{next(iter(self._motions.values()))!r} is in memory, which no text can name: "
@@ -420,10 +437,22 @@ def _restore(text: str, source: str | None, motions: dict[str, Motion]) -> Case:
     return Case._make(text, source, motions=motions)
 
 
+def _path_text(path: object) -> str:
+    text = os.fspath(path) if isinstance(path, str | os.PathLike) else None
+    if not isinstance(text, str):
+        raise InputError(f"{show(path)}: must be the path of a namelist")
+    problem = problem_of_name(text)
+    if problem is not None:
+        raise InputError(f"{show(path)}: {problem}")
+    return text
+
+
 def _entries_of(name: str, group: Mapping[str, object] | Motion) -> dict[str, object]:
     """Keys and values of a group; those of a motion from arrays with its own."""
     if isinstance(group, Motion):
         group = {"file": group}
+    if not isinstance(group, Mapping):
+        raise InputError(f"&{name} = {show(group)}: must be keys with values")
     entries = dict(group)
     motion = next((value for value in entries.values() if isinstance(value, Motion)), None)
     if motion is None:
@@ -447,12 +476,31 @@ def _motions_of(entries: Mapping[str, Mapping[str, object]]) -> dict[str, Motion
 def _check_groups(
     groups: Mapping[str, Mapping[str, object] | Motion | None], present: Collection[str]
 ) -> None:
-    """Complain of what is no group, or of values without keys."""
+    """Check names of groups and keys, and that a group has keys with values."""
     for name, values in groups.items():
         if name.lower() not in present:
             _check_group(name)
-        if values is not None and not isinstance(values, Mapping | Motion):
-            raise InputError(f"&{name.lower()} = {values!r}: must be keys with values, or None")
+        if values is None or isinstance(values, Motion):
+            continue
+        if not isinstance(values, Mapping):
+            raise InputError(f"&{name.lower()} = {show(values)}: must be keys with values, or None")
+        known = {key.lower(): key for group, key, *_ in _library.schema() if group == name.lower()}
+        for key in values:
+            if not isinstance(key, str):
+                raise InputError(f"&{name.lower()}: {show(key)}: the name of a key is a text")
+            if key.lower() not in known:
+                hint = did_you_mean(key, known.values()) or _other_group(key)
+                hint = f"{hint} Allowed" if hint else "; allowed"
+                raise InputError(
+                    f"&{name.lower()}: {show(key)[1:-1]}: unknown key{hint} are "
+                    f"{', '.join(known.values())}"
+                )
+
+
+def _other_group(key: str) -> str:
+    """Name the groups that have a key, for a hint."""
+    owners = [group for group, name, *_ in _library.schema() if name.lower() == key.lower()]
+    return f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
 
 
 def _check_group(name: str) -> None:
@@ -464,3 +512,7 @@ def _check_group(name: str) -> None:
     hint = f", did you mean {' or '.join(owners)}?" if owners else did_you_mean(name, known)
     hint = f"{hint} There" if hint else "; there"
     raise InputError(f"there is no group &{name}{hint} are {', '.join(known)}")
+
+
+# what functions take that compute from a case
+CaseLike = Case | str | os.PathLike[str]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
+from rwmf._numbers import is_whole, to_array, to_number
+from rwmf.errors import InputError
 
 __all__ = ["numbers_of"]
 
@@ -41,7 +42,7 @@ def numbers_of(
             return None
         for key, value in changes.items():
             name = f"{group}.{key}".lower()
-            found = _numbers(kinds.get(name, ""), value)
+            found = _numbers(name, kinds.get(name, ""), value)
             if found is None or name in names:
                 return None
             names.append(name)
@@ -51,33 +52,21 @@ def numbers_of(
     return _library.Changes(tuple(names), sizes), numbers
 
 
-def _numbers(kind: str, value: object) -> npt.NDArray[np.float64] | None:
+def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | None:
     """Return the value of a key as numbers; none for None, which takes the key out."""
     if value is None and kind:
         return np.zeros(0)
-    if kind == "real list" and not isinstance(value, str | bytes):
-        return _array(value)
-    types: dict[str, Any] = {
-        "real": int | float | np.integer | np.floating,
-        "integer": int | np.integer,
-        "logical": bool | np.bool_,
-    }
-    if not isinstance(value, types.get(kind, ())) or (
-        kind != "logical" and isinstance(value, bool | np.bool_)
-    ):
-        return None
-    return np.array([value], dtype=np.float64)
-
-
-def _array(value: object) -> npt.NDArray[np.float64] | None:
-    """Return numbers that are no texts and no truths as an array; None for anything else."""
     try:
-        array = np.asarray(value)
-    except ValueError:
+        if kind == "real list":
+            return to_array(name, value, least=1)
+        if kind == "logical" and isinstance(value, bool | np.bool_):
+            return np.array([value], dtype=np.float64)
+        if kind == "real" or (kind == "integer" and is_whole(value)):
+            return np.array([to_number(name, value)])
+    except InputError:
+        # the text of the whole case says what is wrong
         return None
-    if array.dtype.kind not in "iuf" or array.ndim > 1 or array.size == 0:
-        return None
-    return array.astype(np.float64).ravel()
+    return None
 
 
 @functools.cache

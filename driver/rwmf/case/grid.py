@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._numbers import to_array
 from rwmf.case.case import Case
 from rwmf.quantities import keys_of
 
@@ -47,15 +48,11 @@ def with_grid(
     if T_s is not None:
         # the list takes the place of the whole uniform grid
         grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))
-        grid["T_s"] = _floats(T_s)
+        grid["T_s"] = to_array("T_s", T_s, least=1)
     if gamma is not None:
-        grid["gamma"] = _floats(gamma)
+        grid["gamma"] = to_array("gamma", gamma, least=1)
     if b is not None:
-        grid["b"] = _floats(b)
+        grid["b"] = to_array("b", b, least=1)
     if quantities is not None:
         grid["quantities"] = keys_of(quantities)
     return case.replace(spectrum=grid) if grid else case
-
-
-def _floats(values: Values) -> npt.NDArray[np.float64]:
-    return np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()

@@ -132,12 +132,23 @@ class Group(Mapping[str, Any]):
 
     def _show(self, key: str) -> str:
         unit = self._units[key]
-        shown = f"{key} = {_shorten(self._values[key])}" + (f" {unit}" if unit.strip("-") else "")
+        value = self._values[key]
+        if key not in self._given:
+            # round-off of a product that the user has not written
+            value = _rounded(value)
+        shown = f"{key} = {_shorten(value)}" + (f" {unit}" if unit.strip("-") else "")
         if key not in self._in_si:
             return shown
         numbers, unit = self._in_si[key]
         rounded = np.vectorize(lambda number: float(f"{number:.6g}"))(numbers).tolist()
         return f"{shown} [{_shorten(tuple(rounded) if np.ndim(numbers) else rounded)} {unit}]"
+
+
+def _rounded(value: Value) -> Value:
+    """Round numbers to 15 digits: 2999 times 0.01 s is 29.99 s."""
+    if isinstance(value, tuple):
+        return tuple(_rounded(item) for item in value)  # type: ignore[return-value]
+    return float(f"{value:.15g}") if isinstance(value, float) else value
 
 
 def _shorten(value: Value) -> str:

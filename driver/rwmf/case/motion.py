@@ -13,11 +13,13 @@ import numpy.typing as npt
 
 from rwmf import _library
 from rwmf._files import files
+from rwmf._numbers import show, to_array, to_number
 from rwmf.errors import InputError
 
 __all__ = ["Motion"]
 
 _UNITS = ("g", "m/s2", "cm/s2")
+_ARRAY = "an array of numbers with one dimension"
 
 
 class Motion:
@@ -69,17 +71,15 @@ class Motion:
         name: str = "array",
     ) -> None:
         put = super().__setattr__
+        if not isinstance(name, str) or not name.strip() or not name.isprintable():
+            raise InputError(f"name = {show(name)} of a motion: must be printable text on one line")
         put("_name", name)
-        if not name.strip() or not name.isprintable():
-            raise InputError(f"name = {name!r} of a motion: must be printable text on one line")
-        if unit not in _UNITS:
-            raise self._problem(f"unit = {unit!r}: must be 'g', 'm/s2' or 'cm/s2'")
+        if not isinstance(unit, str) or unit not in _UNITS:
+            raise self._problem(f"unit = {show(unit)}: must be 'g', 'm/s2' or 'cm/s2'")
         if (dt is None) == (times is None):
             raise self._problem("exactly one of dt and times must be given")
-        if dt is not None and not (np.isfinite(dt) and dt > 0):
-            raise self._problem(f"dt = {dt!r}: must be a number > 0 [s]")
         put("_unit", unit)
-        put("_dt", None if dt is None else float(dt))
+        put("_dt", None if dt is None else self._interval(dt))
         put("_values", self._kept("values", values))
         put("_times", None if times is None else self._kept("times", times))
         if self._values.size < 2:
@@ -90,15 +90,20 @@ class Motion:
             raise self._problem(str(error)) from None
 
     def _kept(self, what: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Copy an array into one that nobody can change."""
+        """Copy an array into one that cannot be changed."""
         try:
-            array = np.array(values, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise self._problem(f"{what}: must be an array of numbers") from None
-        if array.ndim != 1:
-            raise self._problem(f"{what} of shape {array.shape}: must have one dimension")
+            # the kernel names the place of a sample that is not finite
+            array = to_array(what, values, wanted=_ARRAY, is_finite=False)
+        except InputError as error:
+            raise self._problem(str(error)) from None
         array.flags.writeable = False
         return array
+
+    def _interval(self, dt: float) -> float:
+        try:
+            return to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")
+        except InputError as error:
+            raise self._problem(str(error)) from None
 
     def _problem(self, problem: str) -> InputError:
         return InputError(f"motion {self._name!r}: {problem}")
@@ -168,6 +173,8 @@ class Motion:
         OutputError
             When the file cannot be written.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise InputError(f"path = {show(path)}: must be the path of a file")
         columns = [self._values] if self._times is None else [self._times, self._values]
         lines = [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
         files.write_bytes(Path(path), ("\n".join(lines) + "\n").encode())

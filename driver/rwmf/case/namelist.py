@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import re
 import stat
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from rwmf._numbers import is_whole, show, to_items
 from rwmf.case.motion import Motion
 from rwmf.errors import InputError
 
-__all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
+__all__ = ["Value", "compose", "format_value", "parse_value", "read_text", "without_lines"]
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
 _LINE_WIDTH = 100
+# integers beyond are no values of a key
+_LARGEST = 2**63 - 1
+_HOLDS = "a namelist holds numbers, texts, true or false, and lists of them"
 
 
 def read_text(path: str) -> str:
@@ -71,8 +76,13 @@ def _compose_group(name: str, entries: Mapping[str, object]) -> str:
         return f"&{name} /\n"
     lines = [f"&{name}"]
     for key, value in entries.items():
-        if value is not None:
-            lines += _wrap(f"   {key} = {format_value(value)}", value)
+        if value is None:
+            continue
+        try:
+            text = format_value(value)
+        except InputError as error:
+            raise InputError(f"&{name}: {key} = {error}") from None
+        lines += _wrap(f"   {key} = {text}", value)
     return "\n".join([*lines, "/", ""])
 
 
@@ -105,22 +115,27 @@ def format_value(value: object) -> str:
 
     Raises
     ------
-    TypeError
+    InputError
         When a namelist has no such value.
     """
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, bool):
-        return ".true." if value else ".false."
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, str):
-        return "'" + value.replace("'", "''") + "'"
     if isinstance(value, Motion):
         return format_value(value.name)
-    if isinstance(value, Iterable):
-        return ", ".join(format_value(item) for item in value)
-    raise TypeError(f"{value!r}: a namelist holds numbers, texts, true or false, and lists of them")
+    if isinstance(value, str):
+        return "'" + str(value).replace("'", "''") + "'"
+    if isinstance(value, bool | np.bool_):
+        return ".true." if value else ".false."
+    if is_whole(value) and abs(int(value)) <= _LARGEST:
+        return repr(int(value))
+    if isinstance(value, float | np.floating):
+        return repr(float(value))
+    if isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "biufU":
+        if not np.ma.is_masked(value):
+            return format_value(value.item())
+    else:
+        items = to_items(value)
+        if items and not any(to_items(item) for item in items):
+            return ", ".join(map(format_value, items))
+    raise InputError(f"{show(value)}: {_HOLDS}")
 
 
 def parse_value(kind: str, text: str) -> Value:
@@ -149,3 +164,19 @@ def parse_value(kind: str, text: str) -> Value:
     if kind == "logical":
         return text.strip(".").lower() in ("t", "true")
     return text
+
+
+def without_lines(message: str) -> str:
+    """Take the numbers of lines out of a message about text that the user has not written.
+
+    Parameters
+    ----------
+    message : str
+        Message of the kernel.
+
+    Returns
+    -------
+    str
+        The same without ` (line 7)`.
+    """
+    return re.sub(r" \(line \d+\)", "", message)

@@ -47,7 +47,9 @@ def run(options: argparse.Namespace) -> int:
     if options.until is not None:
         shown &= response["time"].values <= options.until
     response = response.isel(time=shown)
-    with progress_bar(response.sizes["time"]) as report:
+    frames = response.sizes["time"]
+    print(f"{path}: {frames} frames to draw, then to encode", flush=True)
+    with progress_bar(frames, "frame") as report:
         factor = animate(case, response, path, options.fps, report)
     print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, factor)}")
     return 0

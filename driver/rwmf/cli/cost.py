@@ -8,7 +8,7 @@ import math
 from rwmf._cost import Cost, Row, cost, count_tasks
 from rwmf._files import files
 from rwmf.case import Case
-from rwmf.cli.output import print_json
+from rwmf.cli.output import print_json, print_written
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import cost as plot_cost
 from rwmf.plotting import files as figures
@@ -42,11 +42,12 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(found.to_dict())
     else:
-        _print(found, options.plot)
+        _print(found)
+    print_written([options.plot], is_json=options.json)
     return 0
 
 
-def _print(found: Cost, plot: str | None) -> None:
+def _print(found: Cost) -> None:
     reference = found.reference
     print(f"reference: {reference['method']}")
     print(
@@ -65,8 +66,6 @@ def _print(found: Cost, plot: str | None) -> None:
         print(_line(row, "*" if row is found.recommended else " "))
     print()
     print(_recommendation(found))
-    if plot:
-        print(f"written: {plot}")
 
 
 def _line(row: Row, mark: str) -> str:

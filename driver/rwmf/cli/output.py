@@ -6,11 +6,12 @@ import json
 import math
 import sys
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-__all__ = ["print_json", "print_warnings"]
+__all__ = ["print_json", "print_warnings", "print_written"]
 
 
 def print_json(value: dict[str, Any]) -> None:
@@ -36,6 +37,20 @@ def print_warnings(path: str, warnings: Iterable[str]) -> None:
     """
     for warning in warnings:
         print(f"rwmf: {path}: warning: {warning}", file=sys.stderr)
+
+
+def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) -> None:
+    """Name the files that a command has written.
+
+    Parameters
+    ----------
+    paths : iterable of str or path, optional
+        The files; None for one that was not asked for.
+    is_json : bool
+        Whether the standard output is one JSON object: the error output then names the files.
+    """
+    for path in filter(None, paths):
+        print(f"written: {path}", file=sys.stderr if is_json else sys.stdout)
 
 
 def _plain(value: object) -> object:

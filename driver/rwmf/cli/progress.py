@@ -25,28 +25,34 @@ def _find_bar() -> type | None:
 
 
 @contextmanager
-def progress_bar(total: int) -> Iterator[Callable[[int, int], None] | None]:
+def progress_bar(total: int, unit: str = "run") -> Iterator[Callable[[int, int], None] | None]:
     """Show progress on a terminal; nothing where the output is kept.
 
     Parameters
     ----------
     total : int
         Number of what is to be done.
+    unit : str
+        Name of one of them.
 
     Yields
     ------
     callable or None
         Takes the number of what is done and of all; None where nothing is shown.
     """
-    bar_type = _find_bar() if sys.stderr.isatty() else None
-    if bar_type is None:
+    if not sys.stderr.isatty():
         yield None
+        return
+    bar_type = _find_bar()
+    if bar_type is None:
+        yield _plain_report(unit)
+        print(file=sys.stderr)
         return
     # a terminal that does not tell its size gets a usual one
     size = shutil.get_terminal_size()
     with bar_type(
         total=total,
-        unit="run",
+        unit=unit,
         leave=False,
         file=sys.stderr,
         ncols=size.columns,
@@ -57,6 +63,15 @@ def progress_bar(total: int) -> Iterator[Callable[[int, int], None] | None]:
             bar.update(done - bar.n)
 
         yield report
+
+
+def _plain_report(unit: str) -> Callable[[int, int], None]:
+    """Write counts over each other, where no package draws a bar."""
+
+    def report(done: int, total: int) -> None:
+        print(f"\r{done} of {total} {unit}s", end="", file=sys.stderr, flush=True)
+
+    return report
 
 
 @contextmanager

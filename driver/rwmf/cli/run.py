@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from rwmf import _library, loops
 from rwmf import _simulation as simulation
 from rwmf._files import files
 from rwmf.case import Case
-from rwmf.cli.output import print_json, print_warnings
+from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import files as figures
 
 __all__ = ["run"]
@@ -42,12 +43,14 @@ def run(options: argparse.Namespace) -> int:
         As the computation and the writers of files.
     """
     case = Case.from_namelist(options.case)
-    written = _library.result_names(options.case) if options.out else ()
-    outputs = [options.plot, options.loops, *(Path(options.out, name) for name in written)]
+    names = _library.result_names(options.case) if options.out else ()
+    found = [Path(options.out, name) for name in names]
+    outputs = [options.plot, options.loops, *found]
     files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot, options.loops)
     if options.loops:
         loops.check_springs(case)
+    before = {path: _place_of(path) for path in found}
     with simulation.start(case) as result:
         summary = result.summary()
         if options.out:
@@ -61,7 +64,18 @@ def run(options: argparse.Namespace) -> int:
         print_json(summary)
     else:
         _print_table(summary)
+    # a file that is written takes the place of an older one
+    new = [path for path in found if _place_of(path) not in (None, before[path])]
+    print_written([*new, options.plot, options.loops], is_json=options.json)
     return 0
+
+
+def _place_of(path: Path) -> tuple[int, int] | None:
+    """Identify a file that is there."""
+    with contextlib.suppress(OSError):
+        status = path.stat()
+        return status.st_ino, status.st_mtime_ns
+    return None
 
 
 def _plot_history(case: Case, result: _library.Run, path: str) -> None:

@@ -12,7 +12,7 @@ from rwmf import _spectrum
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.case.grid import with_grid
-from rwmf.cli.output import print_json, print_warnings
+from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import files as figures
 from rwmf.quantities import ENDINGS, names_by_key
@@ -56,6 +56,7 @@ def run(options: argparse.Namespace) -> int:
         print_json(_spectrum_object(dataset))
     else:
         _print_spectrum(dataset, options)
+    print_written([options.csv, options.plot], is_json=options.json)
     return 0
 
 
@@ -82,9 +83,6 @@ def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
         f"in {dataset.attrs['seconds']:.2f} s with {dataset.attrs['threads']} threads, "
         f"{failed.sum()} failed, " + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
     )
-    for path in (options.csv, options.plot):
-        if path:
-            print(f"written: {path}")
     if not options.csv and not options.plot:
         _print_ordinates(dataset)
 

@@ -7,17 +7,18 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from rwmf import studies
 from rwmf._files import files
 from rwmf._files.netcdf_file import new_file
 from rwmf._sweep import RecordFile, find_records
-from rwmf._sweep.quantities import default_quantity, find_quantities
+from rwmf._sweep.quantities import find_quantity
 from rwmf.case import Case
-from rwmf.cli.output import print_warnings
+from rwmf.cli.output import print_warnings, print_written
 from rwmf.cli.progress import progress
-from rwmf.cli.study_parser import BLOCK_PERIODS, FACTORS, PERIODS, TENSIONS
+from rwmf.cli.study_parser import BLOCK_PERIODS, FACTORS, PERIODS, STRESSES, TENSIONS
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.plotting import files as figures
@@ -64,11 +65,11 @@ def run(options: argparse.Namespace) -> int:
         with new_figure(3.8) as figure:
             study.draw(dataset, figure.subplots(1, study.panels))
             figures.save(figure, options.plot)
-    for path in (options.file, options.plot):
-        if path:
-            print(f"written: {path}")
+    print_written([options.file, options.plot])
     if "median" in dataset:
         print(_fit_in_words(dataset))
+    if options.study == "wall":
+        print(_effect_in_words(dataset))
     if not options.file and not options.plot:
         print(dataset)
     return 0
@@ -86,13 +87,15 @@ def _spectra(options: argparse.Namespace, case: Case, report: Report) -> xr.Data
 
 
 def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    (quantity,) = find_quantities((options.quantity or default_quantity(case),))
+    quantity = find_quantity(case, options.quantity and [options.quantity], "fragility")
     analysis = studies.incremental_dynamic_analysis(
         case,
         options.levels,
         options.records,
         quantity,
         intensity=options.intensity,
+        period=options.period,
+        damping=options.damping,
         **_how(options, report),
     )
     curve = studies.fragility(analysis, options.limit, quantity)
@@ -100,7 +103,8 @@ def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Da
 
 
 def _wall(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    return studies.wall_effect(case, _grid(options, case), options.records, **_how(options, report))
+    grid, how = _grid(options, case), _how(options, report)
+    return studies.wall_effect(case, grid, options.records, options.quantity, **how)
 
 
 def _friction(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
@@ -112,13 +116,17 @@ def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Datase
     factors, tensions = options.e, options.eta
     if factors is None and case.impact is not None and case.impact.rule == "constant":
         factors = numbers(FACTORS)
-    if tensions is None and case.cable is not None:
-        tensions = numbers(TENSIONS)
     uncertain: dict[str, Sequence[object]] = dict(options.vary or ())
+    if tensions is None and case.cable is not None:
+        if "initial_stress" in case.cable.given:
+            stress = float(case.cable.initial_stress)
+            uncertain |= {"cable.initial_stress": [share * stress for share in numbers(STRESSES)]}
+        else:
+            tensions = numbers(TENSIONS)
     if factors is not None:
         # a case that gives r takes its square
         squared = case.impact is not None and "r" in case.impact.given
-        uncertain = {"r": [e**2 for e in factors]} if squared else {"e": factors}
+        uncertain |= {"r": [e**2 for e in factors]} if squared else {"e": factors}
     if tensions is not None:
         if len(tensions) % 2 > 0:
             raise InputError("--eta: needs pairs eta_0, eta_alpha")
@@ -145,7 +153,7 @@ def _equal_response(options: argparse.Namespace, case: Case, report: Report) -> 
         options.target,
         threads=options.threads,
         progress=report,
-        quantity=options.quantity,
+        quantities=options.quantity,
     )
 
 
@@ -187,7 +195,19 @@ def _fit_in_words(dataset: xr.Dataset) -> str:
     return (
         f"{dataset.attrs['quantity']} > {limit}: "
         f"median {float(dataset['median']):.6g} g, dispersion {float(dataset['dispersion']):.6g}"
+        f"\nintensity: {dataset['scale'].attrs['long_name']}"
     )
+
+
+def _effect_in_words(dataset: xr.Dataset) -> str:
+    """Say what the wall changes, a line each response: lower and higher ones stand together."""
+    lines = ["with the wall over without it:"]
+    for name in str(dataset.attrs["quantities"]).split():
+        values = dataset[f"{name}_ratio"].values
+        values = values[~np.isnan(values)]
+        ends = f"{values.min():.3g} to {values.max():.3g}" if values.size else "no result"
+        lines.append(f"  {name}: {ends}, above 1 in {np.sum(values > 1)} of {values.size}")
+    return "\n".join(lines)
 
 
 def _write(dataset: xr.Dataset, path: Path) -> None:

@@ -7,11 +7,13 @@ import argparse
 from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
 from rwmf.cli.words import key_with_numbers, number, numbers, written_file
 
-__all__ = ["BLOCK_PERIODS", "FACTORS", "PERIODS", "TENSIONS", "add_study"]
+__all__ = ["BLOCK_PERIODS", "FACTORS", "PERIODS", "STRESSES", "TENSIONS", "add_study"]
 
 # the ranges of what is uncertain, when nothing else is said: velocity factors, pairs of eta
 FACTORS = "0.8:1:5"
 TENSIONS = "0,0,1,5,5,50"
+# shares of the initial stress of strands
+STRESSES = "0.7,0.85,1"
 # periods [s] of a frame; 2 pi/p of blocks from half a metre to twenty metres high
 PERIODS = "0.1:3:59"
 BLOCK_PERIODS = "1:8:57"
@@ -123,8 +125,12 @@ def _add_fragility(studies: Subcommands) -> None:
     parser.add_argument(
         "--intensity",
         metavar="WORD",
-        help="pseudo_acceleration (a frame's own) or peak_acceleration (that of a wall alone)",
+        help="pseudo_acceleration (default with a frame) or peak_acceleration (of a wall alone)",
     )
+    text = "period of the oscillator of pseudo_acceleration in s, with --damping (default: frame)"
+    parser.add_argument("--period", type=number(above=0), help=text)
+    text = "damping ratio of that oscillator (default: that of the frame)"
+    parser.add_argument("--damping", type=number(above=0), help=text)
     parser.add_argument("--limit", type=number(), required=True, help="limit of the demand")
 
 
@@ -132,11 +138,16 @@ def _add_wall(studies: Subcommands) -> None:
     parser = _new(
         studies,
         "wall",
-        "Seismic effect of the wall: displacement with it over that of the frame alone.",
+        "Seismic effect of the wall: responses with it over those of the frame alone.",
         "inputs/study_elcentro.nml --gamma 5,10,100 --plot wall.png",
     )
     _add_records(parser, required=False)
     _add_grid(parser)
+    text = (
+        "compared responses (default u_s_max, of storeys storey_drift_max and "
+        "floor_acceleration_max_g as well)"
+    )
+    parser.add_argument("--quantity", metavar="WORD", nargs="+", help=text)
 
 
 def _add_friction(studies: Subcommands) -> None:
@@ -161,7 +172,8 @@ def _add_bands(studies: Subcommands) -> None:
     _add_grid(parser)
     texts = (
         f"velocity factors at impact (default {FACTORS}, unless a rule of the case gives it)",
-        f"pairs eta_0, eta_alpha one after the other (default {TENSIONS}, with a cable)",
+        f"pairs eta_0, eta_alpha one after the other (default {TENSIONS}, with a cable; of strands "
+        f"{STRESSES} of their initial stress)",
     )
     for name, text in zip(("e", "eta"), texts, strict=True):
         _list(parser, name, None, text)

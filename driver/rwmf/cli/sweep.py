@@ -65,6 +65,8 @@ def run(options: argparse.Namespace) -> int:
                 unit=asked.unit,
                 dt=asked.dt,
                 intensity=asked.intensity,
+                period=asked.period,
+                damping=asked.damping,
             )
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rwmf._arguments import checked
+from rwmf._numbers import show
+from rwmf.errors import InputError
 from rwmf.plotting.style import (
     COLOURS,
     GREY,
@@ -40,6 +43,7 @@ _SYMBOLS = {"u_s_max_m": r"$u_{s,\max}$", "theta_max_rad": r"$|\theta|_{\max}$"}
 _FLOOR = 1e-16
 
 
+@checked
 def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Draw error against time, one line a method; today's procedures are grey points.
 
@@ -57,6 +61,8 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
     matplotlib.axes.Axes
         The axes. A ring marks the recommended row.
     """
+    if not hasattr(cost, "practices"):
+        raise InputError(f"cost = {show(cost)}: must be what rwmf.cost returns")
     axes: Axes = make_panels(ax, 1)[0]
     for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from rwmf import loops
+from rwmf._extras import how_to_install
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError
@@ -54,7 +55,7 @@ def check_format(path: str | os.PathLike[str]) -> str:
     try:
         from matplotlib.backend_bases import FigureCanvasBase
     except ModuleNotFoundError:
-        raise InputError("figures need the package matplotlib: pip install matplotlib") from None
+        raise InputError(f"figures need the package matplotlib: {how_to_install('plot')}") from None
     kind = Path(path).suffix.lstrip(".").lower()
     known = FigureCanvasBase.get_supported_filetypes()
     if kind not in known:

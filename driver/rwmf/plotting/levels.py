@@ -58,7 +58,8 @@ def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
     """
     law = case.yielding
     first: Array = np.empty(0)
-    if law is not None and "storey_u_y" in law.given:
+    # given, or derived from forces: the key of the case does not matter
+    if law is not None and "storey_u_y" in law:
         first = np.broadcast_to(law.storey_u_y, n) / np.broadcast_to(case.storeys.height, n)
     elif law is not None:
         # the storeys of one spring share its ductility
@@ -117,7 +118,7 @@ def _with_limits(first: Array, case: Case, n: int, height: float) -> Levels:
     limits = np.full(n, np.inf)
     if case.p_delta is not None:
         limits = np.minimum(limits, float(case.p_delta.drift_limit) * height)
-    if first.size and "ultimate" in case.yielding.given:
+    if first.size and "ultimate" in case.yielding:
         limits = np.minimum(limits, first * float(case.yielding.ultimate))
     return Levels(first[np.isfinite(first)], limits[np.isfinite(limits)])
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import COLOURS, DOTS, GREY, INK, PAPER, legend_beside, tint
 from rwmf.studies.overturning import SURVIVES
 
@@ -22,6 +23,7 @@ Region = tuple[int, float, float]
 _REGION = 0.5
 
 
+@checked
 def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw an overturning map: regions by the number of impacts, bisected boundaries as lines.
 
@@ -37,6 +39,7 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
+    dataset_of(dataset, "rwmf.studies.overturning_map", "omega_over_p", "outcome", "alpha")
     omegas = dataset["omega_over_p"].values
     columns = [_regions(dataset, i) for i in range(omegas.size)]
     for i in range(omegas.size - 1):

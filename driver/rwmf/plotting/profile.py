@@ -9,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf.case import Case
+from rwmf._arguments import case_of, checked, dataset_of
+from rwmf.case import Case, CaseLike
+from rwmf.errors import InputError
 from rwmf.plotting.levels import levels_of_storeys
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, legend_above, make_panels
@@ -31,11 +33,12 @@ DEMANDS = {
 _DRIFTS, _RESIDUALS = "storey_{i}_drift_max", "storey_{i}_residual_drift"
 
 
+@checked
 def profile(
     dataset: xr.Dataset,
     axes: Axes | Sequence[Axes] | np.ndarray | None = None,
     *,
-    case: Case | None = None,
+    case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> np.ndarray:
     """Draw the largest demands of the storeys and floors over the height.
@@ -46,7 +49,7 @@ def profile(
         From `rwmf.simulate`, of storeys with ``&output reactions``.
     axes : matplotlib axes or sequence of axes, optional
         One for each of drifts, accelerations and shears; otherwise a new figure.
-    case : Case, optional
+    case : Case or path, optional
         The case that was simulated: with it first yield and limits are faint lines behind the
         drifts.
     **line
@@ -60,12 +63,13 @@ def profile(
 
     Raises
     ------
-    ValueError
+    InputError
         When the dataset has no demands of storeys, or when axes and panels differ in number.
     """
-    names = demands_of(dataset)
+    case = None if case is None else case_of(case)
+    names = demands_of(dataset_of(dataset, "rwmf.simulate"))
     if not names:
-        raise ValueError("no demands of storeys: simulate storeys with &output reactions")
+        raise InputError("no demands of storeys: simulate storeys with &output reactions")
     panels = make_panels(axes, len(names), across=True)
     for ax, name in zip(panels, names, strict=True):
         values = _values(dataset, name)

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rwmf.case import Case
+from rwmf._arguments import case_of, checked, dataset_of
+from rwmf.case import Case, CaseLike
+from rwmf.errors import InputError
 from rwmf.plotting.levels import draw_levels, levels_of_frame, levels_of_storeys
 from rwmf.plotting.style import (
     ALONE,
@@ -73,12 +75,13 @@ _ROTATION = "theta_max_over_alpha"
 _FALLEN = ("overturned", "collapsed")
 
 
+@checked
 def history(
     dataset: xr.Dataset,
     axes: Axes | Sequence[Axes] | np.ndarray | None = None,
     variables: Sequence[str] | None = None,
     *,
-    case: Case | None = None,
+    case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> np.ndarray:
     """Draw variables against time, one panel each; impacts are ticks at the bottom.
@@ -94,7 +97,7 @@ def history(
         in one panel; otherwise `PANELS`, as far as the dataset has them, with ``u_s`` as the roof
         among the floors. Drifts of the storeys and accelerations of the floors are there with
         ``&output reactions``.
-    case : Case, optional
+    case : Case or path, optional
         The case that was simulated: with it first yield and the limits of collapse are faint
         lines behind displacements and drifts.
     **line
@@ -107,12 +110,13 @@ def history(
 
     Raises
     ------
-    ValueError
+    InputError
         When the dataset has no history or no such variable, or when axes and variables differ in
         number.
     """
-    if "time" not in dataset.coords:
-        raise ValueError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
+    case = None if case is None else case_of(case)
+    if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
+        raise InputError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
     names = list(variables or panels_of(dataset))
     panels = make_panels(axes, len(names))
     for ax, name in zip(panels, names, strict=True):
@@ -145,7 +149,7 @@ def _draw_panel(
     """Draw the lines of one panel, their names, and the levels behind them."""
     found = members(dataset, name)
     if not found:
-        raise ValueError(f"{name}: is not in the history")
+        raise InputError(f"{name}: is not in the history")
     if name == _FLOORS:
         found.append("u_s")
     factor = 100.0 if name == _DRIFTS else 1.0
@@ -197,11 +201,12 @@ def members(dataset: xr.Dataset, name: str) -> list[str]:
     return [member for member in found if member in dataset]
 
 
+@checked
 def spectrum(
     dataset: xr.Dataset,
     ax: Axes | None = None,
     bare: xr.Dataset | None = None,
-    quantity: str | None = None,
+    quantities: str | Sequence[str] | None = None,
     *,
     legend: bool = True,
     **line: Any,  # noqa: ANN401 (as matplotlib)
@@ -216,7 +221,7 @@ def spectrum(
         Where to draw; otherwise a new figure.
     bare : xarray.Dataset, optional
         Spectrum of the frame without wall, drawn dotted for comparison.
-    quantity : str, optional
+    quantities : str, optional
         Variable of the dataset; otherwise ``u_s_max``, or its first where it has none.
     legend : bool
         With a legend beside the axes, where there are several lines.
@@ -231,14 +236,20 @@ def spectrum(
 
     Raises
     ------
-    ValueError
+    InputError
         When the dataset has no such quantity.
     """
+    dataset_of(dataset, "rwmf.spectrum", "T_s", "status")
+    if bare is not None:
+        dataset_of(bare, "rwmf.spectrum", "T_s", "status")
+    if quantities is not None and len(quantities) != 1:
+        raise InputError("plot.spectrum: quantities: must be one quantity")
+    quantity = None if quantities is None else str(quantities[0])
     if quantity is None:
         quantity = "u_s_max" if "u_s_max" in dataset else str(next(iter(dataset.data_vars)))
     if quantity not in dataset:
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
-        raise ValueError(f"{quantity}: is not in the spectrum, which has {names}")
+        raise InputError(f"{quantity}: is not in the spectrum, which has {names}")
     axes: Axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):

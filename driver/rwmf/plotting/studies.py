@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
     DOTS,
     LEVEL,
     label_plainly,
     legend_above,
+    make_panels,
     period_label,
     series,
 )
@@ -36,7 +38,10 @@ __all__ = [
     "draw_wall_effect",
 ]
 
+_LINES = ("-", "--", ":", "-.")
 _SYMBOLS = {
+    "storey_drift_max": "storey drift",
+    "floor_acceleration_max_g": "floor acceleration",
     "gamma": r"$\gamma$",
     "b": "$b$",
     "e": "$e$",
@@ -48,6 +53,7 @@ _SYMBOLS = {
 _BAND, _OPEN = 0.25, 0.5
 
 
+@checked
 def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw percentiles of a suite: the median as a line, the outer ones as a band.
 
@@ -63,6 +69,7 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
+    dataset_of(dataset, "rwmf.studies.suite_spectra", "percentile")
     name = next(str(key) for key in dataset if str(key).endswith("_percentiles"))
     values = dataset[name.removesuffix("_percentiles")]
     bands = []
@@ -75,6 +82,7 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
     return ax
 
 
+@checked
 def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw sensitivity bands: the nominal spectrum inside its range.
 
@@ -90,6 +98,7 @@ def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
+    dataset_of(dataset, "rwmf.studies.sensitivity_bands", "lowest", "nominal", "highest")
     pairs = [_curves(dataset[name], ("T_s",)) for name in ("lowest", "nominal", "highest")]
     bands = [
         (label or "nominal", low, nominal, high)
@@ -100,8 +109,9 @@ def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
     return ax
 
 
+@checked
 def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the ratio with over without the wall; over a suite its median.
+    """Draw the ratios with over without the wall; over a suite their medians.
 
     Parameters
     ----------
@@ -115,16 +125,32 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
-    ratio = dataset["ratio"]
-    if "record" in ratio.dims:
-        ratio = ratio.median("record", keep_attrs=True)
-    _draw_lines(ax, ratio)
+    dataset_of(dataset, "rwmf.studies.wall_effect", "ratio")
+    names = str(dataset.attrs["quantities"]).split()
+    values = []
+    for name in names:
+        ratio = dataset[f"{name}_ratio"]
+        over = [dim for dim in ("record",) if dim in ratio.dims]
+        values.append(ratio.median(over, keep_attrs=True) if over else ratio)
+    curves = [_curves(ratio, ("T_s",)) for ratio in values]
+    n = len(curves[0])
+    for k, (name, found) in enumerate(zip(names, curves, strict=True)):
+        what = _SYMBOLS.get(name, name.replace("_", " ")) if len(names) > 1 else ""
+        for i, (label, curve) in enumerate(found):
+            # a colour for each response, a look of the line for each frame
+            look = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
+            if len(names) == 1:
+                look = series(i, n)
+            parts = [part for part in (what, label) if part]
+            ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **look)
     ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
-    ax.set_ylabel(r"$u_{s,\max}$ with / without wall")
+    only = _SYMBOLS.get(names[0], names[0].replace("_", " ")) + " " if len(names) == 1 else ""
+    ax.set_ylabel(f"{only}with / without wall")
     return ax
 
 
+@checked
 def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
     """Draw required friction, and cable force or without a cable base shear; medians of a suite.
 
@@ -140,8 +166,10 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
     sequence of matplotlib.axes.Axes
         The axes.
     """
+    dataset_of(dataset, "rwmf.studies.friction_spectra", DEMAND)
+    panels = make_panels(axes, 2)
     second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
-    for ax, name in zip(axes, (DEMAND, second), strict=True):
+    for ax, name in zip(panels, (DEMAND, second), strict=True):
         values = dataset[name]
         if "record" in values.dims:
             values = values.median("record", keep_attrs=True)
@@ -150,6 +178,7 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
     return axes
 
 
+@checked
 def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw a fragility curve: counted fractions as dots, the lognormal fit as a line.
 
@@ -165,6 +194,7 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
+    dataset_of(dataset, "rwmf.studies.fragility", "median", "dispersion", "fraction", "limit")
     median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
     scale = dataset["scale"].values
     # whole dots where none or all of the records exceed the limit
@@ -172,8 +202,7 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
     fine = np.linspace(scale.min(), scale.max(), 400)
     ax.plot(fine, exceedance(fine, median, dispersion), **series(0, 1), label=text)
-    level = str(dataset["scale"].attrs.get("long_name", ""))
-    ax.set_xlabel("peak ground acceleration over $g$" if level[:4] == "peak" else r"$S_a(T_s)/g$")
+    ax.set_xlabel(_intensity_label(dataset))
     quantity = dataset.attrs["quantity"]
     limit = f"{float(dataset['limit']):g}" + _unit(dataset["limit"], " {}")
     ax.set_ylabel(f"P({_SYMBOLS.get(quantity, quantity)} > {limit})")
@@ -182,6 +211,7 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     return ax
 
 
+@checked
 def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw the amplitudes of pulses that give the same response.
 
@@ -197,6 +227,7 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     matplotlib.axes.Axes
         The axes.
     """
+    dataset_of(dataset, "rwmf.studies.equal_response", "T_p", "a_max_g", "target")
     ax.plot(dataset["T_p"], dataset["a_max_g"], **series(0, 1))
     ax.set_yscale("log")
     label_plainly(ax.yaxis)
@@ -206,6 +237,16 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     target = f"{float(dataset['target']):g}" + _unit(dataset["target"], " {}")
     ax.set_ylabel(r"$a_{\max}/g$ for " + f"{_SYMBOLS.get(quantity, quantity)} = {target}")
     return ax
+
+
+def _intensity_label(dataset: xr.Dataset) -> str:
+    """Label the axis of the levels of intensity."""
+    kind, period = (dataset.attrs.get(key) for key in ("intensity", "intensity_period_s"))
+    if kind is None:
+        return "factor on the ground motion"
+    if period is None:
+        return "peak ground acceleration over $g$"
+    return f"$S_a$({period:.3g} s, {100 * dataset.attrs['intensity_damping']:.3g} %)$/g$"
 
 
 def _curves(values: xr.DataArray, kept: tuple[str, ...]) -> list[tuple[str, xr.DataArray]]:

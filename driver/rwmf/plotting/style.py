@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rwmf._arguments import checked
+from rwmf.errors import InputError
 from rwmf.quantities import AXES
 
 if TYPE_CHECKING:
@@ -221,6 +223,7 @@ def tint(colour: str, strength: float) -> tuple[float, float, float]:
     return red, green, blue
 
 
+@checked
 def make_panels(
     axes: Axes | Sequence[Axes] | np.ndarray | None, n: int, across: bool = False
 ) -> np.ndarray:
@@ -242,7 +245,7 @@ def make_panels(
 
     Raises
     ------
-    ValueError
+    InputError
         When there are more or fewer axes.
     """
     if axes is None:
@@ -256,7 +259,7 @@ def make_panels(
             )
     panels = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if panels.size != n:
-        raise ValueError(f"{panels.size} axes for {n} panels: there must be as many")
+        raise InputError(f"{panels.size} axes for {n} panels: there must be as many")
     return panels
 
 

@@ -7,30 +7,35 @@ from typing import Unpack
 
 import xarray as xr
 
-from rwmf._sweep.axes import name_axes
-from rwmf._sweep.quantities import default_quantity, find_quantities
+from rwmf._arguments import case_of, checked
+from rwmf._sweep.axes import keys_of_axis, name_axes
+from rwmf._sweep.quantities import find_quantity
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
-from rwmf.case import Case
+from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
 __all__ = ["sensitivity_bands"]
 
+# forces of the cable over the weight of the wall
+_TENSIONS = ("eta_0", "eta_alpha", "eta_y")
 
+
+@checked
 def sensitivity_bands(
-    case: Case,
+    case: CaseLike,
     grid: Mapping[str, object],
     uncertain: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
-    quantity: str | None = None,
+    quantities: str | Sequence[str] | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute the range of a response over uncertain parameters.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The structure with its nominal values.
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
@@ -38,7 +43,7 @@ def sensitivity_bands(
         Values of the uncertain parameters, for example ``e`` and ``eta``.
     records : sequence of str or RecordFile
         Ground motions, otherwise the case's own.
-    quantity : str, optional
+    quantities : str, optional
         The response; otherwise ``u_s_max``, of a wall without a frame ``theta_max_over_alpha``.
     **how
         Further arguments of `rwmf.sweep`.
@@ -54,12 +59,13 @@ def sensitivity_bands(
     InputError
         When the case or the grid is not acceptable, or when nothing is uncertain.
     """
+    case = case_of(case)
     if not uncertain:
         raise InputError(
             "bands: nothing is uncertain: give values of a key that the scene has, such as e, eta "
             "(with a cable) or frame.xi_s"
         )
-    (quantity,) = find_quantities((quantity or default_quantity(case),))
+    quantity = find_quantity(case, quantities, "bands")
     clear, vague = name_axes(grid), name_axes(uncertain)
     both = [name for name in vague if name in clear]
     if both:
@@ -67,6 +73,9 @@ def sensitivity_bands(
     # a factor that is uncertain takes the place of the case's rule
     own_loss = {"impact.e", "impact.r"} & set(vague) and "impact" in case.groups
     varied = case.without("impact") if own_loss else case
+    if any(group == "cable" and key in _TENSIONS for name in vague
+           for group, key in keys_of_axis(name)):  # fmt: skip
+        varied = _with_tensions(varied)
     found = sweep(varied, vague | clear, records, quantities=(quantity,), **how)
     values = with_overturning(found, quantity)
     over = [name for name in values.dims if name in {name.split(".")[-1] for name in vague}]
@@ -78,3 +87,16 @@ def sensitivity_bands(
     }
     labelled = {name: band.assign_attrs(found[quantity].attrs) for name, band in bands.items()}
     return xr.Dataset(labelled, attrs=found.attrs | {"quantity": quantity})
+
+
+def _with_tensions(case: Case) -> Case:
+    """Return the case with the ratios of its cable in the place of strands and stresses."""
+    cable = case.cable
+    if cable is None or not cable.derived:
+        return case
+    changes: dict[str, object] = dict.fromkeys(cable.given - {"law", "hardening", "rupture_strain"})
+    changes |= {key: cable[key] for key in _TENSIONS if key in cable}
+    if "rupture_strain" in cable.given and "length" in cable.given:
+        # the strain is that over the length of the strands, without them over the wall's height
+        changes["rupture_strain"] = cable.rupture_strain * cable.length / (2 * case.wall.h)
+    return case.replace(cable=changes)

@@ -10,9 +10,10 @@ import numpy as np
 import xarray as xr
 
 from rwmf import _library
+from rwmf._arguments import case_of, checked
 from rwmf._sweep.executors import count_threads
-from rwmf._sweep.quantities import default_quantity, find_quantities
-from rwmf.case import Case
+from rwmf._sweep.quantities import QUANTITIES, find_quantity
+from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import Quantity, ending_of
 from rwmf.studies.origin import origin_of
@@ -27,20 +28,21 @@ _LOWEST, _HIGHEST = 1e-4, 20.0
 _PERIODS_AFTER = 10.0
 
 
+@checked
 def equal_response(
-    case: Case,
+    case: CaseLike,
     T_p: Sequence[float],
     target: float,
     tolerance: float = 1e-6,
     threads: int = 0,
     progress: Callable[[int, int], None] | None = None,
-    quantity: str | None = None,
+    quantities: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Find the smallest amplitude of a pulse that gives a response, for many periods.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         A frame, with a wall or not, or a wall that stands freely, under a pulse whose amplitude
         and period are replaced.
     T_p : sequence of float
@@ -53,7 +55,7 @@ def equal_response(
         Threads, 0 for all.
     progress : callable, optional
         Called with the number of finished periods and of all.
-    quantity : str, optional
+    quantities : str, optional
         The response; otherwise ``u_s_max`` [m], of a wall that stands freely
         ``theta_max_over_alpha``.
 
@@ -67,10 +69,12 @@ def equal_response(
     InputError
         When the case is not acceptable.
     """
+    case = case_of(case)
     period = case.kernel.axes().get("T_s")
     if period is None or period.value is None:
         raise InputError("equal response: the case needs &frame T_s, or a &wall that rocks alone")
-    ((name, response),) = find_quantities((quantity or default_quantity(case),)).items()
+    name = find_quantity(case, quantities, "equal response")
+    response = QUANTITIES[name]
     if name == "u_s_max" and case.frame is None:
         raise InputError(
             "equal response: u_s_max: a wall that stands freely has no frame that is displaced; "

@@ -10,12 +10,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._sweep.axes import name_axes
-from rwmf._sweep.intensity import choose_measure
+from rwmf._sweep.intensity import choose_intensity
+from rwmf._sweep.plan import varied_keys
 from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
-from rwmf.case import Case
+from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
@@ -27,76 +29,90 @@ _CONVERGED = 1e-10
 _FLOOR = 1e-12
 
 
+@checked
 def incremental_dynamic_analysis(
-    case: Case,
+    case: CaseLike,
     levels: Sequence[float],
     records: Sequence[str | RecordFile],
-    quantity: str | Sequence[str] | None = None,
+    quantities: str | Sequence[str] | None = None,
     grid: Mapping[str, object] | None = None,
     *,
     intensity: str | None = None,
+    period: float | None = None,
+    damping: float | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Scale every record of a suite to common levels of intensity and run it.
 
-    The intensity of a frame is the pseudo-spectral acceleration omega_s^2 u_s,max of a linear
-    oscillator with its period and damping, of storeys with their first period; that of a wall
-    alone is the peak ground acceleration. Both are found with the same kernel.
+    The intensity is the pseudo-spectral acceleration omega^2 u_max of a linear oscillator: with
+    the given period and damping, otherwise with those of the frame, of storeys with their first
+    period. Designs are comparable only at one period and damping. The intensity of a wall alone is
+    the peak ground acceleration.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The structure; its frame, if it has one, has a period. Its `&spectrum` is not looped over.
     levels : sequence of float
         Intensities over g [-].
     records : sequence of str or RecordFile
         The suite.
-    quantity : str or sequence of str, optional
-        The demand that is kept, or several; otherwise the displacement of the frame, of a wall
+    quantities : str or sequence of str, optional
+        The demands that are kept; otherwise the displacement of the frame, of a wall
         alone ``theta_max_over_alpha``.
     grid : mapping, optional
         Further axes.
     intensity : str, optional
         ``pseudo_acceleration`` or ``peak_acceleration`` in the place of the scene's own.
+    period, damping : float, optional
+        Period [s] and damping ratio [-] of the oscillator, both or none; required where further
+        axes change the structure.
     **how
         Further arguments of `rwmf.sweep`.
 
     Returns
     -------
     xarray.Dataset
-        The demand over ``record`` and ``scale``, the level of intensity.
+        The demand over ``record`` and ``scale``, the level of intensity; its attributes
+        ``intensity``, ``intensity_period_s`` and ``intensity_damping`` say of what.
 
     Raises
     ------
     InputError
         When something is not acceptable.
     """
+    case = case_of(case)
     further = name_axes(grid or {})
     fixed = [name for name in ("scale", "T_s") if name in further]
     if fixed:
         raise InputError(f"incremental dynamic analysis: {fixed[0]} cannot be a further axis")
     axes = {"scale": [float(level) for level in levels]}
     if case.frame is not None:
-        period = case.kernel.axes()["T_s"].value
-        if period is None:
+        own = case.kernel.axes()["T_s"].value
+        if own is None:
             raise InputError("incremental dynamic analysis: the case needs &frame T_s")
-        axes["T_s"] = [period]
+        axes["T_s"] = [own]
     if "spectrum" in case.groups:
         # one structure is analysed; others are further axes
         case = case.without("spectrum")
-    asked = (quantity,) if isinstance(quantity, str) else quantity
+    measure = choose_intensity(case, intensity, period, damping, varied_keys(case, further, None))
     found = sweep(
         case,
         axes | further,
         records,
-        quantities=asked or (default_quantity(case),),
-        intensity=choose_measure(case, intensity),
+        quantities=quantities or (default_quantity(case),),
+        intensity=measure.kind,
+        period=None if measure.is_own else measure.period,
+        damping=None if measure.is_own else measure.damping,
         **how,
     )
     return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])
 
 
-def fragility(analysis: xr.Dataset, limit: float, quantity: str | None = None) -> xr.Dataset:
+@checked
+def fragility(
+    analysis: xr.Dataset, limit: float, quantities: str | Sequence[str] | None = None
+) -> xr.Dataset:
     """Compute the probability that a limit is exceeded, with a lognormal fit.
 
     Parameters
@@ -105,7 +121,7 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str | None = None) -
         From `incremental_dynamic_analysis`.
     limit : float
         Limit of the demand in its unit; a wall that overturned exceeds every one.
-    quantity : str, optional
+    quantities : str, optional
         The demand; may be absent where the analysis has one.
 
     Returns
@@ -119,12 +135,16 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str | None = None) -
     InputError
         When the limit is never or always exceeded: there is nothing to fit.
     """
-    if quantity is None:
+    dataset_of(analysis, "rwmf.studies.incremental_dynamic_analysis", "scale", "status")
+    if quantities is None:
         kept = [str(name) for name in analysis.data_vars if name != "status"]
         if len(kept) != 1:
-            raise InputError(f"fragility: quantity: must be given, one of {', '.join(kept)}")
-        quantity = kept[0]
-    (quantity,) = find_quantities((quantity,))
+            raise InputError(f"fragility: quantities: must be one of {', '.join(kept)}")
+        quantities = kept
+    asked = find_quantities(tuple(quantities))
+    if len(asked) > 1:
+        raise InputError(f"fragility: quantities = {', '.join(asked)}: must be one quantity")
+    (quantity,) = asked
     if quantity not in analysis:
         raise InputError(f"fragility: {quantity}: is not in the analysis")
     values = with_overturning(analysis, quantity)
@@ -133,7 +153,8 @@ def fragility(analysis: xr.Dataset, limit: float, quantity: str | None = None) -
     levels = analysis["scale"].values
     if exceeded.ndim != 1:
         raise InputError(f"fragility: needs record and scale, has also {values.dims}")
-    median, dispersion = _fit(levels, exceeded.values, usable.values, limit)
+    _check_exceeded(quantity, values, limit)
+    median, dispersion = _fit(levels, exceeded.values, usable.values)
     fitted = exceedance(levels, median, dispersion)
     return xr.Dataset(
         {
@@ -165,17 +186,31 @@ def exceedance(scale: npt.ArrayLike, median: float, dispersion: float) -> np.nda
     return np.array([_normal(math.log(x / median) / dispersion) for x in np.asarray(scale)])
 
 
+def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:
+    """Refuse a limit that no run exceeds, or every run: there is nothing to fit."""
+    known = values.values[~np.isnan(values.values)]
+    if known.size == 0:
+        raise InputError(f"fragility: {quantity}: no run has a result")
+    if not (known > limit).any():
+        raise InputError(
+            f"fragility: no run exceeds the limit: the largest {quantity} is {known.max():.6g}, "
+            f"the limit {limit:g}: give higher levels or a lower limit"
+        )
+    if (known > limit).all():
+        raise InputError(
+            f"fragility: every run exceeds the limit: the smallest {quantity} is "
+            f"{known.min():.6g}, the limit {limit:g}: give lower levels or a higher limit"
+        )
+
+
 def _fit(
     levels: npt.NDArray[np.float64],
     exceeded: npt.NDArray[np.int64],
     of: npt.NDArray[np.int64],
-    limit: float,
 ) -> tuple[float, float]:
     """Median and dispersion of most likelihood: probit regression by Fisher scoring."""
     if levels.size < 2 or not (levels > 0).all():
         raise InputError("fragility: the fit needs two levels of intensity at least, all > 0")
-    if not 0 < exceeded.sum() < of.sum():
-        raise InputError(f"fragility: the limit {limit:g} is exceeded never or always")
     x = np.column_stack([np.ones(levels.size), np.log(levels)])
     share = (exceeded + 0.5) / (of + 1.0)
     # a first line through the levels themselves

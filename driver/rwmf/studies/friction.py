@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Unpack
 
+import numpy as np
 import xarray as xr
 
+from rwmf._arguments import case_of, checked
+from rwmf._sweep.axes import PAIRS, key_of_column, name_axes
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
-from rwmf.case import Case
+from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
@@ -18,11 +21,14 @@ __all__ = ["friction_spectra"]
 DEMAND = "friction_demand_max"
 CABLE = "cable_force_max_over_m_w_g"
 _INCREMENT = "cable_force_increment_max_over_m_w_g"
+# groups that a prestress in N is divided by, or follows from
+_RATIO = ("wall", "cable", "model")
 _FOUNDATION = (DEMAND, "pivot_normal_min_over_m_w_g", "base_shear_max_over_weight")
 
 
+@checked
 def friction_spectra(
-    case: Case,
+    case: CaseLike,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
     **how: Unpack[SweepOptions],
@@ -31,7 +37,7 @@ def friction_spectra(
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         A wall, with a frame or without.
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
@@ -53,6 +59,7 @@ def friction_spectra(
     InputError
         When the case has no wall, or the grid or a record is not acceptable.
     """
+    case = case_of(case)
     if case.wall is None:
         raise InputError("friction: the case has no &wall whose base could slide")
     wanted = _FOUNDATION if case.cable is None else (*_FOUNDATION, _INCREMENT)
@@ -60,16 +67,24 @@ def friction_spectra(
     found = found.assign({DEMAND: with_overturning(found, DEMAND)})
     if case.cable is None:
         return found
-    force = with_overturning(found, _INCREMENT) + _prestress(case, found)
+    force = with_overturning(found, _INCREMENT) + _prestress(case, found, grid)
     attributes = {"units": "1", "long_name": "largest cable force over weight of wall"}
     return found.drop_vars(_INCREMENT).assign({CABLE: force.assign_attrs(attributes)})
 
 
-def _prestress(case: Case, found: xr.Dataset) -> xr.DataArray | float:
-    """Force at theta = 0 over the weight of the wall, which follows its width where it is in N."""
+def _prestress(case: Case, found: xr.Dataset, grid: Mapping[str, object]) -> xr.DataArray | float:
+    """Compute the prestress over the weight of the wall, over the axes that change it."""
     if "eta_0" in found.coords:
         return found["eta_0"]
-    if "b" in found.dims and "eta_0" in case.cable.derived:
-        values = [float(case.replace(wall={"b": b}).cable.eta_0) for b in found["b"].values]
-        return xr.DataArray(values, dims="b")
-    return float(case.cable.eta_0)
+    # a prestress in N or Pa over a weight that an axis may change
+    keys = [key_of_column(name) for name in ("b", *name_axes(grid)) if name not in PAIRS]
+    axes = {key[1]: key for key in keys if key[0] in _RATIO and key[1] in found.dims}
+    if not axes or "eta_0" not in case.cable.derived:
+        return float(case.cable.eta_0)
+    values = np.empty([found.sizes[name] for name in axes])
+    for place in np.ndindex(values.shape):
+        changes: dict[str, dict[str, object]] = {}
+        for (name, (group, key)), i in zip(axes.items(), place, strict=True):
+            changes.setdefault(group, {})[key] = found[name].values[i].item()
+        values[place] = case.replace(**changes).cable.eta_0
+    return xr.DataArray(values, dims=[*axes])

@@ -17,8 +17,9 @@ import numpy as np
 import xarray as xr
 
 from rwmf import _simulation as simulation
+from rwmf._arguments import case_of, checked
 from rwmf._sweep.executors import count_threads
-from rwmf.case import Case
+from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import ending_of
 from rwmf.studies.origin import origin_of
@@ -85,8 +86,9 @@ class _Boundary:
     above: int
 
 
+@checked
 def overturning_map(
-    case: Case,
+    case: CaseLike,
     omega_over_p: Sequence[float],
     amplitude: Sequence[float],
     tolerance: float = 1e-6,
@@ -97,7 +99,7 @@ def overturning_map(
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         Wall, impact, pulse, and what else acts; amplitude, frequency and end are replaced.
     omega_over_p : sequence of float
         Frequencies of the pulse over p [-].
@@ -126,6 +128,7 @@ def overturning_map(
     NumericalError
         When a run fails.
     """
+    case = case_of(case)
     wall = Wall.of(case)
     pulse = Pulse.of(case, "overturning")
     levels = [float(value) for value in amplitude]

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from rwmf._arguments import array_of
+from rwmf._numbers import show, to_array
+from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS
 
 __all__ = ["cumulative_distribution", "percentiles", "with_overturning"]
@@ -55,14 +58,18 @@ def percentiles(
     xarray.DataArray
         Over ``percentile`` and the other dimensions; runs that failed are left out.
     """
+    array_of(values, dim)
+    levels = to_array("q", q, least=1)
+    if not ((levels >= 0) & (levels <= 100)).all():
+        raise InputError(f"q = {show(q)}: must be in [0, 100] [%]")
     axis = values.get_axis_num(dim)
     # linear interpolation between a number and infinity would be infinite, or not a number
-    found = np.nanquantile(values.values, np.asarray(q) / 100, axis=axis, method="inverted_cdf")
+    found = np.nanquantile(values.values, levels / 100, axis=axis, method="inverted_cdf")
     kept = values.isel({dim: 0}, drop=True)
     return xr.DataArray(
         found,
         dims=("percentile", *kept.dims),
-        coords={"percentile": ("percentile", list(q), {"units": "%"}), **kept.coords},
+        coords={"percentile": ("percentile", levels.tolist(), {"units": "%"}), **kept.coords},
         name=values.name,
         attrs=values.attrs,
     )
@@ -83,7 +90,8 @@ def cumulative_distribution(values: xr.DataArray, levels: Sequence[float]) -> xr
     xarray.DataArray
         Fractions [-] over ``level`` and the other dimensions; failed runs are left out.
     """
-    level = xr.DataArray(list(levels), dims="level", attrs=values.attrs)
+    array_of(values, "record")
+    level = xr.DataArray(to_array("levels", levels, least=1), dims="level", attrs=values.attrs)
     below = (values <= level).sum("record") / values.notnull().sum("record")
     found = below.assign_coords(level=level).rename("fraction")
     return found.assign_attrs(units="1", long_name=f"fraction of the suite, {values.name}")

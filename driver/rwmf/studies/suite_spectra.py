@@ -7,20 +7,22 @@ from typing import Unpack
 
 import xarray as xr
 
+from rwmf._arguments import case_of, checked
 from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
-from rwmf.case import Case
+from rwmf.case import CaseLike
 from rwmf.studies.statistics import USUAL_PERCENTILES, percentiles, with_overturning
 
 __all__ = ["suite_spectra"]
 
 
+@checked
 def suite_spectra(
-    case: Case,
+    case: CaseLike,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile],
-    quantity: str | None = None,
+    quantities: str | Sequence[str] | None = None,
     q: Sequence[float] = USUAL_PERCENTILES,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
@@ -28,13 +30,13 @@ def suite_spectra(
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         The structure.
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile
         The suite.
-    quantity : str, optional
+    quantities : str or sequence of str, optional
         'u_s_max' for displacement, 'theta_max_over_alpha' for rocking,
         'cable_force_increment_max_over_m_w_g' for cable force spectra, and others; otherwise the
         displacement, of a wall without a frame its rotation.
@@ -46,14 +48,16 @@ def suite_spectra(
     Returns
     -------
     xarray.Dataset
-        The quantity over records, and ``QUANTITY_percentiles``.
+        The quantities over records, and of each ``QUANTITY_percentiles``.
 
     Raises
     ------
     InputError
         When the case, the grid or a record is not acceptable.
     """
-    (quantity,) = find_quantities((quantity or default_quantity(case),))
-    found = sweep(case, grid, records, quantities=(quantity,), **how)
-    values = with_overturning(found, quantity)
-    return found.assign({f"{quantity}_percentiles": percentiles(values, q)})
+    case = case_of(case)
+    names = list(find_quantities(tuple(quantities or (default_quantity(case),))))
+    found = sweep(case, grid, records, quantities=names, **how)
+    return found.assign(
+        {f"{name}_percentiles": percentiles(with_overturning(found, name), q) for name in names}
+    )

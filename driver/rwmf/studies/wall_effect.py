@@ -9,22 +9,27 @@ import numpy as np
 import xarray as xr
 
 from rwmf import _library
+from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import keys_of_axis, name_axes
+from rwmf._sweep.quantities import QUANTITIES, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.run import SweepOptions, sweep
-from rwmf.case import Case
+from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
 __all__ = ["wall_effect", "without_wall"]
 
+# responses of storeys, the first one of any frame
+_RESPONSES = ("u_s_max", "storey_drift_max", "floor_acceleration_max_g")
 
-def without_wall(case: Case) -> Case:
+
+def without_wall(case: CaseLike) -> Case:
     """Return the frame alone, a linear oscillator.
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         A case with a frame.
 
     Returns
@@ -39,6 +44,7 @@ def without_wall(case: Case) -> Case:
     InputError
         When the case has no frame.
     """
+    case = case_of(case)
     if case.frame is None:
         raise InputError("the case has no &frame: nothing is left without the wall")
     gone = {name: None for name in case.groups if name in _groups_of_wall()}
@@ -74,58 +80,77 @@ def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[s
     }
 
 
+@checked
 def wall_effect(
-    case: Case,
+    case: CaseLike,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
+    quantities: str | Sequence[str] | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compare the frame with the wall to the frame alone.
 
+    A wall may lower one response and raise another: judge it by several.
+
     Parameters
     ----------
-    case : Case
+    case : Case or path
         Frame and wall.
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile
         Ground motions, otherwise the case's own.
+    quantities : str or sequence of str, optional
+        The compared responses; otherwise ``u_s_max``, of storeys ``storey_drift_max`` and
+        ``floor_acceleration_max_g`` as well.
     **how
         Further arguments of `rwmf.sweep`.
 
     Returns
     -------
     xarray.Dataset
-        ``ratio`` [-], ``u_s_max`` [m] and ``u_s_max_alone`` [m]; the ratio is infinite where the
-        wall overturned. The frame alone is the same frame at each period: the first period of
-        storeys that the wall keeps on a straight line is another one without it.
+        Of each response with the wall ``QUANTITY``, without it ``QUANTITY_alone`` and
+        ``QUANTITY_ratio`` [-], the former over the latter; ``ratio`` is that of the first. The
+        ratio is infinite where the wall overturned. The frame alone is the same frame at each
+        period: the first period of storeys that the wall keeps on a straight line is another one
+        without it.
 
     Raises
     ------
     InputError
         When the case or the grid is not acceptable, or when there is no frame.
     """
+    case = case_of(case)
     if case.frame is None:
         raise InputError(
             "wall effect: the case has no &frame whose displacement the wall could change; the "
             "rotation of a wall that stands freely: rwmf spectrum, or rwmf study spectra"
         )
-    both = sweep(case, grid, records, quantities=("u_s_max",), **how)
+    names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
+    of_wall = [name for name in names if QUANTITIES[name].group in _groups_of_wall()]
+    if of_wall:
+        raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
+    both = sweep(case, grid, records, quantities=names, **how)
     frame = without_wall(case)
     joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
     # a period that the grid gives is that of the frame as the wall lets it move
     factor = free / joined if free and joined else 1.0
     shared = _shared_axes(grid) | {"T_s": factor * both["T_s"].values}
-    alone = sweep(frame, shared, records, quantities=("u_s_max",), **how)["u_s_max"]
+    alone = sweep(frame, shared, records, quantities=names, **how)
     alone = alone.assign_coords(T_s=both["T_s"])
-    response = with_overturning(both)
-    ratio = (response / alone).assign_attrs(
-        units="1", long_name="displacement with the wall over that without it"
-    )
-    return xr.Dataset(
-        {"ratio": ratio, "u_s_max": response, "u_s_max_alone": alone.astype(np.float64)},
-        attrs=both.attrs,
-    )
+    found: dict[str, xr.DataArray] = {}
+    for name in names:
+        response = with_overturning(both, name)
+        plain = alone[name].astype(np.float64)
+        text = f"{QUANTITIES[name].meaning}: with the wall over without it"
+        ratio = (response / plain).assign_attrs(units="1", long_name=text)
+        found |= {f"{name}_ratio": ratio, name: response, f"{name}_alone": plain}
+    attributes = both.attrs | {"quantities": " ".join(names)}
+    return xr.Dataset({"ratio": found[f"{names[0]}_ratio"]} | found, attrs=attributes)
+
+
+def _usual_responses(case: Case) -> tuple[str, ...]:
+    return _RESPONSES if case.storeys is not None else _RESPONSES[:1]
 
 
 def _shared_axes(grid: Mapping[str, object]) -> dict[str, object]:

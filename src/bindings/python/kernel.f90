@@ -27,6 +27,7 @@ module rwmf_bindings_python_kernel
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_quantities, only: all_quantities, quantities_text
+   use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate_with_motion
@@ -369,6 +370,15 @@ contains
       end associate
       call put_text(lines, buffer, length)
    end subroutine result_names
+
+   !> Key of the output quantity that a word may mean, empty for none.
+   subroutine meant_quantity(word, buffer, length)
+      character(*), intent(in) :: word
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+
+      call put_text(trim(find_meant(word)), buffer, length)
+   end subroutine meant_quantity
 
    !> Write the files of a run, named after `source`, as the batch program does. `text` is the
    !> namelist text of the case.

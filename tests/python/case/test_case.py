@@ -80,7 +80,7 @@ def test_bad_edits_are_refused() -> None:
         case.without("output")
     with pytest.raises(rwmf.InputError):
         case.replace(fraem={"T_s": 1.0})
-    with pytest.raises(TypeError, match="a namelist holds"):
+    with pytest.raises(rwmf.InputError, match=r"&frame: T_s = .* a namelist holds"):
         case.replace(frame={"T_s": object()})
 
 

@@ -103,8 +103,10 @@ def test_fragility_of_a_linear_frame_is_a_step(suite: tuple[RecordFile, ...]) ->
     curve = studies.fragility(analysis, 0.25 * 9.81 / (2 * math.pi) ** 2)
     assert curve["fraction"].values.tolist() == [0.0, 0.0, 1.0, 1.0]
     assert 0.2 < float(curve["median"]) < 0.3
-    with pytest.raises(InputError, match="never or always"):
+    with pytest.raises(InputError, match=r"no run exceeds the limit: the largest u_s_max is 0.099"):
         studies.fragility(analysis, 100.0)
+    with pytest.raises(InputError, match="every run exceeds the limit: the smallest u_s_max is"):
+        studies.fragility(analysis, 1e-6)
 
 
 def test_fragility_recovers_a_lognormal() -> None:

@@ -9,12 +9,15 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 import rwmf
 import xarray as xr
+from dimensional import SCENES, groups_of, in_units
+from rwmf import _library
 from rwmf._sweep import find_records
 from rwmf._sweep.executors import open_executor
 from rwmf.errors import InputError
@@ -269,7 +272,7 @@ def test_rows_that_the_rules_refuse() -> None:
         ({}, "points: has no row"),
         ({"eta": [[1, 5]]}, "points: eta: has the shape"),
         ({"eta": [1.0]}, "give the columns cable.eta_0 and cable.eta_alpha"),
-        ({"table_e": [1.0]}, "table_e: is a list"),
+        ({"table_e": [1.0]}, "table_e = 1.0: must not be given with rule"),
         ({"record": ["moon"]}, "points, row 0: record = moon: is neither a file"),
         ({"record": [3]}, "points, row 0: record = 3: must be a record, its name or path"),
         ([1, 2], "points: list: must be a mapping"),
@@ -412,3 +415,77 @@ def _start(folder: Path, name: str) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
+
+
+def _keys_of_a_scene() -> list[str]:
+    """Numbers that the scenes below have a value of, by the table of keys."""
+    kinds = {"real", "integer", "real list", "logical"}
+    rows = [row for row in _library.schema() if row[2] in kinds]
+    return [f"{row[0]}.{row[1]}" for row in rows if row[0] not in ("spectrum", "output")]
+
+
+@pytest.mark.parametrize("key", _keys_of_a_scene())
+def test_each_number_of_the_table_of_keys_is_a_column(key: str) -> None:
+    """Lists of one number and the number of storeys too: a row is the run of that value."""
+    group, name = key.split(".")
+    tried = 0
+    for scene in SCENES:
+        for case in (rwmf.Case(**groups) for groups in (groups_of(scene), _of_one_number(scene))):
+            known = case.groups.get(group, {})
+            if name not in known or name not in case.groups[group].given:
+                continue
+            value = case.groups[group].as_given()[name]
+            if isinstance(value, tuple) and len(value) > 1:
+                continue
+            tried += 1
+            value = value[0] if isinstance(value, tuple) else value
+            # its period belongs to the masses and stiffnesses that a column may set
+            found = rwmf.sweep(case, points={key: [value, value]})
+            assert not (found["status"] == "refused").any()
+            assert "refused" not in found["status"].attrs["flag_meanings"].split(), (scene, key)
+            quantity = str(next(iter(found.data_vars)))
+            run = rwmf.simulate(case)
+            np.testing.assert_allclose(found[quantity], float(run[quantity]), rtol=1e-6)
+            break
+        if tried:
+            break
+
+
+def _of_one_number(scene: str) -> dict[str, Any]:
+    """Give the same scene as many equal storeys, each key one number."""
+    groups = groups_of(scene)
+    if "storeys" not in groups:
+        return in_units(groups)
+    storeys = {"n": 3, "m": 3e4, "k": 3e7, "height": 6.0}
+    storeys |= {"coupling": groups["storeys"].get("coupling", "reduced")}
+    wall = {"wall": groups["wall"] | {"m_w": 5e4}} if "wall" in groups else {}
+    changes: dict[str, Any] = {"storeys": storeys, "frame": {"xi_s": 0.05}} | wall
+    if "storey_u_y" in groups.get("yielding", {}):
+        changes["yielding"] = {"storey_F_y": 4e5}
+    return groups | changes
+
+
+def test_columns_of_storeys(tmp_path: Path) -> None:
+    """Different numbers of storeys, masses and stiffnesses, in memory and in a file."""
+    base = rwmf.Case(
+        frame={"xi_s": 0.05},
+        storeys={"n": 2, "m": 2e4, "k": 2e7, "height": 3.0, "coupling": "full"},
+        motion={"kind": "one_sine", "a_max_g": 0.4, "T_p": 0.6},
+        solver={"t_end": 3.0, "rtol": 1e-8},
+    )
+    table = {"storeys.n": [2, 3, 5, 3], "storeys.m": [2e4, 3e4, 2e4, 2e4],
+             "storeys.k": [2e7, 2e7, 3e7, 4e7]}  # fmt: skip
+    expected = []
+    for n, m, k in zip(*table.values(), strict=True):
+        run = rwmf.simulate(base.replace(storeys={"n": n, "m": m, "k": k}))
+        expected.append(float(run["u_s_max"]))
+    lines = [",".join(map(str, row)) for row in zip(*table.values(), strict=True)]
+    (tmp_path / "p.csv").write_text("\n".join([",".join(table), *lines]) + "\n")
+    for points in (table, tmp_path / "p.csv"):
+        found = rwmf.sweep(base, points=points)
+        np.testing.assert_allclose(found["u_s_max"], expected, rtol=1e-6)
+        assert found["n"].values.tolist() == [2, 3, 5, 3]
+    grid = rwmf.sweep(base, {"storeys.n": [2, 3], "storeys.m": [2e4], "storeys.k": [2e7]})
+    assert float(grid["u_s_max"].sel(n=2).squeeze()) == pytest.approx(expected[0], rel=1e-6)
+    with pytest.raises(InputError, match=r"storeys.n = 2.5: must be a whole number"):
+        rwmf.sweep(base, points={"storeys.n": [2, 2.5]})

@@ -8,7 +8,7 @@ module rwmf_input_groups_analysis
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_simulation_quantities, only: all_quantities, is_peak, look_up, spelled
-   use rwmf_text_strings, only: nearest_name
+   use rwmf_simulation_quantity_words, only: meant_quantity
    implicit none
    private
 
@@ -113,7 +113,7 @@ contains
          if (is_peak(all_quantities(place))) return
       end if
       problem = trim(asked)//' is no peak of a run'
-      near = nearest_name(trim(asked), all_quantities%key)
+      near = meant_quantity(trim(asked))
       call look_up(trim(near), place, number)
       if (place > 0 .and. near /= '') then
          if (is_peak(all_quantities(place))) problem = problem//', did you mean '//trim(near)//'?'

@@ -9,6 +9,7 @@ module rwmf_input_groups_spectrum
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, spelled
+   use rwmf_simulation_quantity_words, only: meant_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -89,6 +90,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: asked(:)
       character(:), allocatable :: known
+      character(40) :: near
       integer :: place, storey
       integer :: i
 
@@ -100,13 +102,16 @@ contains
             if (.not. is_of_ordinate(all_quantities(place))) place = 0
          end if
          if (place == 0) then
-            known = ''
+            known = ', where they apply:'
             do place = 1, size(all_quantities)
                if (is_of_ordinate(all_quantities(place))) known = known//' ' &
                   //trim(all_quantities(place)%key)
             end do
-            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is unknown; ' &
-               //'allowed, where they apply:'//known, error)
+            near = meant_quantity(trim(asked(i)))
+            if (near /= '') known = ', did you mean '//trim(near)//'? Allowed'//known
+            if (near == '') known = '; allowed'//known
+            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is unknown'//known, &
+               error)
          else if (any(spelled(asked(:i - 1)) == spelled(asked(i)))) then
             call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is given twice', &
                error)

@@ -1,0 +1,329 @@
+"""Arguments of public functions, converted or refused by their names."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import os
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from rwmf._files.names import problem_of_name
+from rwmf._library import check_threads
+from rwmf._numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.case import Case, CaseLike, Motion
+from rwmf.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["array_of", "case_of", "checked", "dataset_of", "path_of", "texts_of"]
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+Check = Callable[[str, Any], Any]
+
+
+def case_of(case: CaseLike) -> Case:
+    """Return a case, read from its file where a path is given.
+
+    Parameters
+    ----------
+    case : Case or path
+        The case, or the path of its namelist.
+
+    Returns
+    -------
+    Case
+        The case.
+
+    Raises
+    ------
+    InputError
+        When it is neither, or when the file is not acceptable.
+    """
+    if isinstance(case, Case):
+        return case
+    return Case.from_namelist(path_of("case", case, "a Case or the path of a namelist"))
+
+
+def path_of(name: str, value: object, wanted: str = "the path of a file") -> str:
+    """Return the text of a path.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    value : str or path
+        The path.
+    wanted : str
+        Allowed values in messages.
+
+    Returns
+    -------
+    str
+        Its text.
+
+    Raises
+    ------
+    InputError
+        When it is no path, or no file can have that name.
+    """
+    path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
+    if not isinstance(path, str):
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
+    problem = problem_of_name(path)
+    if problem is not None:
+        raise InputError(f"{name} = {show(value)}: {problem}")
+    return path
+
+
+def texts_of(name: str, value: object) -> list[str]:
+    """Return a list of texts; one text is a list of one.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    value : str or iterable of str
+        The texts.
+
+    Returns
+    -------
+    list of str
+        The texts.
+
+    Raises
+    ------
+    InputError
+        When one is no text.
+    """
+    items = [value] if isinstance(value, str) else to_items(value)
+    if items is None or not all(isinstance(item, str) for item in items):
+        raise InputError(f"{name} = {show(value)}: must be a text or a list of texts")
+    return [str(item) for item in items]
+
+
+def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
+    """Return the dataset that a function of the package made.
+
+    Parameters
+    ----------
+    value : xarray.Dataset
+        The dataset.
+    origin : str
+        Name of that function, for messages.
+    *names : str
+        Variables and coordinates without which it is another dataset.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same.
+
+    Raises
+    ------
+    InputError
+        When it is no dataset, or lacks one of the names.
+    """
+    import xarray as xr
+
+    if not isinstance(value, xr.Dataset):
+        raise InputError(f"dataset = {show(value)}: must be the dataset of {origin}")
+    missing = [name for name in names if name not in value.variables]
+    if missing:
+        raise InputError(f"dataset: has no {missing[0]}: must be the dataset of {origin}")
+    return value
+
+
+def array_of(value: object, dim: str) -> xr.DataArray:
+    """Return a labelled array with a dimension.
+
+    Parameters
+    ----------
+    value : xarray.DataArray
+        The array.
+    dim : str
+        The dimension.
+
+    Returns
+    -------
+    xarray.DataArray
+        The same.
+
+    Raises
+    ------
+    InputError
+        When it is no labelled array, or lacks the dimension.
+    """
+    import xarray as xr
+
+    if not isinstance(value, xr.DataArray):
+        raise InputError(f"values = {show(value)}: must be a variable of the dataset of a sweep")
+    if not isinstance(dim, str) or dim not in value.dims:
+        raise InputError(f"values: has no dimension {show(dim)}, only {', '.join(map(str, value.dims))}")
+    return value
+
+
+def _text(name: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{name} = {show(value)}: must be a text")
+    return value
+
+
+def _truth(name: str, value: object) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} = {show(value)}: must be True or False")
+    return bool(value)
+
+
+def _callable(name: str, value: object) -> object:
+    if not callable(value):
+        raise InputError(f"{name} = {show(value)}: must be a function (done, total)")
+    return value
+
+
+def _executor(name: str, value: object) -> object:
+    if not callable(getattr(value, "submit", None)):
+        raise InputError(f"{name} = {show(value)}: must be an executor, with a method submit")
+    return value
+
+
+def _mapping(name: str, value: object) -> object:
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} = {show(value)}: must be names with values")
+    return value
+
+
+def _sequence(name: str, value: object) -> list[Any]:
+    # one record, file or part is a list of one
+    is_one = isinstance(value, str | os.PathLike | Motion) or hasattr(value, "crc32")
+    items = [value] if is_one else to_items(value)
+    if items is None:
+        raise InputError(f"{name} = {show(value)}: must be a list")
+    return items
+
+
+def _part(name: str, value: object) -> tuple[int, int]:
+    items = to_items(value)
+    if items is None or len(items) != 2:
+        raise InputError(f"{name} = {show(value)}: must be two whole numbers (K, N)")
+    k, n = (to_whole(name, item, 1) for item in items)
+    return k, n
+
+
+def _ax(name: str, value: object) -> object:
+    if not hasattr(value, "get_xaxis_transform"):
+        raise InputError(f"{name} = {show(value)}: must be axes of matplotlib")
+    return value
+
+
+def _axes(name: str, value: object) -> object:
+    if value is None:
+        # a new figure
+        return value
+    items = list(value.ravel()) if isinstance(value, np.ndarray) else value
+    for ax in items if isinstance(items, Sequence) and items else [items]:
+        _ax(name, ax)
+    return value
+
+
+def _positive(name: str, value: object) -> float:
+    return to_number(name, value, above=0.0)
+
+
+def _positives(name: str, value: object) -> list[float]:
+    return [float(x) for x in to_array(name, value, above=0.0, least=1)]
+
+
+# by the names of arguments; None is allowed where it is the default
+_CHECKS: dict[str, Check] = {
+    "across": _truth,
+    "amplitude": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
+    "ax": _ax,
+    "axes": _axes,
+    "chunk": lambda name, value: to_whole(name, value, 0, 10**15),
+    "damping": lambda name, value: _not_negative(name, value),
+    "dt": _positive,
+    "executor": _executor,
+    "file": path_of,
+    "folder": lambda name, value: (
+        "" if isinstance(value, str) and not value else path_of(name, value)
+    ),
+    "force": _truth,
+    "grid": _mapping,
+    "intensity": _text,
+    "legend": _truth,
+    "levels": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
+    "limit": to_number,
+    "n": lambda name, value: to_whole(name, value, 1),
+    "omega_over_p": _positives,
+    "open_browser": _truth,
+    "part": _part,
+    "parts": _sequence,
+    "path": path_of,
+    "period": _positive,
+    "port": lambda name, value: to_whole(name, value, 0, 65535),
+    "progress": _callable,
+    "quantities": texts_of,
+    "quantity": _text,
+    "records": _sequence,
+    "restart": _truth,
+    "target": _positive,
+    "threads": lambda name, value: check_threads(value, name),
+    "tolerance": _positive,
+    "T_p": _positives,
+    "uncertain": _mapping,
+    "unit": _text,
+    "variables": texts_of,
+    "words": _sequence,
+}
+
+
+def _not_negative(name: str, value: object) -> float:
+    number = to_number(name, value, wanted="a finite number >= 0")
+    if number < 0:
+        raise InputError(f"{name} = {show(value)}: must be a finite number >= 0")
+    return number
+
+
+def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Convert or refuse the arguments of a public function before its body sees them.
+
+    Parameters
+    ----------
+    function : callable
+        The function; names of arguments mean the same in all of them.
+
+    Returns
+    -------
+    callable
+        The same with `InputError` for arguments of a wrong kind.
+    """
+    signature = inspect.signature(function)
+    defaults = {name: item.default for name, item in signature.parameters.items()}
+    further = {name for name, item in signature.parameters.items() if item.kind is item.VAR_KEYWORD}
+
+    takes_one = "quantities" in signature.parameters and "quantity" not in signature.parameters
+
+    @functools.wraps(function)
+    def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        if takes_one and "quantity" in kwargs:
+            text = f"{function.__name__}: quantity is now quantities; it goes with the next version"
+            warnings.warn(text, DeprecationWarning, stacklevel=2)
+            kwargs["quantities"] = kwargs.pop("quantity")
+        bound = signature.bind(*args, **kwargs)
+        for name, value in bound.arguments.items():
+            if name in _CHECKS and value is not defaults[name]:
+                bound.arguments[name] = _CHECKS[name](name, value)
+            elif name in further:
+                bound.arguments[name] = {
+                    word: item if item is None or word not in _CHECKS else _CHECKS[word](word, item)
+                    for word, item in value.items()
+                }
+        return function(*bound.args, **bound.kwargs)
+
+    return call

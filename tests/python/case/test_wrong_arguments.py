@@ -1,0 +1,309 @@
+"""Public functions answer arguments of a wrong kind with errors of the package alone."""
+
+from __future__ import annotations
+
+import datetime
+import functools
+import inspect
+import types
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import rwmf
+from rwmf._library import schema
+from scenes import coupled
+
+pytest.importorskip("matplotlib")
+
+import matplotlib.pyplot as plt
+
+# values that are wrong for most arguments
+WRONG: dict[str, Any] = {
+    "None": None,
+    "true": True,
+    "bytes": b"x",
+    "text": "x",
+    "surrogate": "\ud800",
+    "complex": 1 + 2j,
+    "nan": np.nan,
+    "infinity": -np.inf,
+    "masked": np.ma.masked,
+    "masked array": np.ma.array([1.0, 2.0], mask=[False, True]),
+    "complex array": np.array([1.0, 2j]),
+    "text array": np.array(["1", "2"]),
+    "logical array": np.array([True, False]),
+    "object array": np.array([1.0, object()], dtype=object),
+    "two dimensions": np.ones((2, 2)),
+    "nested": [[1.0, 2.0]],
+    "ragged": [[1.0], [1.0, 2.0]],
+    "mixed": [True, 2.0],
+    "text list": ["1"],
+    "date": datetime.datetime(2020, 1, 1),
+    "time difference": np.timedelta64(1, "s"),
+    "huge": 10**400,
+    "huge list": [10**400, 1.0],
+    "negative": -1,
+    "pandas NA": pd.NA,
+    "pandas series": pd.array([1, None], dtype="Int64"),
+    "object": object(),
+    "empty": [],
+    "mapping": {"a": 1},
+    "set": {1.0, 2.0},
+}
+_CLASSES = ("Case", "Cost", "Motion", "RecordFile")
+# results of other functions, and what takes no argument
+_NOT_CALLED = {"loops.Loop", "records.Record", "plot.style", "records.list_records"}
+
+
+def _motion() -> rwmf.Motion:
+    return rwmf.Motion([0.0, 1.0, -1.0, 0.0] * 3, dt=0.05, unit="m/s2", name="short")
+
+
+@functools.cache
+def _case() -> rwmf.Case:
+    fuse = {"eta_y": 0.2, "stroke_y": 0.004}
+    case = coupled(solver={"t_end": 0.4, "method": "dop853", "rtol": 1e-4}, fuse=fuse)
+    return case.replace(output={"dt": 0.02})
+
+
+@functools.cache
+def _found() -> dict[str, Any]:
+    """Datasets for the functions that draw them."""
+    case = _case()
+    grid = {"T_s": [0.5, 1.0]}
+    records = [_motion()]
+    analysis = rwmf.studies.incremental_dynamic_analysis(case, [0.1, 0.4, 1.5], records)
+    limit = float(analysis["u_s_max"].median())
+    return {
+        "run": rwmf.simulate(case),
+        "spectrum": rwmf.spectrum(case, **grid),
+        "analysis": analysis,
+        "fragility": rwmf.studies.fragility(analysis, limit),
+        "suite": rwmf.studies.suite_spectra(case, grid, records),
+        "bands": rwmf.studies.sensitivity_bands(case, grid, {"e": [0.8, 0.9]}),
+        "wall": rwmf.studies.wall_effect(case, grid),
+        "friction": rwmf.studies.friction_spectra(case, grid),
+        "equal": rwmf.studies.equal_response(case, [0.5], 0.01, tolerance=0.5),
+        "map": rwmf.studies.overturning_map(case, [5.0, 6.0], [1.0, 9.0], tolerance=1.0),
+        "loops": rwmf.loops.find_loops(rwmf.simulate(case), case),
+    }
+
+
+def _calls(folder: Path) -> dict[str, dict[str, Any]]:
+    """Give each public function arguments with which it works."""
+    case, found, records = _case(), _found(), [_motion()]
+    grid = {"T_s": [0.5]}
+    ax, both = plt.figure().subplots(), plt.figure().subplots(1, 2)
+    suite = {"case": case, "grid": grid, "records": records}
+    return {
+        "simulate": {"case": case, "dt": 0.1},
+        "spectrum": {"case": case, "T_s": [1.0], "gamma": 5.0, "b": 0.5, "threads": 1,
+                     "progress": None, "quantities": ["u_s_max"]},
+        "sweep": suite | {"file": None, "points": None, "quantities": ["u_s_max"], "threads": 1,
+                          "executor": None, "progress": None, "restart": False, "part": (1, 1),
+                          "chunk": 0, "unit": None, "dt": None, "intensity": "peak_acceleration",
+                          "period": None, "damping": None},
+        "find_records": {"words": records, "folder": "", "unit": None, "dt": None},
+        "merge": {"parts": ["none.journal"], "file": str(folder / "x.nc")},
+        "explore": {"case": str(folder / "none.nml"), "port": 0, "open_browser": False},
+        "cost": {"case": "none.nml", "target": 1e-6, "progress": None, "quantities": None},
+        "loops.check_springs": {"case": case},
+        "loops.draw": {"dataset": found["run"], "case": case, "axes": None},
+        "loops.find_loops": {"dataset": found["run"], "case": case},
+        "loops.group_by_kind": {"loops": found["loops"]},
+        "loops.springs_of": {"columns": {"theta": [0.1]}, "case": case},
+        "plot.draw_bands": {"dataset": found["bands"], "ax": ax},
+        "plot.draw_equal_response": {"dataset": found["equal"], "ax": ax},
+        "plot.draw_fragility": {"dataset": found["fragility"], "ax": ax},
+        "plot.draw_friction": {"dataset": found["friction"], "axes": both},
+        "plot.draw_overturning": {"dataset": found["map"], "ax": ax},
+        "plot.draw_suite": {"dataset": found["suite"], "ax": ax},
+        "plot.draw_wall_effect": {"dataset": found["wall"], "ax": ax},
+        "plot.history": {"dataset": found["run"], "axes": ax, "variables": ["u_s"], "case": case},
+        "plot.make_panels": {"axes": ax, "n": 1, "across": False},
+        "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},
+        "plot.spectrum": {"dataset": found["spectrum"], "ax": ax, "bare": None,
+                          "quantities": None, "legend": False},
+        "plot.work_precision": {"cost": None, "ax": ax, "legend": True},
+        "records.export": {"name": "none", "path": str(folder / "r.txt"), "force": False},
+        "records.find": {"name": "none"},
+        "studies.cumulative_distribution": {"values": found["analysis"]["u_s_max"],
+                                            "levels": [0.1]},
+        "studies.percentiles": {"values": found["analysis"]["u_s_max"], "q": [50.0],
+                                "dim": "record"},
+        "studies.equal_response": {"case": case, "T_p": [0.5], "target": 0.01, "tolerance": 0.9,
+                                   "threads": 1, "progress": None, "quantities": None},
+        "studies.fragility": {"analysis": found["analysis"], "limit": 0.01, "quantities": None},
+        "studies.friction_spectra": suite | {"threads": 1, "unit": None},
+        "studies.incremental_dynamic_analysis": {
+            "case": case, "levels": [0.1], "records": records, "quantities": None, "grid": None,
+            "intensity": None, "period": None, "damping": None, "dt": None},
+        "studies.overturning_map": {"case": case, "omega_over_p": [5.0], "amplitude": [1.0],
+                                    "tolerance": 1.0, "threads": 1, "progress": None},
+        "studies.sensitivity_bands": suite | {"uncertain": {"e": [0.9]}, "quantities": None},
+        "studies.suite_spectra": suite | {"quantities": None, "q": [50.0]},
+        "studies.wall_effect": suite | {"quantities": None},
+        "studies.without_wall": {"case": case},
+    }  # fmt: skip
+
+
+def _public() -> dict[str, Callable[..., Any]]:
+    """Every function of the package and of its public modules."""
+    found: dict[str, Callable[..., Any]] = {}
+    for name in rwmf.__all__:
+        item = getattr(rwmf, name)
+        if isinstance(item, types.ModuleType):
+            names = getattr(item, "__all__")  # noqa: B009 (of any module)
+            found |= {f"{name}.{word}": getattr(item, word) for word in names}
+        else:
+            found[name] = item
+    return {
+        name: item
+        for name, item in found.items()
+        if callable(item) and not (inspect.isclass(item) and issubclass(item, BaseException))
+    }
+
+
+def _refused(call: Callable[..., Any], **arguments: Any) -> str:  # noqa: ANN401 (any value)
+    """Call with wrong arguments; anything else than an own error comes out."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            call(**arguments)
+        except rwmf.RwmfError as error:
+            return str(error)
+        finally:
+            plt.close("all")
+    return ""
+
+
+@pytest.mark.parametrize("name", sorted(set(_public()) - _NOT_CALLED - {*_CLASSES}))
+def test_functions_refuse_what_they_cannot_use(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each argument in turn is each wrong value; the others are right."""
+    monkeypatch.chdir(tmp_path)
+    call = _public()[name]
+    right = _calls(tmp_path)[name]
+    known = [word for word, item in inspect.signature(call).parameters.items()
+             if item.kind is not item.VAR_KEYWORD]  # fmt: skip
+    assert set(known) <= set(right), "a new argument: give it a value that works"
+    for argument in right:
+        for kind, value in WRONG.items():
+            if name == "explore" and (argument, kind) == ("case", "None"):
+                # the default, which would wait for a browser
+                continue
+            try:
+                _refused(call, **(right | {argument: value}))
+            except Exception as error:
+                pytest.fail(f"{name}({argument}={kind}): {type(error).__name__}: {error}")
+
+
+def _methods() -> Iterator[tuple[str, Callable[[Any], object]]]:
+    case = _case()
+    yield from (
+        ("from_namelist", rwmf.Case.from_namelist),
+        ("from_text", rwmf.Case.from_text),
+        ("from_text source", lambda x: rwmf.Case.from_text("&wall h = 2 /", x)),
+        ("without", case.without),
+        ("to_namelist", case.to_namelist),
+        ("group", lambda x: rwmf.Case(wall=x)),
+        ("name of a key", lambda x: case.replace(wall={x: 1.0} if _is_hashable(x) else {"x": 1})),
+        ("Motion", lambda x: rwmf.Motion(x, dt=0.1, unit="g")),
+        ("Motion dt", lambda x: rwmf.Motion([0.0, 1.0], dt=x, unit="g")),
+        ("Motion times", lambda x: rwmf.Motion([0.0, 1.0], times=x, unit="g")),
+        ("Motion unit", lambda x: rwmf.Motion([0.0, 1.0], dt=0.1, unit=x)),
+        ("Motion name", lambda x: rwmf.Motion([0.0, 1.0], dt=0.1, unit="g", name=x)),
+        ("write", _motion().write),
+        *(
+            (f"RecordFile {word}", functools.partial(_record_file, word))
+            for word in ("name", "path", "crc32", "unit", "dt", "scale", "array")
+        ),
+    )
+
+
+def _record_file(word: str, value: object) -> rwmf.RecordFile:
+    return rwmf.RecordFile(**({"name": "a", "path": "", "crc32": ""} | {word: value}))  # type: ignore[arg-type]
+
+
+def _is_hashable(value: object) -> bool:
+    try:
+        hash(value)
+    except TypeError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_methods_refuse_what_they_cannot_use(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, call in _methods():
+        try:
+            _refused(lambda call=call: call(WRONG[kind]))
+        except Exception as error:
+            pytest.fail(f"{name}({kind}): {type(error).__name__}: {error}")
+
+
+_NEVER_NUMBERS = ("masked", "masked array", "complex", "complex array", "bytes", "huge", "date",
+                  "pandas NA", "object array", "two dimensions", "mixed", "time difference",
+                  "surrogate", "text array", "nan")  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", _NEVER_NUMBERS)
+def test_every_key_refuses_what_is_no_number(kind: str) -> None:
+    """By each edit, grid and column of a table of each number of the table of keys."""
+    value = WRONG[kind]
+    for group, key, kind_of_key, *_ in schema():
+        if kind_of_key not in ("real", "integer", "real list"):
+            continue
+        edits: list[Callable[[], object]] = [
+            lambda group=group, key=key: _case().replace(**{group: {key: value}}),
+            lambda group=group, key=key: rwmf.Case(**{group: {key: value}}),
+        ]
+        if group not in ("spectrum", "output"):
+            name = f"{group}.{key}"
+            edits.append(lambda name=name: rwmf.sweep(_case(), {name: value}))
+            edits.append(lambda name=name: rwmf.sweep(_case(), points={name: value}))
+        for edit in edits:
+            assert _refused(edit), f"{group}.{key} takes {kind}"
+
+
+def test_messages_name_argument_value_and_what_is_allowed() -> None:
+    case = _case()
+    for call, words in (
+        (lambda: rwmf.spectrum(case, T_s=[[1, 2]]), ("T_s", "(1, 2)", "one dimension")),
+        (lambda: rwmf.spectrum(case, T_s=["1"]), ("T_s", "['1']", "finite numbers")),
+        (lambda: rwmf.spectrum(case, T_s=WRONG["masked array"]), ("T_s", "position 1", "masked")),
+        (lambda: case.replace(wall={"h": 10**400}), ("&wall", "h = ", "1329 bits", "numbers")),
+        (lambda: case.replace(wall={"h": 2 + 1j}), ("&wall", "h = (2+1j)", "numbers")),
+        (lambda: rwmf.simulate(case, np.ones(2)), ("dt", "array([1., 1.])", "number > 0")),
+        (lambda: rwmf.simulate(3), ("case = 3", "a Case or the path")),  # type: ignore[arg-type]
+        (lambda: rwmf.plot.history(case), ("dataset = Case", "rwmf.simulate")),  # type: ignore[arg-type]
+        (lambda: rwmf.plot.spectrum(_found()["run"]), ("T_s", "rwmf.spectrum")),
+    ):
+        message = _refused(call)
+        assert all(word in message for word in words), message
+
+
+def test_right_values_stay_right() -> None:
+    """What has numbers in it is taken, whatever holds them."""
+    case = _case()
+    expected = rwmf.spectrum(case, T_s=[0.5, 1.0])
+    for periods in (
+        (0.5, 1.0),
+        np.array([0.5, 1.0], dtype=np.float32),
+        np.ma.array([0.5, 1.0], mask=[False, False]),
+        np.array([0.5, 1.0], dtype=object),
+        pd.Series([0.5, 1.0]),
+        expected["T_s"],
+        iter([0.5, 1.0]),
+    ):
+        assert rwmf.spectrum(case, T_s=periods)["u_s_max"].equals(expected["u_s_max"])  # type: ignore[arg-type]
+    assert case.replace(wall={"h": np.array(3)}).wall.h == 3.0

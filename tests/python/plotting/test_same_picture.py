@@ -1,0 +1,174 @@
+"""A case in ratios and the same case in kg, N and Pa give the same figures, films and studies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from dimensional import SCENES, in_both
+
+pytest.importorskip("matplotlib")
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from rwmf.plotting.animation import _stage
+from rwmf.plotting.building import find_building
+from rwmf.plotting.files import save_history
+from rwmf.plotting.style import new_figure
+
+Drawing = Callable[[rwmf.Case, Figure], object]
+_SHORT: dict[str, Any] = {"output": {"dt": 0.02, "reactions": True}, "solver": {"t_end": 3.0}}
+
+
+def _own_period(case: rwmf.Case) -> dict[str, Any]:
+    """At another period a force and a displacement at first yield are two strengths."""
+    return {"T_s": [case.kernel.axes()["T_s"].value]}
+
+
+def _history(case: rwmf.Case, figure: Figure) -> None:
+    run = rwmf.simulate(case)
+    names = rwmf.plotting.response.panels_of(run)
+    rwmf.plot.history(run, figure.subplots(len(names)), names, case=case)
+
+
+def _profile(case: rwmf.Case, figure: Figure) -> None:
+    run = rwmf.simulate(case)
+    n = len(rwmf.plotting.profile.demands_of(run))
+    # without a wall ratios are over no mass, and no shear is in N
+    if n and case.wall is not None:
+        rwmf.plot.profile(run, figure.subplots(1, n), case=case)
+
+
+def _loops(case: rwmf.Case, figure: Figure) -> None:
+    run = rwmf.simulate(case)
+    # storeys that yield one by one have no column of a force
+    if rwmf.loops.springs_of({str(name): run[name].values for name in run}, case):
+        n = len(rwmf.loops.group_by_kind(rwmf.loops.find_loops(run, case)))
+        rwmf.loops.draw(run, case, figure.subplots(1, n, squeeze=False)[0])
+
+
+def _film(case: rwmf.Case, figure: Figure) -> None:
+    """Draw the last picture, with all storeys that have yielded."""
+    run = rwmf.simulate(case)
+    building = find_building(case, run)
+    _stage(figure, case, run, building, 1.0)(run.sizes["time"] - 1)
+
+
+def _spectrum(case: rwmf.Case, figure: Figure) -> None:
+    if "T_s" in case.kernel.axes():
+        rwmf.plot.spectrum(rwmf.spectrum(case, **_own_period(case)), figure.subplots())
+
+
+def _wall_effect(case: rwmf.Case, figure: Figure) -> None:
+    if case.frame is not None and case.wall is not None:
+        found = rwmf.studies.wall_effect(case, _own_period(case))
+        rwmf.plot.draw_wall_effect(found, figure.subplots())
+
+
+def _friction(case: rwmf.Case, figure: Figure) -> None:
+    if case.wall is not None and case.wall.base == "rocking":
+        found = rwmf.studies.friction_spectra(case, _own_period(case))
+        rwmf.plot.draw_friction(found, figure.subplots(1, 2))
+
+
+def _bands(case: rwmf.Case, figure: Figure) -> None:
+    if case.frame is not None:
+        found = rwmf.studies.sensitivity_bands(case, _own_period(case), {"xi_s": [0.02, 0.05]})
+        rwmf.plot.draw_bands(found, figure.subplots())
+
+
+DRAWINGS = (_history, _profile, _loops, _film, _spectrum, _wall_effect, _friction, _bands)
+
+
+def _texts(ax: Axes) -> Iterator[str]:
+    yield from (ax.get_xlabel(), ax.get_ylabel(), ax.get_title())
+    yield from (text.get_text() for text in ax.texts)
+    for child in ax.get_children():
+        if isinstance(child, Legend):
+            yield from (text.get_text() for text in child.get_texts())
+
+
+def _drawn(figure: Figure) -> tuple[list[str], list[np.ndarray], list[str]]:
+    """Texts, coordinates and colours of all that is drawn."""
+    texts = [text for ax in figure.axes for text in _texts(ax)]
+    numbers: list[np.ndarray] = []
+    looks: list[str] = []
+    for ax in figure.axes:
+        for line in ax.lines:
+            numbers.append(np.asarray(line.get_xydata(), dtype=float))
+            looks.append(f"{line.get_color()} {line.get_linestyle()} {line.get_marker()}")
+        for patch in ax.patches:
+            numbers.append(np.asarray(patch.get_path().vertices, dtype=float))
+        for found in ax.collections:
+            numbers += [path.vertices for path in found.get_paths()]
+    return texts, numbers, looks
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("drawing", DRAWINGS, ids=lambda drawing: drawing.__name__.strip("_"))
+def test_units_do_not_change_the_picture(drawing: Drawing, scene: str) -> None:
+    found = []
+    for case in in_both(scene):
+        with new_figure(4.0) as figure:
+            drawing(case.replace(**_SHORT), figure)
+            found.append(_drawn(figure))
+    (texts, numbers, looks), (texts_si, numbers_si, looks_si) = found
+    assert (texts, looks) == (texts_si, looks_si)
+    assert len(numbers) == len(numbers_si)
+    for ours, theirs in zip(numbers, numbers_si, strict=True):
+        # the tolerance of the runs, over the largest number of the line
+        size = np.nanmax(np.abs(ours), initial=0.0)
+        np.testing.assert_allclose(theirs, ours, rtol=1e-6, atol=1e-6 * size)
+
+
+def test_storeys_in_newtons_yield_at_their_own_drift() -> None:
+    """Five storeys of which the first one yields; the levels are those of their displacements."""
+    case = rwmf.Case(
+        wall={"h": 9.0, "b": 2.0, "m_w": 2e4},
+        frame={"xi_s": 0.05},
+        storeys={"m": [2e4] * 3, "k": [3e7, 2e7, 1e7], "height": [6.0] * 3, "coupling": "full"},
+        yielding={"storey_F_y": [1.5e5, 3e5, 3e5]},
+        motion={"kind": "one_sine", "a_max_g": 0.4, "T_p": 1.0},
+        **_SHORT,
+    )
+    run = rwmf.simulate(case)
+    building = find_building(case, run)
+    assert building is not None
+    ductility = np.array([float(run[f"storey_{i}_ductility"]) for i in (1, 2, 3)])
+    assert 0 < np.sum(ductility > 1) < 3
+    assert np.array_equal(building.has_yielded[:, -1], ductility > 1)
+
+
+def test_prestress_in_newtons_follows_every_axis() -> None:
+    """The largest cable force of a study is that of a run, for each stress and width."""
+    ratios, units = in_both("corners")
+    del ratios
+    stress = float(units.cable.initial_stress)
+    grid = {"T_s": [0.8], "initial_stress": [0.5 * stress, stress], "b": [1.8, 2.0]}
+    found = rwmf.studies.friction_spectra(units, grid)["cable_force_max_over_m_w_g"].squeeze()
+    for i, share in enumerate((0.5, 1.0)):
+        for k, b in enumerate((1.8, 2.0)):
+            changed = units.replace(
+                cable={"initial_stress": share * stress}, wall={"b": b}, output={"dt": 2e-3}
+            )
+            run = rwmf.simulate(changed)
+            force = float(run["cable_force_over_m_w_g"].max())
+            at = found.isel(initial_stress=i).sel(b=b)
+            assert float(at) == pytest.approx(force, rel=1e-4), (share, b, k)
+
+
+def test_a_figure_of_a_file_reads_the_case_from_its_path(tmp_path: Path) -> None:
+    _, units = in_both("storeys full")
+    case = units.replace(**_SHORT)
+    case.to_namelist(tmp_path / "case.nml")
+    run = rwmf.simulate(tmp_path / "case.nml")
+    assert isinstance(run, xr.Dataset)
+    save_history(run, tmp_path / "a.svg", case)
+    save_history(run, tmp_path / "b.svg", rwmf.Case.from_namelist(tmp_path / "case.nml"))
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

@@ -1,0 +1,154 @@
+"""Period and damping of an intensity: one factor for each record, whatever the design."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from rwmf import cli, studies
+from rwmf.errors import InputError
+from scenes import coupled
+
+LEVELS = [0.2, 0.6]
+_FAST = {"method": "dop853", "rtol": 1e-6}
+
+
+def _records() -> list[rwmf.Motion]:
+    chance = np.random.default_rng(5)
+    noise = chance.standard_normal((2, 200)) * np.hanning(200)
+    return [rwmf.Motion(a, dt=0.02, unit="m/s2", name=f"r{i}") for i, a in enumerate(noise)]
+
+
+def _designs() -> dict[str, rwmf.Case]:
+    """Two retrofits of a frame, its bare self, storeys, and a wall alone, each computed its way."""
+    first = coupled(solver=_FAST | {"t_end": 4.0}, cable={"eta_alpha": 1.0})
+    storeys = {"m_over_m_w": [2.0, 2.0], "k_over_m_w": [900.0, 600.0], "height": [2.0, 2.0]}
+    return {
+        "wall": first,
+        "stiffer": first.replace(frame={"T_s": 0.7, "xi_s": 0.02}, solver={"rtol": 1e-8}),
+        "published": first.replace(model={"formulation": "published"}, solver={"method": "erk54"}),
+        "bare": studies.without_wall(first),
+        "storeys": first.replace(frame={"T_s": None, "gamma": None}, storeys=storeys),
+        "block": first.without("frame"),
+    }
+
+
+def _factors(found: xr.Dataset) -> list[str]:
+    return list(found["record_format"].values)
+
+
+def test_designs_share_the_factor_of_each_record() -> None:
+    """To the bit; without period and damping each takes its own."""
+    wanted: dict[str, Any] = {"period": 1.1, "damping": 0.05}
+    found = {
+        name: studies.incremental_dynamic_analysis(case, LEVELS, _records(), **wanted)
+        for name, case in _designs().items()
+    }
+    factors = [_factors(item) for item in found.values()]
+    assert all(item == factors[0] for item in factors)
+    assert factors[0][0] != factors[0][1]
+    for item in found.values():
+        assert item.attrs["intensity"] == "pseudo_acceleration"
+        assert (item.attrs["intensity_period_s"], item.attrs["intensity_damping"]) == (1.1, 0.05)
+        assert "period 1.1 s and damping 0.05" in item["scale"].attrs["long_name"]
+    # the definition: omega^2 u_max of that oscillator is 1 g
+    factor = float(factors[0][0].split("times ")[1])
+    alone = rwmf.Case(frame={"T_s": 1.1, "xi_s": 0.05}, motion=_records()[0])
+    peak = float(rwmf.simulate(alone.replace(motion={"scale": factor}))["u_s_max"])
+    assert (2 * math.pi / 1.1) ** 2 * peak == pytest.approx(9.81, rel=1e-7)
+
+
+def test_without_them_they_are_those_of_the_frame() -> None:
+    designs = _designs()
+    own = [
+        studies.incremental_dynamic_analysis(designs[name], LEVELS, _records())
+        for name in ("wall", "stiffer", "storeys", "block")
+    ]
+    periods = [item.attrs.get("intensity_period_s") for item in own]
+    assert periods[:2] == [1.0, 0.7]
+    assert periods[2] == designs["storeys"].kernel.axes()["T_s"].value
+    assert periods[3] is None
+    assert own[3].attrs["intensity"] == "peak_acceleration"
+    assert _factors(own[0]) != _factors(own[1])
+
+
+@pytest.mark.parametrize(
+    "grid",
+    [
+        {"T_s": [0.5, 1.0]},
+        {"T_s": [0.5]},
+        {"gamma": [3.0, 5.0]},
+        {"b": [0.4, 0.5]},
+        {"frame.xi_s": [0.02, 0.05]},
+    ],
+)
+def test_they_are_required_where_structures_vary(grid: dict[str, list[float]]) -> None:
+    case = _designs()["wall"]
+    options: dict[str, Any] = {"intensity": "pseudo_acceleration"}
+    scaled = {"scale": [0.3]} | grid
+    with pytest.raises(InputError, match="differs between the runs: give period and damping"):
+        rwmf.sweep(case, scaled, _records(), **options)
+    columns = {name: np.array(values) for name, values in grid.items()}
+    with pytest.raises(InputError, match="differs between the runs"):
+        rwmf.sweep(case, {"scale": [0.3]}, _records(), points=columns, **options)
+    with pytest.raises(InputError, match="differs between the runs"):
+        rwmf.sweep(case.replace(spectrum={"T_s": [0.5, 1.0]}), {}, _records(), **options)
+    found = rwmf.sweep(case, scaled, _records(), **options, period=1.0, damping=0.05)
+    assert found.attrs["intensity_period_s"] == 1.0
+    # what does not change the frame needs none
+    rwmf.sweep(case, {"scale": [0.3], "e": [0.8, 0.9], "T_s": [1.0]}, _records(), **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"period": 1.0}, "has period only"),
+        ({"damping": 0.05}, "has damping only"),
+        ({"period": -1.0, "damping": 0.05}, "period = -1.0: must be"),
+        ({"period": 1.0, "damping": -0.1}, "damping = -0.1: must be"),
+        ({"intensity": "peak_acceleration", "period": 1.0}, "period: must not be given"),
+        ({"intensity": "pseudo_aceleration"}, "did you mean pseudo_acceleration"),
+    ],
+)
+def test_what_does_not_belong_together(options: dict[str, Any], message: str) -> None:
+    case = _designs()["wall"]
+    with pytest.raises(InputError, match=message):
+        studies.incremental_dynamic_analysis(case, LEVELS, _records(), **options)
+
+
+def test_files_and_commands_take_and_state_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("h5netcdf")
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    _designs()["wall"].to_namelist("case.nml")
+    for motion in _records():
+        motion.write(f"{motion.name}.txt")
+    (tmp_path / "s.nml").write_text(
+        "&sweep case = 'case.nml', records = 'r*.txt', unit = 'm/s2', dt = 0.02,\n"
+        "   intensity = 'pseudo_acceleration', period = 1.1, damping = 0.05 /\n"
+        "&grid scale = 0.2, 0.6 T_s = 0.8, 1.0 /\n"
+    )
+    assert cli.main(["sweep", "s.nml"]) == 0
+    with xr.open_dataset("s.nc", engine="h5netcdf") as found:
+        assert (found.attrs["intensity_period_s"], found.attrs["intensity_damping"]) == (1.1, 0.05)
+    capsys.readouterr()
+    # two columns: a study has no option for the interval of one
+    for motion in _records():
+        times = np.column_stack([motion.times, motion.values])
+        np.savetxt(f"{motion.name}.txt", times, fmt="%.17g")
+    words = "study fragility case.nml --records r0.txt r1.txt --unit m/s2 --levels 0.1:3:12"
+    options = "--limit 0.1 --period 1.1 --damping 0.05 --plot f.svg --file f.nc"
+    assert cli.main([*words.split(), *options.split()]) == 0
+    assert "period 1.1 s and damping 0.05" in capsys.readouterr().out
+    with xr.open_dataset("f.nc", engine="h5netcdf") as found:
+        assert found.attrs["intensity_period_s"] == 1.1
+        ax = rwmf.plot.make_panels(None, 1)[0]
+        rwmf.plot.draw_fragility(found.load(), ax)
+        assert ax.get_xlabel() == "$S_a$(1.1 s, 5 %)$/g$"
