@@ -22,7 +22,7 @@ module rwmf_model_equation
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
    public :: frame_displacement
-   public :: frame_motion, frame_travel, frame_mass, corner_share
+   public :: frame_acceleration, frame_motion, frame_travel, frame_mass, corner_share
 
    !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
    !> force on the wall that belong to it (developer/adding-an-effect.md).
@@ -604,6 +604,23 @@ contains
       u_s = side*model%p%R*kin%u
       u_s_dot = model%p%R*kin%j*y(2)
    end subroutine frame_motion
+
+   !> Acceleration of the frame relative to the ground [m/s2].
+   pure real(wp) function frame_acceleration(model, side, y, theta_ddot) result(u_s_ddot)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: theta_ddot
+      !! rate of the second state [rad/s2] or [m/s2]
+      type(kinematics_t) :: kin
+
+      u_s_ddot = theta_ddot
+      if (.not. model%has_wall) return
+      kin = kinematics_of(model%geometry, side, side*y(1))
+      u_s_ddot = model%p%R*(kin%j*theta_ddot + side*kin%k*y(2)**2)
+   end function frame_acceleration
 
    !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
    pure real(wp) function frame_travel(model) result(travel)

@@ -2,11 +2,11 @@
 !> displaced by.
 module rwmf_model_floor_motion
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: frame_motion, model_t
+   use rwmf_model_equation, only: frame_acceleration, frame_motion, model_t
    implicit none
    private
 
-   public :: floor_motion, storey_motion
+   public :: floor_motion, storey_motion, storey_accelerations
 
 contains
 
@@ -53,5 +53,22 @@ contains
       d_dot = v
       d_dot(2:) = v(2:) - v(:n - 1)
    end subroutine storey_motion
+
+   !> Second derivatives of the displacements of the storeys.
+   pure function storey_accelerations(model, side, y, y_dot) result(d_ddot)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! in force, +1 or -1
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates
+      real(wp) :: d_ddot(model%floors%n)
+      !! [m/s2]
+
+      associate (first => model%floors%first, n => model%floors%n)
+         d_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
+         d_ddot(n) = frame_acceleration(model, side, y, y_dot(2))
+         d_ddot(2:) = d_ddot(2:) - d_ddot(:n - 1)
+      end associate
+   end function storey_accelerations
 
 end module rwmf_model_floor_motion

@@ -5,13 +5,13 @@ module rwmf_simulation_events_step_view
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
-   use rwmf_motion_ground_motion, only: interval_end, turning_point
+   use rwmf_motion_ground_motion, only: fastest_rate, interval_end, turning_point
    implicit none
    private
 
    public :: step_view_t, view_step, until, from
    public :: count_parts, end_of_part, sample_state, accelerations
-   public :: is_short, is_steady, may_reverse
+   public :: fastest_angle, is_short, is_steady, may_reverse
 
    !> A piece of the last step, from a to b. It points to what others hold.
    type :: step_view_t
@@ -128,6 +128,21 @@ contains
       y_ddot = [second_derivative(step%equation, step%t_a, step%y_a), &
          second_derivative(step%equation, step%t_b, step%y_b)]
    end function accelerations
+
+   !> Angle that the fastest vibration of scene or ground goes through in a time, 1 at least [rad].
+   pure real(wp) function fastest_angle(step, duration) result(angle)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: duration
+      !! [s]
+      real(wp) :: frequency
+
+      associate (equation => step%equation)
+         frequency = max(equation%p%omega_s, equation%floors%max_frequency, &
+            fastest_rate(equation%motion))
+         if (equation%has_wall) frequency = max(frequency, sqrt(equation%p%g_over_R))
+      end associate
+      angle = max(1.0_wp, duration*frequency)
+   end function fastest_angle
 
    !> Does a step take the frame, and what else has a frequency, through less than an angle, under a
    !> ground acceleration that is monotone?

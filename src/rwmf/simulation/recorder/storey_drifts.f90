@@ -4,9 +4,11 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_math_sign_changes, only: no_change
+   use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
+      span_between, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
-   use rwmf_simulation_events_storey_events, only: end_at_turn, moment_t, of_drift, &
-      sample_storeys, span_of, storey_span_t
+   use rwmf_simulation_events_storey_events, only: storeys_t
    implicit none
    private
 
@@ -35,39 +37,94 @@ contains
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      type(storeys_t) :: storeys
       type(moment_t) :: before, after
-      type(storey_span_t) :: span
+      type(span_t) :: span
       integer :: n, i, k
 
+      storeys%step = step
       n = count_parts(step)
       if (n == 1) then
-         if (.not. may_turn(largest, step)) return
+         if (is_inside(largest, storeys)) return
       end if
-      call sample_storeys(step, step%t_a, after, error)
+      call sample_functions(storeys, step%t_a, after, error)
       do i = 1, n
          if (allocated(error)) return
          before = after
-         call sample_storeys(step, end_of_part(step, i, n), after, error)
+         call sample_functions(storeys, end_of_part(step, i, n), after, error)
+         if (allocated(error)) return
+         span = span_between(storeys, before, after)
          do k = 1, size(largest)
+            call follow_turns(largest(k), storeys, k, span, error)
             if (allocated(error)) return
-            span = span_of(step, k, before, after)
-            call end_at_turn(span, [-largest(k), largest(k)], error)
-            largest(k) = max(largest(k), abs(span%motion(of_drift, 2)))
          end do
       end do
    end subroutine observe_turns
 
-   !> May a storey turn in a short piece, farther out than ever? Lets the end take part.
-   logical function may_turn(largest, step)
+   !> Is it plain from the ends of a short piece, the last of which takes part, that no storey goes
+   !> farther out between them?
+   logical function is_inside(largest, storeys)
       real(wp), intent(inout) :: largest(:)
-      type(step_view_t), intent(in) :: step
-      real(wp), dimension(size(largest), 2) :: d, rate
+      type(storeys_t), intent(inout) :: storeys
+      type(moment_t) :: a, b
+      type(span_t) :: span
+      integer :: k
 
-      call storey_motion(step%equation, step%equation%state%side, step%y_a, d(:, 1), rate(:, 1))
-      call storey_motion(step%equation, step%equation%state%side, step%y_b, d(:, 2), rate(:, 2))
-      may_turn = any(rate(:, 1)*rate(:, 2) < 0 .and. maxval(abs(d), 2) &
-         + (step%t_b - step%t_a)*maxval(abs(rate), 2) > largest)
-      largest = max(largest, abs(d(:, 2)))
-   end function may_turn
+      a%t = storeys%step%t_a
+      b%t = storeys%step%t_b
+      storeys%derivatives = 1
+      call storeys%evaluate(a%t, storeys%step%y_a, a%f)
+      call storeys%evaluate(b%t, storeys%step%y_b, b%f)
+      storeys%derivatives = 2
+      largest = max(largest, abs(b%f(:, 0)))
+      span = span_between(storeys, a, b)
+      is_inside = .true.
+      do k = 1, size(largest)
+         is_inside = is_inside .and. stays_within(largest(k), k, span)
+      end do
+   end function is_inside
+
+   !> Is it plain that a storey does not go farther out than ever in a span?
+   logical function stays_within(largest, k, span)
+      real(wp), intent(in) :: largest
+      !! [m]
+      integer, intent(in) :: k
+      !! number of the storey, from the ground
+      type(span_t), intent(in) :: span
+
+      stays_within = changes_in(span, watch_t(k, 0, level=-largest, side=1.0_wp)) == no_change
+      if (stays_within) stays_within = changes_in(span, watch_t(k, 0, level=largest, &
+         side=-1.0_wp)) == no_change
+   end function stays_within
+
+   !> Let the turns of a storey in a span, and its end, take part.
+   subroutine follow_turns(largest, storeys, k, span, error)
+      real(wp), intent(inout) :: largest
+      !! [m]
+      type(storeys_t), intent(in) :: storeys
+      integer, intent(in) :: k
+      !! number of the storey, from the ground
+      type(span_t), intent(in) :: span
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most_turns = 100
+      type(span_t) :: rest, part
+      real(wp) :: way
+      logical :: turns
+      integer :: i
+
+      largest = max(largest, abs(span%b%f(k, 0)))
+      rest = span
+      do i = 1, most_turns
+         if (stays_within(largest, k, rest)) return
+         way = rest%a%f(k, 1)
+         if (abs(way) <= 0) way = rest%a%f(k, 2)
+         part = rest
+         call stop_at_change(storeys, watch_t(k, 1, side=sign(1.0_wp, way)), part, turns, error)
+         if (allocated(error) .or. .not. turns) return
+         largest = max(largest, abs(part%b%f(k, 0)))
+         if (.not. part%b%t > rest%a%t .or. .not. span%b%t > part%b%t) return
+         rest = span_between(storeys, part%b, span%b)
+      end do
+   end subroutine follow_turns
 
 end module rwmf_simulation_recorder_storey_drifts

@@ -1,0 +1,213 @@
+!> Sign changes of a smooth function in a span, from its value and derivatives at both ends.
+!>
+!> The Hermite polynomial through both ends is written in Bernstein form, one degree higher than it
+!> needs. A polynomial changes its sign at most as often as these coefficients do (Descartes): no
+!> change means no root, one means exactly one. The interpolation error vanishes at the ends with
+!> all known derivatives, so it moves only the middle coefficients. Where one of these lies within
+!> that error, nothing is decided and the caller halves the span.
+module rwmf_math_sign_changes
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   implicit none
+   private
+
+   public :: polygon_t, value_polygon, rate_polygon, roughness, changes_of, root_of
+   public :: no_change, one_change, change_at_begin, unclear
+
+   integer, parameter :: no_change = 0
+   integer, parameter :: one_change = 1
+   !! from positive to negative
+   integer, parameter :: change_at_begin = 2
+   !! the function is negative from the beginning on
+   integer, parameter :: unclear = 3
+
+   integer, parameter :: highest = 6
+
+   !> A function over a span, positive where nothing has happened.
+   type :: polygon_t
+      integer :: n = 0
+      !! degree
+      real(wp) :: c(0:highest) = 0
+      !! Bernstein coefficients
+      real(wp) :: margin(0:highest) = 0
+      !! interpolation error of each
+   end type polygon_t
+
+contains
+
+   !> Bernstein coefficients of the quintic through values, rates and second derivatives at both
+   !> ends; of the cubic through values and rates where no second derivative is known.
+   pure function points_of(h, a, b) result(p)
+      real(wp), intent(in) :: h
+      !! length of the span
+      real(wp), intent(in) :: a(0:), b(0:)
+      !! value, rate and second derivative at the ends
+      real(wp) :: p(0:2*size(a) - 1)
+
+      if (size(a) == 2) then
+         p = [a(0), a(0) + h*a(1)/3, b(0) - h*b(1)/3, b(0)]
+      else
+         p = [a(0), a(0) + h*a(1)/5, a(0) + 2*h*a(1)/5 + h**2*a(2)/20, &
+            b(0) - 2*h*b(1)/5 + h**2*b(2)/20, b(0) - h*b(1)/5, b(0)]
+      end if
+   end function points_of
+
+   !> Bound of the first unknown derivative, times the power of the length over the factorial.
+   !>
+   !> A motion of the frequency w has derivatives that grow by w with each order. The last one of
+   !> the polynomial may vanish where the next is largest, so that the one before counts as well.
+   pure real(wp) function roughness(angle, h, a, b)
+      real(wp), intent(in) :: angle
+      !! of the fastest vibration in the span, 1 at least: the length of the integrator's steps
+      !! limits all others [rad]
+      real(wp), intent(in) :: h
+      !! length of the span
+      real(wp), intent(in) :: a(0:), b(0:)
+      !! value, rate and second derivative at the ends
+      real(wp) :: p(0:2*size(a) - 1), before(2)
+
+      p = points_of(h, a, b)
+      if (size(a) == 2) then
+         before = [p(0) - 2*p(1) + p(2), p(1) - 2*p(2) + p(3)]
+      else
+         before = [p(0) - 4*p(1) + 6*p(2) - 4*p(3) + p(4), p(1) - 4*p(2) + 6*p(3) - 4*p(4) + p(5)]
+      end if
+      roughness = angle*abs(before(2) - before(1)) + angle**2*maxval(abs(before))
+   end function roughness
+
+   !> A function as a polygon, with the error of the interpolation.
+   pure type(polygon_t) function value_polygon(h, a, b, rough) result(polygon)
+      real(wp), intent(in) :: h
+      !! length of the span
+      real(wp), intent(in) :: a(0:), b(0:)
+      !! value, rate and second derivative at the ends
+      real(wp), intent(in) :: rough
+      !! `roughness` of the function, or of the largest of its kind
+      real(wp) :: p(0:2*size(a) - 1)
+      integer :: k, n
+
+      p = points_of(h, a, b)
+      n = 2*size(a)
+      polygon%n = n
+      polygon%c(0) = p(0)
+      do k = 1, n - 1
+         polygon%c(k) = (k*p(k - 1) + (n - k)*p(k))/n
+      end do
+      polygon%c(n) = p(n - 1)
+      polygon%margin(n/2) = merge(rough/24, rough/120, n == 4)
+   end function value_polygon
+
+   !> The rate of a function as a polygon, with the error of the interpolation.
+   pure type(polygon_t) function rate_polygon(h, a, b, rough) result(polygon)
+      real(wp), intent(in) :: h
+      !! length of the span
+      real(wp), intent(in) :: a(0:), b(0:)
+      !! value, rate and second derivative at the ends
+      real(wp), intent(in) :: rough
+      !! `roughness` of the function, or of the largest of its kind
+      real(wp) :: p(0:2*size(a) - 1)
+      real(wp) :: r(0:2*size(a) - 2)
+      integer :: k, n
+
+      p = points_of(h, a, b)
+      if (size(a) == 2) then
+         r = [a(1), 3*(p(2) - p(1))/h, b(1)]
+      else
+         r = [a(1), a(1) + h*a(2)/4, 5*(p(3) - p(2))/h, b(1) - h*b(2)/4, b(1)]
+      end if
+      n = 2*size(a) - 1
+      polygon%n = n
+      polygon%c(0) = r(0)
+      do k = 1, n - 1
+         polygon%c(k) = (k*r(k - 1) + (n - k)*r(k))/n
+      end do
+      polygon%c(n) = r(n - 1)
+      polygon%margin(n/2:n/2 + 1) = merge(rough/(6*h), rough/(20*h), n == 3)
+   end function rate_polygon
+
+   !> How often the function of a polygon becomes negative: one of the numbers above.
+   !>
+   !> Coefficients within round-off have no sign. Those within their margin may have either.
+   pure integer function changes_of(polygon, noise) result(changes)
+      type(polygon_t), intent(in) :: polygon
+      real(wp), intent(in) :: noise
+      !! round-off of the function
+      integer :: fewest, most, sign_now, k, open
+      !! changes; last sign met; number of open coefficients since
+      logical :: begins_open
+
+      fewest = 0
+      most = 0
+      sign_now = 0
+      open = 0
+      begins_open = .false.
+      do k = 0, polygon%n
+         associate (c => polygon%c(k), margin => polygon%margin(k))
+            if (abs(c) <= max(margin, noise)) then
+               if (margin > noise) open = open + 1
+               cycle
+            end if
+            if (sign_now == 0) begins_open = open > 0
+            if (sign_now == 0 .and. open == 0 .and. c < 0) then
+               changes = change_at_begin
+               return
+            end if
+            call count_changes(merge(1, -1, c > 0), open, sign_now, fewest, most)
+            open = 0
+         end associate
+      end do
+      changes = unclear
+      if (begins_open .or. open > 0) return
+      if (most == 0) changes = no_change
+      ! a root of a function that begins at zero has no bracket
+      if (fewest == 1 .and. most == 1) then
+         if (polygon%c(0) > noise .and. polygon%c(polygon%n) < -noise) changes = one_change
+      end if
+   end function changes_of
+
+   !> Count the changes up to the next coefficient with a sign.
+   pure subroutine count_changes(sign_next, open, sign_now, fewest, most)
+      integer, intent(in) :: sign_next
+      integer, intent(in) :: open
+      !! coefficients between them that may have either sign
+      integer, intent(inout) :: sign_now
+      !! that of the last coefficient with a sign, 0 for none
+      integer, intent(inout) :: fewest, most
+      integer :: change
+
+      change = merge(1, 0, sign_now*sign_next < 0)
+      fewest = fewest + change
+      ! both ends fix whether the number is odd
+      most = most + change + 2*((open + 1 - change)/2)
+      sign_now = sign_next
+   end subroutine count_changes
+
+   !> Position of the root of a polygon with one change, nearly, from 0 to 1.
+   pure real(wp) function root_of(polygon) result(x)
+      type(polygon_t), intent(in) :: polygon
+      real(wp), parameter :: resolution = 1.0e-9_wp
+      type(secant_t) :: secant
+
+      secant = secant_between([0.0_wp, 1.0_wp], [polygon%c(0), polygon%c(polygon%n)], resolution)
+      do while (secant%is_open)
+         call close_in(secant, polynomial_at(polygon, secant%next))
+      end do
+      x = secant%x(1) + (secant%x(2) - secant%x(1))/2
+   end function root_of
+
+   !> Value of a polynomial by de Casteljau's scheme.
+   pure real(wp) function polynomial_at(polygon, x) result(value)
+      type(polygon_t), intent(in) :: polygon
+      real(wp), intent(in) :: x
+      !! position in the span, from 0 to 1
+      real(wp) :: c(0:highest)
+      integer :: k
+
+      c = polygon%c
+      do k = polygon%n, 1, -1
+         c(:k - 1) = c(:k - 1) + x*(c(1:k) - c(:k - 1))
+      end do
+      value = c(0)
+   end function polynomial_at
+
+end module rwmf_math_sign_changes

@@ -1,0 +1,240 @@
+!> First sign change of a function of time and state inside the last step of an integrator.
+!>
+!> The functions of a kind (displacements of storeys, drifts, the rotation) share one sample: their
+!> values, rates and second derivatives at a time of the step. A span is quiet when the polygon of a
+!> function (`rwmf_math_sign_changes`) has no sign change with the error of the interpolation taken
+!> into account. Where that is not clear, the span is halved with the integrator's own state.
+module rwmf_simulation_events_first_change
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_math_sign_changes, only: change_at_begin, changes_of, no_change, one_change, &
+      polygon_t, rate_polygon, root_of, roughness, value_polygon
+   use rwmf_simulation_events_step_view, only: fastest_angle, sample_state, step_view_t
+   implicit none
+   private
+
+   public :: functions_t, moment_t, span_t, watch_t, changes_in, sample_functions, span_between, &
+      stop_at_change, stop_at_root, value_at
+
+   !> Functions at an instant.
+   type :: moment_t
+      real(wp) :: t
+      !! [s]
+      real(wp), allocatable :: f(:, :)
+      !! (functions, 0:derivatives)
+   end type moment_t
+
+   !> Functions between two instants.
+   type :: span_t
+      type(moment_t) :: a, b
+      real(wp) :: rough
+      !! of the roughest function: those of a kind move together
+      real(wp) :: largest(0:1)
+      !! value and rate at the ends
+   end type span_t
+
+   !> Functions of one kind over a step.
+   type, abstract :: functions_t
+      type(step_view_t) :: step
+   contains
+      procedure(evaluate_i), deferred :: evaluate
+   end type functions_t
+
+   abstract interface
+      !> Functions at a state, with their first or their first two derivatives by time.
+      subroutine evaluate_i(self, t, y, f)
+         import :: functions_t, wp
+         implicit none
+         class(functions_t), intent(in) :: self
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), allocatable, intent(out) :: f(:, :)
+         !! (functions, 0:derivatives)
+      end subroutine evaluate_i
+   end interface
+
+   !> The side of a level on which a function, or its rate, is expected to stay.
+   type :: watch_t
+      integer :: which
+      !! number of the function
+      integer :: order
+      !! 0: its value, 1: its rate
+      real(wp) :: level = 0
+      real(wp) :: side = 1
+      !! +1: at the level or above it, -1: at the level or below it
+   end type watch_t
+
+contains
+
+   !> Sample the functions at a time of the step.
+   subroutine sample_functions(functions, t, moment, error)
+      class(functions_t), intent(in) :: functions
+      real(wp), intent(in) :: t
+      !! [s]
+      type(moment_t), intent(out) :: moment
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      real(wp) :: y(size(functions%step%y_a))
+
+      call sample_state(functions%step, t, y, error)
+      if (allocated(error)) return
+      moment%t = t
+      call functions%evaluate(t, y, moment%f)
+   end subroutine sample_functions
+
+   !> The functions between two moments.
+   function span_between(functions, a, b) result(span)
+      class(functions_t), intent(in) :: functions
+      type(moment_t), intent(in) :: a, b
+      type(span_t) :: span
+      real(wp) :: angle
+      integer :: i
+
+      span%a = a
+      span%b = b
+      span%rough = 0
+      do i = 0, 1
+         span%largest(i) = max(maxval(abs(a%f(:, i))), maxval(abs(b%f(:, i))))
+      end do
+      angle = fastest_angle(functions%step, b%t - a%t)
+      do i = 1, size(a%f, 1)
+         span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
+      end do
+   end function span_between
+
+   !> Distance of a watched function from its level; negative on the other side.
+   pure real(wp) function value_at(watch, moment) result(value)
+      type(watch_t), intent(in) :: watch
+      type(moment_t), intent(in) :: moment
+
+      value = watch%side*(moment%f(watch%which, watch%order) - watch%level)
+   end function value_at
+
+   !> How a watched function changes in a span: a number of `rwmf_math_sign_changes`.
+   pure integer function changes_in(span, watch) result(changes)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watch
+
+      changes = changes_of(polygon_in(span, watch), noise_in(span, watch))
+   end function changes_in
+
+   !> Round-off of a watched function.
+   !>
+   !> Rates are differences of larger ones. Their polygon contains the mean rate, which round-off of
+   !> the values spoils in a short span. A reversal that it hides moves the values by round-off.
+   pure real(wp) function noise_in(span, watch) result(noise)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watch
+      integer, parameter :: spacings = 8
+
+      noise = abs(watch%level)
+      if (watch%order == 1) noise = span%largest(1) + span%largest(0)/(span%b%t - span%a%t)
+      noise = spacings*epsilon(noise)*noise
+   end function noise_in
+
+   !> A watched function in a span.
+   pure type(polygon_t) function polygon_in(span, watch) result(polygon)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watch
+      real(wp), dimension(0:ubound(span%a%f, 2)) :: a, b
+
+      a = watch%side*span%a%f(watch%which, :)
+      b = watch%side*span%b%f(watch%which, :)
+      a(watch%order) = a(watch%order) - watch%side*watch%level
+      b(watch%order) = b(watch%order) - watch%side*watch%level
+      associate (h => span%b%t - span%a%t)
+         if (watch%order == 0) then
+            polygon = value_polygon(h, a, b, span%rough)
+         else
+            polygon = rate_polygon(h, a, b, span%rough)
+         end if
+      end associate
+   end function polygon_in
+
+   !> Let a span end at the first change of a watched function, where there is one: at the first
+   !> moment beyond it.
+   subroutine stop_at_change(functions, watch, span, is_found, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(span_t), intent(inout) :: span
+      logical, intent(out) :: is_found
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      integer, parameter :: most_halvings = 20
+      !! an excursion in a shorter part is round-off
+      type(moment_t) :: ahead(0:most_halvings)
+      type(span_t) :: part
+      real(wp) :: smallest
+      logical :: is_short
+      integer :: depth
+
+      is_found = .false.
+      if (.not. span%b%t > span%a%t) return
+      smallest = max((span%b%t - span%a%t)*0.5_wp**most_halvings, 4*spacing(span%b%t))
+      part = span
+      ahead(0) = span%b
+      depth = 0
+      do
+         is_short = part%b%t - part%a%t <= 1.5_wp*smallest
+         select case (changes_in(part, watch))
+         case (no_change)
+            is_short = .true.
+         case (change_at_begin)
+            part%b = part%a
+            is_found = .true.
+         case (one_change)
+            is_found = .true.
+         case default
+            if (is_short) is_found = value_at(watch, part%b) < -noise_in(part, watch)
+         end select
+         if (is_found) exit
+         if (is_short) then
+            if (depth == 0) return
+            depth = depth - 1
+            part = span_between(functions, part%b, ahead(depth))
+         else
+            depth = depth + 1
+            call sample_functions(functions, part%a%t + (part%b%t - part%a%t)/2, ahead(depth), &
+               error)
+            if (allocated(error)) return
+            part = span_between(functions, part%a, ahead(depth))
+         end if
+      end do
+      call stop_at_root(functions, watch, part, error)
+      if (.not. allocated(error)) span = span_between(functions, span%a, part%b)
+   end subroutine stop_at_change
+
+   !> Let a span at whose end a function is beyond its level end at the first moment found there, to
+   !> round-off of the time; at its beginning where the function begins beyond it.
+   subroutine stop_at_root(functions, watch, span, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(span_t), intent(inout) :: span
+      type(error_t), allocatable, intent(out) :: error
+      type(secant_t) :: secant
+      type(moment_t) :: now
+      real(wp) :: first
+
+      if (.not. value_at(watch, span%a) > 0) then
+         span = span_between(functions, span%a, span%a)
+         return
+      end if
+      associate (a => span%a, b => span%b)
+         secant = secant_between([a%t, b%t], [value_at(watch, a), value_at(watch, b)])
+         first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
+         if (first > a%t .and. first < b%t) secant%next = first
+         do while (secant%is_open)
+            call sample_functions(functions, secant%next, now, error)
+            if (allocated(error)) return
+            if (value_at(watch, now) <= 0) b = now
+            if (abs(value_at(watch, now)) <= 0) exit
+            call close_in(secant, value_at(watch, now))
+         end do
+      end associate
+      span = span_between(functions, span%a, span%b)
+   end subroutine stop_at_root
+
+end module rwmf_simulation_events_first_change
