@@ -18,9 +18,9 @@ Made by `python -m rwmf.key_reference` from the one table that also validates a 
 One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
 and keys may be written in small or capital letters, texts stand in quotes, `!` begins a comment. An
 unknown group or key, a key given twice, a wrong type or a value that is not allowed is an error
-that names file, group, key, line, value and what is allowed. A value whose magnitude is outside the
-range of real buildings, *usual*, is no error: `check`, runs, spectra and sweeps warn. Zero is always
-usual.
+that names file, group, key, line, value and what is allowed. A value whose magnitude is outside
+the range of real buildings, *usual*, is no error: `check`, runs, spectra and sweeps warn. Zero is
+always usual.
 """
 
 
@@ -34,7 +34,9 @@ def make() -> str:
     """
     parts = [_INTRODUCTION]
     for group, keys in groupby(_library.schema(), key=lambda row: row[0]):
-        parts.append(f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |")
+        parts.append(
+            f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |"
+        )
         parts.append("|---|---|---|---|---|---|---|")
         parts.extend(_row(key) for key in keys)
     return "\n".join(parts) + "\n"

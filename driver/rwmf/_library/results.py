@@ -162,7 +162,9 @@ class Spectrum(Result):
         list of str
             One line each.
         """
-        return [line for line in fetch_text(_kernel.spectrum_warnings, self.handle).split("\t") if line]
+        return [
+            line for line in fetch_text(_kernel.spectrum_warnings, self.handle).split("\t") if line
+        ]
 
     def method(self) -> str:
         """Name the method.

@@ -45,8 +45,14 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         inventory = {word: found[word] for word, *_ in _INVENTORY if word in found}
         values = {name: _values_of(group) for name, group in case.groups.items()}
-        print_json({**inventory, "notes": found["notes"], "warnings": case.kernel.warnings(),
-                    "values": values})
+        print_json(
+            {
+                **inventory,
+                "notes": found["notes"],
+                "warnings": case.kernel.warnings(),
+                "values": values,
+            }
+        )
         return 0
     print(f"{options.case}: valid")
     for word, shown, nothing in _INVENTORY:

@@ -50,12 +50,12 @@ contains
    !> Peaks that a small change of the motion changes a lot: their digits mean little.
    subroutine warn_of_sensitivity(result)
       type(result_t), intent(inout) :: result
-      real(wp), parameter :: many = 30
+      real(wp), parameter :: many = 100
       !! relative change of a peak per relative change of the motion [-]
 
       if (result%peak_sensitivity <= many) return
-      call add_warning(result, 'sensitive: 1 % more ground motion changes the course so much that ' &
-         //'peaks may differ by their own size (estimated d ln theta_max/d ln motion = ' &
+      call add_warning(result, 'sensitive: a slightly stronger motion changes the course so much ' &
+         //'that peaks may differ by their own size (estimated d ln theta_max/d ln motion = ' &
          //trim(real_to_text(result%peak_sensitivity)) &
          //'); compare many similar motions, &solver verify = .true. measures it')
    end subroutine warn_of_sensitivity

@@ -349,7 +349,7 @@ contains
          if (text(i:i) == nl) lines = lines + 1
          if (text(i:i) == tab) tabs = tabs + 1
       end do
-      call checks%that(lines == size(keys) .and. tabs == 6*lines, 'columns of the schema')
+      call checks%that(lines == size(keys) .and. tabs == 7*lines, 'columns of the schema')
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do

@@ -1,0 +1,186 @@
+"""Warnings about a case: values outside the range of real buildings, and what its model leaves out.
+
+Keys and their ranges come from the kernel's table, values from the shipped inputs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import rwmf
+from checkout import ROOT, Runner
+from rwmf import _library
+from scenes import bare_frame, coupled
+
+INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
+RANGES = {
+    (row[0], row[1]): tuple(float(end) for end in row[7].strip("[]").split(","))
+    for row in _library.schema()
+    if row[7]
+}
+STOREYS = {
+    "n": 3, "m": 1.5e5, "k": 1.0e8, "height": 3.2, "coupling": "every_floor",
+}  # fmt: skip
+BUILDING: dict[str, dict[str, object]] = {
+    "wall": {"h": 4.8, "b": 1.0, "density": 2500.0, "thickness": 0.3},
+    "frame": {"xi_s": 0.03},
+    "storeys": STOREYS,
+    "cable": {"strands": 12, "strand_area": 150e-6, "modulus": 195e9, "initial_stress": 800e6},
+    "fuse": {"F_y": 5e4, "k": 5e7},
+    "impact": {"rule": "coupled"},
+    "motion": {"kind": "one_sine", "a_max_g": 0.3, "T_p": 0.8},
+    "solver": {"t_end": 1.0},
+}
+RIGID = "the wall is rigid"
+
+
+def _given(case: rwmf.Case) -> Iterator[tuple[str, str, object]]:
+    for group, values in case.groups.items():
+        for key in values.given:
+            if (group, key) in RANGES and key not in values.derived:
+                yield group, key, values[key]
+
+
+def _scaled(value: object, factor: float) -> object:
+    return [x * factor for x in value] if isinstance(value, tuple) else float(str(value)) * factor
+
+
+def _outside(case: rwmf.Case) -> list[str]:
+    return [line for line in case.kernel.warnings() if "range of real buildings" in line]
+
+
+def test_shipped_inputs_are_usual() -> None:
+    for path in INPUTS:
+        assert _outside(rwmf.Case.from_namelist(path)) == [], path
+
+
+def test_every_key_with_a_range_warns() -> None:
+    """Both ends, for each key that an input, or the building here, gives."""
+    seen = set()
+    for case in [*map(rwmf.Case.from_namelist, INPUTS), rwmf.Case(**BUILDING)]:
+        for group, key, value in _given(case):
+            low, high = RANGES[group, key]
+            numbers = value if isinstance(value, tuple) else (value,)
+            if (group, key) in seen or not all(numbers):
+                continue
+            for factor in (0.3 * low / max(map(abs, numbers)), 3 * high / min(map(abs, numbers))):
+                try:
+                    changed = case.replace(**{group: {key: _scaled(value, factor)}})
+                except rwmf.InputError:
+                    continue
+                seen.add((group, key))
+                assert any(line.startswith(f"&{group} {key} = ") for line in _outside(changed)), (
+                    group, key, factor,
+                )  # fmt: skip
+    assert len(seen) >= 35
+
+
+@pytest.mark.parametrize(
+    ("group", "key", "value", "told"),
+    [
+        ("frame", "xi_s", 3.0, "3.0 % would be 0.03"),
+        ("cable", "initial_stress", 800.0, "800.0 MPa would be 800000000.0 Pa"),
+        ("cable", "strand_area", 150.0, "150.0 mm2 would be 0.00015 m2"),
+        ("cable", "modulus", 195.0, "195.0 GPa would be 195000000000.0 Pa"),
+        ("wall", "density", 2.5, "2.5 t/m3 would be 2500.0 kg/m3"),
+        ("wall", "thickness", 300.0, "300.0 mm would be 0.3 m"),
+        ("storeys", "m", 150.0, "150.0 t would be 150000.0 kg"),
+        ("fuse", "F_y", 50.0, "50.0 kN would be 50000.0 N"),
+    ],
+)
+def test_the_likely_slip(group: str, key: str, value: float, told: str) -> None:
+    case = rwmf.Case(**BUILDING)
+    assert _outside(case) == []
+    lines = _outside(case.replace(**{group: {key: value}}))
+    assert len(lines) == 1
+    assert lines[0].startswith(f"&{group} {key} = {value}")
+    assert lines[0].endswith(told)
+
+
+def test_a_value_that_follows_from_usual_ones() -> None:
+    """A frame of kg/s2 where N/m is meant: its stiffness is usual, its period is not."""
+    case = bare_frame(frame={"T_s": None, "m_s": 5.0e8, "k_s": 2.0e5})
+    assert [line.split(" = ")[0] for line in _outside(case)] == ["&frame T_s"]
+
+
+def test_every_way_in_warns_once(command: Runner, batch: Runner, tmp_path: Path) -> None:
+    case = rwmf.Case(**BUILDING).replace(frame={"xi_s": 3.0}, spectrum={"T_s": [0.4, 0.8]})
+    case.to_namelist(tmp_path / "slip.nml")
+    begin = "&frame xi_s = 3.0 "
+    assert json.loads(command("check", "slip.nml", "--json").stdout)["warnings"][0].startswith(
+        begin
+    )
+    for words in (["check"], ["run"], ["spectrum"]):
+        found = command(*words, "slip.nml")
+        assert (found.stdout + found.stderr).count(f"warning: {begin}") == 1, words
+        assert found.returncode == 0
+    assert batch("slip.nml").stderr.count(begin) == 1
+    grid = {"T_s": [0.4, 0.8], "xi_s": [2.0, 3.0]}
+    assert rwmf.sweep(case, grid).attrs["warnings"].count("&frame xi_s = ") == 1
+    assert rwmf.simulate(case).attrs["warnings"].count(begin) == 1
+
+
+def test_the_rigid_wall_is_told_where_it_matters() -> None:
+    case = rwmf.Case(**BUILDING)
+    assert not any(RIGID in line for line in case.kernel.warnings())
+    assert RIGID not in rwmf.simulate(case).attrs["warnings"]
+    asking = case.replace(output={"reactions": True})
+    assert sum(RIGID in line for line in asking.kernel.warnings()) == 1
+    assert rwmf.simulate(asking).attrs["warnings"].count(RIGID) == 1
+    for quantity, n in (
+        ("u_s_max_m", 0),
+        ("storey_drift_max", 0),
+        ("base_shear_max_over_weight", 0),
+        ("floor_acceleration_max_g", 1),
+        ("floor_2_acceleration_max_g", 1),
+        ("wall_shear_max_over_m_w_g", 1),
+        ("wall_moment_max_N_m", 1),
+    ):
+        found = rwmf.spectrum(case, T_s=[0.5], quantities=[quantity])
+        assert found.attrs["warnings"].count(RIGID) == n, quantity
+    free = {"coupling": "reduced"}
+    alone = case.replace(
+        wall=None, cable=None, fuse=None, impact=None, storeys=free, output={"reactions": True}
+    )
+    assert not any(RIGID in line for line in alone.kernel.warnings())
+
+
+def test_a_sweep_tells_of_the_rigid_wall() -> None:
+    case = rwmf.Case(**BUILDING)
+    for quantity, n in (("storey_drift_max", 0), ("wall_moment_max", 1)):
+        found = rwmf.sweep(case, {"T_s": [0.4, 0.8]}, quantities=(quantity,))
+        assert found.attrs["warnings"].count(RIGID) == n, quantity
+
+
+def test_what_holds_is_shown(command: Runner, tmp_path: Path) -> None:
+    """The height of the frame is 2h, and does not apply to storeys."""
+    case = coupled(p_delta={"m_g_over_m_s": 1.0})
+    case.to_namelist(tmp_path / "leans.nml")
+    assert case.p_delta.h_f == 2 * case.wall.h
+    shown = json.loads(command("check", "leans.nml", "--json").stdout)["values"]["p_delta"]["h_f"]
+    assert shown["value"] == 2 * case.wall.h
+    assert shown["origin"] == "default"
+    same = case.replace(p_delta={"h_f": 2 * case.wall.h})
+    assert float(rwmf.simulate(same).u_s_max) == float(rwmf.simulate(case).u_s_max)
+    assert "h_f" not in rwmf.Case(**BUILDING).replace(p_delta={"m_g": 9e5}).p_delta
+
+
+def test_shown_defaults_hold() -> None:
+    """A case that gives every number that is shown is the same case."""
+    for path in INPUTS:
+        case = rwmf.Case.from_namelist(path)
+        changes: dict[str, dict[str, object]] = {}
+        for group, values in case.groups.items():
+            for key in values:
+                if key not in values.given and isinstance(values[key], (float, bool)):
+                    changes.setdefault(group, {})[key] = values[key]
+        for group, keys in changes.items():
+            for key, value in keys.items():
+                try:
+                    told = case.replace(**{group: {key: value}})
+                except rwmf.InputError:
+                    continue  # a default that other keys exclude
+                assert told.groups[group][key] == value, (path.name, group, key)
