@@ -115,7 +115,7 @@ def differences(number: int, folder: Path) -> Iterator[str]:
 
 
 def _is_same(alone: Numbers, together: Numbers, key: str) -> bool:
-    """Same bits; beside others that `fast` does not have, its own of an ordinate are close."""
+    """Compare bits; ordinates of `fast` are close to those of the general kernel."""
     if np.array_equal(alone, together, equal_nan=True):
         return True
     by_fast = ("u_s_max_m", "theta_max_over_alpha", "cable_force_increment_max")
