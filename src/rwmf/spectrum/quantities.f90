@@ -183,8 +183,9 @@ contains
       call simulate_instant(asking, motion, instant, result, error)
       if (allocated(error)) return
       if (allocated(result%collapsed)) result%t_collapse = 0
-      if (allocated(asking%solver%accuracy) .or. asking%solver%verify) &
+      if (allocated(asking%solver%accuracy) .or. asking%solver%verify) then
          result%estimated_relative_error = 0
+      end if
       if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
       if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
