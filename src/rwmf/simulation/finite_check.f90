@@ -45,7 +45,7 @@ contains
          //'is beyond what double precision can represent', 'not_finite')
    end subroutine check_numbers
 
-   !> Fails with `err_numerical` if a scalar that a result reports, or its last state, is not finite.
+   !> Fails with `err_numerical` if a scalar that a result reports, or its last state, is no number.
    subroutine check_result(case, result, error)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result

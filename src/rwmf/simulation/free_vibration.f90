@@ -36,8 +36,10 @@ contains
          interval_of(equation), t_target)) return
       ! energy that grows is an error of the integration
       share = 1 + hybrid%rtol
-      if (recorder%keeps_energy .or. allocated(recorder%forces) .or. allocated(recorder%demands)) &
+      if (recorder%keeps_energy .or. allocated(recorder%forces) &
+          .or. allocated(recorder%demands)) then
          share = died_out
+      end if
       associate (omega => equation%p%omega_s)
          if (hybrid%y(1)**2 + (hybrid%y(2)/omega)**2 <= (share*recorder%u_max)**2) then
             hybrid%y(:2) = vibrated(equation, hybrid%y(:2), t_target - hybrid%t)

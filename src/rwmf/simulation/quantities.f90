@@ -257,7 +257,7 @@ module rwmf_simulation_quantities
       'its relative tolerance'), &
       quantity_t('estimated_relative_error', '', '1', 'real', 'error', 'run ordinate', '', &
       of_verification, '`accuracy` or `verify` of `&solver`', &
-      'estimated error of the peak of `accuracy_of`, over it'), &
+      'estimated error of the peak of `accuracy_of`, over it; absent: none can be made'), &
       quantity_t('estimate_seconds', '', 's', 'real', 'work', 'run', '', of_nothing, &
       '`accuracy` or `verify` of `&solver`', &
       'wall-clock time that the estimate took beyond `seconds`'), &

@@ -179,8 +179,9 @@ contains
          result%storey_residual_drift
       if (allocated(result%demands%roof_drift_max) .and. (allocated(case%yielding) .or. &
          allocated(case%fuse))) result%demands%roof_at_rest = 0
-      if (allocated(asking%solver%accuracy) .or. asking%solver%verify) &
+      if (allocated(asking%solver%accuracy) .or. asking%solver%verify) then
          result%estimated_relative_error = 0
+      end if
       if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
       if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)

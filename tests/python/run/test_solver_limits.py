@@ -1,4 +1,4 @@
-"""Extreme numbers of `&solver` and of the frame: an exact result or an error, never a wrong `ok`."""
+"""Extreme numbers of `&solver` and of the frame: a right result or an error, no wrong `ok`."""
 
 from __future__ import annotations
 
