@@ -10,6 +10,7 @@ program rwmf_batch
    use rwmf_core_error, only: add_context, fail
    use rwmf_core_kinds, only: wp
    use rwmf_output_csv, only: case_name, check_outputs
+   use rwmf_output_preview, only: check_run
    use rwmf_problem_single_run, only: has_period
    use rwmf_spectrum_spectrum, only: spectrum_periods, status_of
    use rwmf_text_atomic_file, only: check_folder, join_path, remove_leftovers
@@ -48,14 +49,20 @@ contains
       !! 0, or the status of the last case that failed
       type(case_t), allocatable :: cases(:)
       type(control_t) :: control
+      type(error_t), allocatable :: error
       integer :: i
 
       call read_cases(command_line, cases, status)
       if (status /= 0) return
       call watch_interrupts(control)
       do i = 1, size(cases)
-         call run_case(cases(i), command_line%cases(i)%text, command_line, control, status)
-         if (is_interrupted()) status = err_interrupt
+         if (is_interrupted()) then
+            call fail(error, err_interrupt, command_line%cases(i)%text//': not begun: interrupted')
+            call report(error, status)
+         else
+            call run_case(cases(i), command_line%cases(i)%text, command_line, control, status)
+         end if
+         ! a signal behind the last file is too late: everything is complete
          if (status == err_interrupt) return
       end do
    end subroutine run_batch
@@ -75,6 +82,10 @@ contains
          call read_case_file(command_line%cases(i)%text, cases(i), error)
          if (.not. allocated(error)) call check_name(command_line%cases(:i), error)
          if (.not. allocated(error)) call take_part(command_line, i, cases(i), error)
+         if (.not. allocated(error)) then
+            call check_run(cases(i), error)
+            if (allocated(error)) call add_context(error, command_line%cases(i)%text)
+         end if
          call report(error, status)
       end do
       call check_folder(command_line%folder, error)
@@ -209,7 +220,7 @@ contains
       call simulate(case, result, error, control)
       if (allocated(error)) return
       if (allocated(result%warnings)) call report_warnings(path, result%warnings, told)
-      call write_result(case, result, folder, case_name(path), error, path)
+      call write_result(case, result, folder, case_name(path), error, path, control)
       if (allocated(error)) return
       write (seconds, '(f0.3)') result%seconds
       call say(path//': summary'//trim(merge(', history', '         ', allocated(result%history))) &
@@ -234,7 +245,7 @@ contains
       call compute_spectrum(case, all_threads, spectrum, error, control)
       if (allocated(error)) return
       call report_warnings(path, spectrum%warnings, told)
-      call save_spectrum(case, spectrum, path, command_line, error)
+      call save_spectrum(case, spectrum, path, command_line, control, error)
       if (allocated(error)) return
       associate (names => status_of(spectrum))
          failed = count(names /= 'ok' .and. names /= 'overturned' .and. names /= 'collapsed')
@@ -250,20 +261,22 @@ contains
    end subroutine run_spectrum
 
    !> Write a spectrum or a part of one.
-   subroutine save_spectrum(case, spectrum, path, command_line, error)
+   subroutine save_spectrum(case, spectrum, path, command_line, control, error)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
       type(command_line_t), intent(in) :: command_line
+      type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: name
 
       call name_output(path, command_line, name)
       name = join_path(command_line%folder, name//'.spectrum.csv')
       if (command_line%parts == 1) then
-         call write_spectrum(case, spectrum, name, error)
+         call write_spectrum(case, spectrum, name, error, control=control)
       else
-         call write_spectrum(case, spectrum, name, error, trim(part_name(command_line, '/')))
+         call write_spectrum(case, spectrum, name, error, trim(part_name(command_line, '/')), &
+            control)
       end if
    end subroutine save_spectrum
 

@@ -4,7 +4,7 @@
 # build_in FOLDER [MESON OPTIONS]: set up when the options or the tools changed, then compile what
 # changed (ninja finds that out, also after edits of meson.build).
 build_in() {
-   local folder="$1" key; shift
+   local folder="$1" key log; shift
    key="$(printf '%s\n' "$root" "$sundials_prefix" "$(sundials_key)" "$(venv_key)" "$@" |
       sha256sum)"
    if ! stamp_is "$folder/setup.stamp" "$key"; then
@@ -15,10 +15,30 @@ build_in() {
          env PATH="$venv/bin:$PATH" "$venv/bin/meson" setup "$folder" "$root" \
          -Dsundials_prefix="$sundials_prefix" "$@"
       printf '%s\n' "$key" >"$folder/setup.stamp"
-      say "compiling (some minutes)"
    fi
-   quietly "$cache/$(basename "$folder")-compile.log" \
-      env PATH="$venv/bin:$PATH" "$venv/bin/ninja" -C "$folder"
+   log="$cache/$(basename "$folder")-compile.log"
+   if ! env PATH="$venv/bin:$PATH" "$venv/bin/ninja" -C "$folder" 2>&1 </dev/null |
+      tee "$log" | tell_progress; then
+      tail -n 60 "$log" >&2
+      die "the build in $(basename "$folder") failed (complete output: $log)"
+   fi
+}
+
+# Tell every ten seconds how many steps of ninja are done; nothing when all is done within a second.
+tell_progress() {
+   local line done_steps='' next=$((SECONDS + 1)) status
+   while true; do
+      status=0
+      IFS= read -r -t 1 line || status=$?
+      # above 128: no line within the second
+      ((status == 0 || status > 128)) || return 0
+      if [[ "$line" =~ ^\[([0-9]+/[0-9]+)\] ]]; then
+         done_steps=" (${BASH_REMATCH[1]} steps done)"
+      fi
+      ((SECONDS < next)) && continue
+      say "compiling what changed$done_steps"
+      next=$((SECONDS + 10))
+   done
 }
 
 # `import rwmf` in .venv reads driver/rwmf; the extensions stand beside it as links.

@@ -12,6 +12,7 @@ from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.case import KernelCase, SceneAxis
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
 from rwmf._library.memory import Memory, MemoryView
+from rwmf._library.worker import write
 
 __all__ = ["Run", "Spectrum"]
 
@@ -143,10 +144,15 @@ class Run(Result):
         ------
         OutputError
             When a file cannot be written.
+        Interrupted
+            After Ctrl-C; earlier files of these names are then unchanged.
         """
         message = message_buffer()
-        status, n = _kernel.result_write(
-            self._case.handle, self.handle, encode(text), encode(source), encode(folder), message
+        words = (encode(text), encode(source), encode(folder))
+        status, n = write(
+            lambda control: _kernel.result_write(
+                self._case.handle, self.handle, *words, control, message
+            )
         )
         raise_for(status, message, n, writing=True)
 
@@ -226,7 +232,10 @@ class Spectrum(Result):
     def write(self, text: str, path: str) -> None:
         """Write the CSV file of the batch program, with the namelist text of the case in it."""
         message = message_buffer()
-        status, n = _kernel.spectrum_write(
-            self._case.handle, self.handle, encode(text), encode(path), message
+        words = (encode(text), encode(path))
+        status, n = write(
+            lambda control: _kernel.spectrum_write(
+                self._case.handle, self.handle, *words, control, message
+            )
         )
         raise_for(status, message, n, writing=True)

@@ -47,7 +47,8 @@ def schema() -> list[list[str]]:
     Returns
     -------
     list of list of str
-        One row a key: group, key, type, unit, default, what is allowed, help, range in real buildings.
+        One row a key: group, key, type, unit, default, allowed values, help, range in real
+        buildings.
     """
     return split_table(fetch_text(_kernel.schema))
 

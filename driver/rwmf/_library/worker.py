@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rwmf._library.marshalling import raise_for
 from rwmf.errors import Interrupted
 
-__all__ = ["Progress", "wait_for"]
+__all__ = ["Progress", "wait_for", "write"]
 
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
@@ -71,6 +71,52 @@ def wait_for(
     if progress is not None:
         progress(int(control[0]))
     return result
+
+
+class _Written:
+    """A result without memory."""
+
+    def __init__(self, _: int) -> None:
+        pass
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+
+def write(call: Callable[[npt.NDArray[np.int64]], tuple[int, int]]) -> tuple[int, int]:
+    """Wait for the kernel to write files in a way that Ctrl-C can end.
+
+    Parameters
+    ----------
+    call : callable
+        Gets two whole numbers, as in `wait_for`; returns status and length of the message.
+
+    Returns
+    -------
+    tuple of int
+        What the call returns.
+
+    Raises
+    ------
+    Interrupted
+        After Ctrl-C, unless the files were complete by then.
+    """
+    control = np.zeros(2, dtype=np.int64)
+    if threading.current_thread() is not threading.main_thread():
+        return call(control)
+    done: list[tuple[int, int]] = []
+
+    def keep(flags: npt.NDArray[np.int64]) -> tuple[int, int, int]:
+        done.append(call(flags))
+        return (0, *done[0])
+
+    try:
+        _call_beside(keep, control, _Written, None)
+    except Interrupted:
+        if done and done[0][0] == 0:
+            return done[0]
+        raise
+    return done[0]
 
 
 def _call_beside(

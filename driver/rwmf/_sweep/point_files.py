@@ -130,8 +130,14 @@ def _read_rows(
     while block := list(islice(lines, _ROWS)):
         for number, cells in block:
             if len(cells) != len(names):
+                lacks = len(cells) < len(names)
+                what = (
+                    f"{names[len(cells)]}: no value"
+                    if lacks
+                    else f"{shorten(cells[len(names)])!r}: a value without a column"
+                )
                 raise InputError(
-                    f"{path}, line {number}: {len(cells)} values for {len(names)} columns"
+                    f"{path}, line {number}: {what}: {len(cells)} values for {len(names)} columns"
                 )
         numbers.append(np.array([number for number, _ in block]))
         for i, name in enumerate(names):

@@ -161,9 +161,9 @@ def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (what makes an
     try:
         array = np.asarray(values)
     except Exception:
-        raise InputError(
-            f"points: {show(name)} = {show(values)}: must be one value a row"
-        ) from None
+        raise _not_one_value(name, values) from None
+    if array.ndim > 1:
+        raise _not_one_value(name, values)
     if isinstance(values, list | tuple) and (
         array.dtype.kind not in "biuf"
         or (array.dtype.kind != "b" and any(isinstance(item, bool) for item in values))
@@ -171,6 +171,16 @@ def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (what makes an
         # one text would make texts of all numbers
         return np.fromiter(values, dtype=object, count=len(values))
     return array
+
+
+def _not_one_value(name: object, values: Any, source: str = "points") -> InputError:  # noqa: ANN401
+    """Name the first row of a column that holds more than one value."""
+    for i, value in enumerate(values):
+        if np.ndim(value) > 0 if isinstance(value, np.ndarray) else isinstance(value, list | tuple):
+            return InputError(
+                f"{source}, row {i}: {name} = {shorten(repr(value))}: must be one value"
+            )
+    return InputError(f"{source}: {name}: must be one value a row")
 
 
 def _one_dimension(found: xr.Dataset, source: str) -> dict[str, Column]:
@@ -193,17 +203,19 @@ def _is_known(word: str) -> bool:
 
 
 def _same_length(columns: dict[str, Column], source: str = "points") -> dict[str, Column]:
-    wrong = [name for name, values in columns.items() if values.ndim > 1]
-    if wrong:
-        shape = columns[wrong[0]].shape
-        raise InputError(f"{source}: {wrong[0]}: has the shape {shape}: must be one value a row")
+    for name, values in columns.items():
+        if values.ndim > 1:
+            raise _not_one_value(name, values, source)
     lengths = {name: len(values) for name, values in columns.items() if values.ndim == 1}
     n = max(lengths.values(), default=min(1, len(columns)))
     if n == 0:
         raise InputError(f"{source}: has no row")
     for name, length in lengths.items():
         if length != n:
-            raise InputError(f"{source}: {name}: {length} values where other columns have {n}")
+            raise InputError(
+                f"{source}, row {length}: {name}: no value: the column ends after {length} rows, "
+                f"others have {n}"
+            )
     return {name: np.broadcast_to(values, n) for name, values in columns.items()}
 
 

@@ -37,6 +37,7 @@ module rwmf_bindings_python_kernel
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    use rwmf_text_strings, only: real_to_text
+   use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    public
 
@@ -324,17 +325,17 @@ contains
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
-      character(:), allocatable :: names
+      type(text_buffer_t) :: names
       integer :: i
 
       kept => find(run)
-      names = ''
+      call clear(names)
       if (allocated(kept%result%history)) then
          do i = 1, size(kept%result%history%names)
-            names = names//trim(kept%result%history%names(i))//new_line('a')
+            call append(names, trim(kept%result%history%names(i))//new_line('a'))
          end do
       end if
-      call put_text(names, buffer, length)
+      call put_text(names%room(:names%length), buffer, length)
    end subroutine result_columns
 
    !> The events, in the number of `result_history`.
@@ -381,13 +382,15 @@ contains
    end subroutine meant_quantity
 
    !> Write the files of a run, named after `source`, as the batch program does. `text` is the
-   !> namelist text of the case.
-   subroutine result_write(handle, run, text, source, folder, status, message, message_length)
+   !> namelist text of the case, `control` (finished, cancel).
+   subroutine result_write(handle, run, text, source, folder, control, status, message, &
+      message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: run
       character(*), intent(in) :: text
       character(*), intent(in) :: source
       character(*), intent(in) :: folder
+      integer(c_int64_t), intent(inout), target :: control(2)
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
@@ -395,12 +398,14 @@ contains
       type(kept_t), pointer :: kept
       type(case_t) :: case
       type(error_t), allocatable :: error
+      !f2py threadsafe
 
       from => find(handle)
       kept => find(run)
       case = from%case
       case%text = text
-      call write_result(case, kept%result, folder, case_name(source), error, source)
+      call write_result(case, kept%result, folder, case_name(source), error, source, &
+         make_control(control))
       call put_error(error, status, message, message_length)
    end subroutine result_write
 
@@ -569,11 +574,12 @@ contains
    end subroutine spectrum_status
 
    !> Write a spectrum as the batch program does. `text` is the namelist text of the case.
-   subroutine spectrum_write(handle, sweep, text, path, status, message, message_length)
+   subroutine spectrum_write(handle, sweep, text, path, control, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: sweep
       character(*), intent(in) :: text
       character(*), intent(in) :: path
+      integer(c_int64_t), intent(inout), target :: control(2)
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
@@ -581,12 +587,13 @@ contains
       type(kept_t), pointer :: kept
       type(case_t) :: case
       type(error_t), allocatable :: error
+      !f2py threadsafe
 
       from => find(handle)
       kept => find(sweep)
       case = from%case
       case%text = text
-      call write_spectrum(case, kept%spectrum, path, error)
+      call write_spectrum(case, kept%spectrum, path, error, control=make_control(control))
       call put_error(error, status, message, message_length)
    end subroutine spectrum_write
 

@@ -8,6 +8,7 @@ module rwmf_input_describe
    use rwmf_problem_key, only: belongs_to, key_t
    use rwmf_problem_units, only: unit_of
    use rwmf_text_strings, only: integer_to_text, real_to_text
+   use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private
 
@@ -32,6 +33,7 @@ contains
       type(key_t), allocatable :: keys(:)
       character(:), allocatable :: value, in_si, given
       character(7) :: origin
+      type(text_buffer_t) :: lines
       integer :: i
 
       text = ''
@@ -55,12 +57,13 @@ contains
                in_si = in_si//tab//trim(keys(i)%si)
             end if
          end associate
-         text = text//trim(keys(i)%group)//'.'//trim(keys(i)%key)//tab//trim(keys(i)%type)//tab &
-            //value//tab//trim(keys(i)%unit)//tab//trim(origin)
+         call append(lines, trim(keys(i)%group)//'.'//trim(keys(i)%key)//tab//trim(keys(i)%type) &
+            //tab//value//tab//trim(keys(i)%unit)//tab//trim(origin))
          if (in_si == '' .and. given /= '') in_si = tab
-         if (in_si /= '') text = text//tab//in_si//tab//given
-         text = text//new_line('a')
+         if (in_si /= '') call append(lines, tab//in_si//tab//given)
+         call append(lines, new_line('a'))
       end do
+      if (lines%length > 0) text = lines%room(:lines%length)
    end subroutine describe_case
 
    !> Does the key apply to the case?
@@ -97,24 +100,26 @@ contains
       real(wp), intent(in) :: factor
       !! on reals
       character(:), allocatable, intent(out) :: text
+      type(text_buffer_t) :: list
       integer :: i
 
-      text = ''
+      call clear(list)
       associate (numbers => case%values%numbers)
          do i = row%first, row%first + row%n - 1
-            if (i > row%first) text = text//', '
+            if (i > row%first) call append(list, ', ')
             select case (key%type)
             case ('real', 'real list')
-               text = text//trim(real_to_text(factor*real(numbers(i), wp)))
+               call append(list, trim(real_to_text(factor*real(numbers(i), wp))))
             case ('integer')
-               text = text//trim(integer_to_text(nint(numbers(i))))
+               call append(list, trim(integer_to_text(nint(numbers(i)))))
             case ('logical')
-               text = text//trim(merge('.true. ', '.false.', numbers(i) > 0))
+               call append(list, trim(merge('.true. ', '.false.', numbers(i) > 0)))
             case default
-               text = text//value_text(case%values, i)
+               call append(list, value_text(case%values, i))
             end select
          end do
       end associate
+      text = list%room(:list%length)
       ! defaults that only the validated case knows: the last sample of the record, the wall's height
       if (key%key == 't_end' .and. text == '') text = trim(real_to_text(case%solver%t_end))
       if (key%default == '2h' .and. .not. row%is_given) text = trim(real_to_text(2*case%wall%h))

@@ -20,6 +20,8 @@ module rwmf_integrator_explicit_pair
       !! takes the steps asks for it [J/kg]
       real(wp) :: t_work = 0
       !! end of that step, which may be cut short later [s]
+      real(wp), allocatable :: k(:, :, :)
+      !! (1, states, stages) room for the rates at the stages of a step
    contains
       procedure :: find_work
       procedure :: attempt => attempt_explicit_pair
@@ -90,7 +92,6 @@ contains
       real(wp), intent(out) :: error
       real(wp), intent(out), optional :: work(power_count)
       real(wp) :: acceleration(1, most_stages, 2)
-      real(wp) :: k(1, size(y), most_stages)
       real(wp) :: tolerance(1, 0:size(y))
       real(wp) :: length(1), norm(1)
       integer :: i
@@ -103,12 +104,16 @@ contains
             if (equation%has_vertical) acceleration(1, i, 2) = vertical_ground(equation, t &
                + pair%c(i)*h)
          end do
-         k(1, :, 1) = f
+         if (allocated(self%k)) then
+            if (size(self%k, 2) /= size(y)) deallocate (self%k)
+         end if
+         if (.not. allocated(self%k)) allocate (self%k(1, size(y), most_stages))
+         self%k(1, :, 1) = f
          length = h
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
          call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
-            tolerance, y, .not. present(work), k, y_new, norm, work)
+            tolerance, y, .not. present(work), self%k, y_new, norm, work)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
       error = norm(1)

@@ -17,6 +17,9 @@ module rwmf_integrator_extrapolation
 
    !> Gragg-Bulirsch-Stoer extrapolation.
    type, extends(one_step_t) :: extrapolation_t
+      real(wp), allocatable :: table(:, :)
+      !! (states, columns) room for the present row of the Aitken-Neville scheme: column i of row j
+      !! holds T_{j, j+1-i}
    contains
       procedure :: attempt => attempt_extrapolation
    end type extrapolation_t
@@ -31,25 +34,27 @@ contains
       real(wp), intent(in) :: h
       real(wp), intent(out), contiguous :: y_new(:)
       real(wp), intent(out) :: error
-      real(wp) :: table(size(y), columns)
-      !! table(:, i) = T_{j, j+1-i}: the present row of the Aitken-Neville scheme
       real(wp) :: previous(size(y))
       real(wp) :: fresh(size(y))
       integer :: i
       integer :: j
 
       self%error_order = 2*columns - 1
-      table = 0
+      if (allocated(self%table)) then
+         if (size(self%table, 1) /= size(y)) deallocate (self%table)
+      end if
+      if (.not. allocated(self%table)) allocate (self%table(size(y), columns))
+      self%table(:, :) = 0
       do j = 1, columns
          fresh = midpoint_rule(self, t, y, f, h, 2*j)
          do i = 1, j
-            previous = table(:, i)
-            table(:, i) = fresh
+            previous = self%table(:, i)
+            self%table(:, i) = fresh
             if (i < j) fresh = fresh + (fresh - previous)/((real(j, wp)/real(j - i, wp))**2 - 1)
          end do
       end do
-      y_new = table(:, columns)
-      error = error_norm(self, y, y_new, table(:, columns) - table(:, columns - 1))
+      y_new = self%table(:, columns)
+      error = error_norm(self, y, y_new, self%table(:, columns) - self%table(:, columns - 1))
    end subroutine attempt_extrapolation
 
    !> Explicit midpoint rule with n substeps, n even: its error has an expansion in (h/n)**2.

@@ -39,12 +39,7 @@ contains
       real(wp), intent(in) :: value
       !! in that unit
 
-      if (allocated(row%names)) then
-         call add_column(row, key, value)
-      else
-         row%n = row%n + 1
-         row%values(row%n) = value
-      end if
+      call put_values(row, key, [value])
    end subroutine put_value
 
    pure subroutine put_values(row, pattern, values)
@@ -53,26 +48,39 @@ contains
       !! key with '{i}' in the place of the number
       real(wp), intent(in) :: values(:)
       !! (storeys) in the unit of the key
-      integer :: i
+      integer :: n
 
-      do i = 1, size(values)
-         if (allocated(row%names)) then
-            call add_column(row, numbered(pattern, i), values(i))
-         else
-            row%n = row%n + 1
-            row%values(row%n) = values(i)
-         end if
-      end do
+      n = size(values)
+      if (allocated(row%names)) then
+         call add_columns(row, pattern, values)
+      else
+         row%values(row%n + 1:row%n + n) = values
+         row%n = row%n + n
+      end if
    end subroutine put_values
 
-   pure subroutine add_column(row, key, value)
+   pure subroutine add_columns(row, pattern, values)
       type(history_row_t), intent(inout) :: row
-      character(*), intent(in) :: key
-      real(wp), intent(in) :: value
+      character(*), intent(in) :: pattern
+      real(wp), intent(in) :: values(:)
+      real(wp), allocatable :: more_values(:)
+      character(len(row%names)), allocatable :: more_names(:)
+      character(40) :: key
+      integer :: i
+      integer :: n
 
-      row%names = [character(32) :: row%names, key]
-      row%values = [row%values, value]
-   end subroutine add_column
+      n = size(row%names)
+      allocate (more_names(n + size(values)), more_values(n + size(values)))
+      more_names(:n) = row%names
+      more_values(:n) = row%values
+      do i = 1, size(values)
+         key = numbered(pattern, i)
+         more_names(n + i) = key(:len(more_names))
+         more_values(n + i) = values(i)
+      end do
+      call move_alloc(more_names, row%names)
+      call move_alloc(more_values, row%values)
+   end subroutine add_columns
 
    !> A key with a number in the place of '{i}'; another key is left as it is.
    pure character(40) function numbered(pattern, number) result(key)

@@ -4,7 +4,8 @@
 !> its checksum, the text of the case. Then one line of column names with units, then numbers that
 !> round-trip to the same bits.
 module rwmf_output_csv
-   use rwmf_core_error, only: error_t
+   use rwmf_core_control, only: control_t, is_cancelled
+   use rwmf_core_error, only: err_interrupt, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_core_version, only: version
    use rwmf_integrator_factory, only: spectrum_method
@@ -14,9 +15,10 @@ module rwmf_output_csv
    use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_result, only: history_t, result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
-   use rwmf_text_atomic_file, only: atomic_file_t, check_not_read, discard, finish, join_path, &
-      open_atomic, publish, write_line
+   use rwmf_text_atomic_file, only: atomic_file_t, check_not_folder, check_not_read, discard, &
+      finish, join_path, open_atomic, publish, write_line
    use rwmf_text_strings, only: integer_to_text, next_line, real_to_text
+   use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private
 
@@ -31,7 +33,7 @@ contains
    !> Write `NAME.summary.csv` and, where the case asks for a history, `NAME.history.csv`. Both
    !> appear only when both are complete, and neither takes the place of a file that the case was
    !> read from.
-   subroutine write_result(case, result, folder, name, error, source)
+   subroutine write_result(case, result, folder, name, error, source, control)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       character(*), intent(in) :: folder
@@ -39,9 +41,11 @@ contains
       character(*), intent(in) :: name
       !! of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input`: a file cannot be written, or is one that the case was read from
+      !! `err_input`: a file cannot be written, or is one that the case was read from;
+      !! `err_interrupt`: cancelled before the files were complete
       character(*), intent(in), optional :: source
       !! path of the namelist
+      type(control_t), intent(in), optional :: control
       type(atomic_file_t) :: summary
       type(atomic_file_t) :: history
 
@@ -51,7 +55,7 @@ contains
       if (allocated(error)) return
       if (allocated(result%history)) then
          call write_history(history, case, result%history, &
-            join_path(folder, name//'.history.csv'), error)
+            join_path(folder, name//'.history.csv'), error, control)
          if (.not. allocated(error)) call publish(history, error)
       end if
       if (.not. allocated(error)) call publish(summary, error)
@@ -59,15 +63,17 @@ contains
    end subroutine write_result
 
    !> Write a spectrum: one line an ordinate, T_s fastest, then gamma, then b.
-   subroutine write_spectrum(case, spectrum, path, error, part)
+   subroutine write_spectrum(case, spectrum, path, error, part, control)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
       !! of the file
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input`: the file cannot be written, or is one that the case was read from
+      !! `err_input`: the file cannot be written, or is one that the case was read from;
+      !! `err_interrupt`: cancelled before the file was complete
       character(*), intent(in), optional :: part
       !! which part of the case's periods it holds, 'K/N'
+      type(control_t), intent(in), optional :: control
       type(atomic_file_t) :: file
       type(axis_t), allocatable :: axes(:)
       character(:), allocatable :: names
@@ -91,12 +97,14 @@ contains
          names = names//trim(spectrum%quantities(i))//','
       end do
       call write_line(file, names//'status')
-      call write_ordinates(file, spectrum)
-      call finish(file, error)
+      call write_ordinates(file, spectrum, error, control)
+      if (.not. allocated(error)) call finish(file, error)
       if (.not. allocated(error)) call publish(file, error)
+      call discard(file)
    end subroutine write_spectrum
 
-   !> Fails when a file that a case of this name may write is one that a case was read from.
+   !> Fails when a file that a case of this name may write is a folder, or one that a case was read
+   !> from.
    subroutine check_outputs(folder, name, case, error, source)
       character(*), intent(in) :: folder
       !! its path; '' is the current one
@@ -126,14 +134,15 @@ contains
       names = name//endings
    end function file_names
 
-   !> Fails when a file is one that a case was read from.
+   !> Fails when a file is a folder, or one that a case was read from.
    subroutine check_output(path, case, error, source)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
       character(*), intent(in), optional :: source
 
-      if (present(source)) call check_not_read(path, source, error)
+      call check_not_folder(path, error)
+      if (present(source) .and. .not. allocated(error)) call check_not_read(path, source, error)
       if (.not. allocated(error) .and. allocated(case%record)) then
          call check_not_read(path, case%motion%path, error)
       end if
@@ -171,72 +180,127 @@ contains
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
       type(summary_item_t), allocatable :: items(:)
-      character(:), allocatable :: names
-      character(:), allocatable :: values
+      type(text_buffer_t) :: names
+      type(text_buffer_t) :: values
       integer :: i
 
       call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case)
       call summarise(case, result, items)
-      names = ''
-      values = ''
       do i = 1, size(items)
-         names = names//','//items(i)%key
+         call begin_cell(names)
+         call append(names, items(i)%key)
+         call begin_cell(values)
          call append_value(items(i), values)
       end do
-      call write_line(file, names(2:))
-      call write_line(file, values(2:))
+      call end_line(file, names)
+      call end_line(file, values)
       call finish(file, error)
    end subroutine write_summary
 
    !> The response on its grid of times, one line an instant.
-   subroutine write_history(file, case, history, path, error)
+   subroutine write_history(file, case, history, path, error, control)
       type(atomic_file_t), intent(out) :: file
-      !! finished, not published
+      !! finished, not published; none after an error
       type(case_t), intent(in) :: case
       type(history_t), intent(in) :: history
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: names
+      type(control_t), intent(in), optional :: control
+      type(text_buffer_t) :: line
       integer :: i
+      integer :: j
 
       call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case)
-      names = ''
-      do i = 1, size(history%names)
-         names = names//','//trim(history%names(i))
+      do j = 1, size(history%names)
+         call begin_cell(line)
+         call append(line, trim(history%names(j)))
       end do
-      call write_line(file, names(2:))
+      call end_line(file, line)
       do i = 1, size(history%values, 1)
-         call write_line(file, trim(csv_numbers(history%values(i, :))))
+         do j = 1, size(history%values, 2)
+            call append_number(history%values(i, j), line)
+         end do
+         call end_line(file, line)
+         call check_cancelled(path, error, control)
+         if (allocated(error)) exit
       end do
-      call finish(file, error)
+      if (.not. allocated(error)) call finish(file, error)
+      if (allocated(error)) call discard(file)
    end subroutine write_history
 
    !> The ordinates of a spectrum.
-   subroutine write_ordinates(file, spectrum)
+   subroutine write_ordinates(file, spectrum, error, control)
       type(atomic_file_t), intent(in) :: file
       type(spectrum_t), intent(in) :: spectrum
-      character(:), allocatable :: lead
+      type(error_t), allocatable, intent(out) :: error
+      type(control_t), intent(in), optional :: control
+      type(text_buffer_t) :: line
       integer :: i
       integer :: j
       integer :: k
+      integer :: q
 
       do k = 1, size(spectrum%values, 3)
          do j = 1, size(spectrum%values, 2)
-            lead = ''
-            if (allocated(spectrum%b)) lead = trim(csv_numbers(spectrum%b(k:k)))//','
-            if (allocated(spectrum%gamma)) lead = lead//trim(csv_numbers(spectrum%gamma(j:j)))//','
             do i = 1, size(spectrum%T_s)
-               call write_line(file, lead//trim(csv_numbers([spectrum%T_s(i), &
-                  spectrum%values(i, j, k, :)]))//',' &
-                  //trim(spectrum%status_names(spectrum%status(i, j, k))))
+               if (allocated(spectrum%b)) call append_number(spectrum%b(k), line)
+               if (allocated(spectrum%gamma)) call append_number(spectrum%gamma(j), line)
+               call append_number(spectrum%T_s(i), line)
+               do q = 1, size(spectrum%values, 4)
+                  call append_number(spectrum%values(i, j, k, q), line)
+               end do
+               call begin_cell(line)
+               call append(line, trim(spectrum%status_names(spectrum%status(i, j, k))))
+               call end_line(file, line)
+               call check_cancelled('the spectrum', error, control)
+               if (allocated(error)) return
             end do
          end do
       end do
    end subroutine write_ordinates
+
+   !> Fails when the caller wants the computation to stop.
+   subroutine check_cancelled(what, error, control)
+      character(*), intent(in) :: what
+      !! is being written
+      type(error_t), allocatable, intent(out) :: error
+      type(control_t), intent(in), optional :: control
+
+      if (.not. present(control)) return
+      if (is_cancelled(control)) call fail(error, err_interrupt, 'interrupted while ' &
+         //what//' was being written; an earlier file of this name is unchanged')
+   end subroutine check_cancelled
+
+   !> Comma before all cells of a line but the first.
+   pure subroutine begin_cell(line)
+      type(text_buffer_t), intent(inout) :: line
+
+      if (line%length > 0) call append(line, ',')
+   end subroutine begin_cell
+
+   !> Add a cell with a number.
+   pure subroutine append_number(number, line)
+      real(wp), intent(in) :: number
+      type(text_buffer_t), intent(inout) :: line
+      character(25) :: text
+
+      text = real_to_text(number)
+      call begin_cell(line)
+      call append(line, text(:len_trim(text)))
+   end subroutine append_number
+
+   !> Write a line and begin the next one.
+   subroutine end_line(file, line)
+      type(atomic_file_t), intent(in) :: file
+      type(text_buffer_t), intent(inout) :: line
+
+      call write_line(file, line%room(:line%length))
+      call clear(line)
+   end subroutine end_line
 
    !> What is needed to repeat the computation.
    subroutine write_header(file, case, part)
@@ -280,54 +344,35 @@ contains
       call write_line(file, line)
    end subroutine write_record
 
-   !> Numbers with commas between them, and blanks behind.
-   pure function csv_numbers(values) result(line)
-      real(wp), intent(in) :: values(:)
-      !! (columns)
-      character(26*size(values)) :: line
-      character(25) :: number
-      integer :: i
-      integer :: length
-
-      line = real_to_text(values(1))
-      length = len_trim(line)
-      do i = 2, size(values)
-         number = real_to_text(values(i))
-         line(length + 1:length + 1 + len(number)) = ','//number
-         length = length + 1 + len_trim(number)
-      end do
-   end function csv_numbers
-
-   !> Append a comma and the value of a summary item.
+   !> Append the value of a summary item.
    pure subroutine append_value(item, line)
       type(summary_item_t), intent(in) :: item
-      character(:), allocatable, intent(inout) :: line
+      type(text_buffer_t), intent(inout) :: line
       integer :: i
 
-      line = line//','
       select case (item%kind)
       case ('real')
-         line = line//trim(real_to_text(item%number))
+         call append(line, trim(real_to_text(item%number)))
       case ('int')
-         line = line//trim(integer_to_text(item%count))
+         call append(line, trim(integer_to_text(item%count)))
       case ('logical')
-         line = line//trim(merge('true ', 'false', item%count == 1))
+         call append(line, trim(merge('true ', 'false', item%count == 1)))
       case ('text')
-         line = line//item%text
+         call append(line, item%text)
       case default
          ! a list
-         line = line//'"'
+         call append(line, '"')
          do i = 1, len(item%text)
             select case (item%text(i:i))
             case (achar(9))
-               line = line//'; '
+               call append(line, '; ')
             case ('"')
-               line = line//'""'
+               call append(line, '""')
             case default
-               line = line//item%text(i:i)
+               call append(line, item%text(i:i))
             end select
          end do
-         line = line//'"'
+         call append(line, '"')
       end select
    end subroutine append_value
 

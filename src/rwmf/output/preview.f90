@@ -1,6 +1,6 @@
 !> What a case will simulate and report, before it is simulated.
 module rwmf_output_preview
-   use rwmf_core_error, only: error_t
+   use rwmf_core_error, only: err_input, error_t
    use rwmf_model_effects_list, only: all_effects
    use rwmf_output_summary, only: joined, list_absent_effects, list_effects, summarise, &
       summary_item_t
@@ -11,10 +11,12 @@ module rwmf_output_preview
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_instant
    use rwmf_spectrum_quantities, only: check_asked, keys_asked_by
+   use rwmf_spectrum_threads, only: choose_threads
+   use rwmf_text_text_buffer, only: append, text_buffer_t
    implicit none
    private
 
-   public :: preview_text
+   public :: preview_text, check_run
 
    character(*), parameter :: tab = achar(9)
    integer, parameter :: note_length = 120
@@ -34,16 +36,43 @@ contains
       !! the lines, each with its line feed; not allocated after an error
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: instant
-      type(motion_t) :: motion
       type(result_t) :: result
+
+      call look_ahead(case, instant, result, error)
+      if (.not. allocated(error)) call compose(case, instant, result, text)
+   end subroutine preview_text
+
+   !> Find what is not acceptable in a case before anything is computed or written.
+   subroutine check_run(case, error)
+      type(case_t), intent(in) :: case
+      !! valid
+      type(error_t), allocatable, intent(out) :: error
+      !! `err_input`: quantities that do not apply, too many threads
+      integer, parameter :: all_threads = 0
+      type(case_t) :: instant
+      type(result_t) :: result
+      integer :: threads
+
+      if (allocated(case%spectrum)) call choose_threads(all_threads, threads, error)
+      if (.not. allocated(error)) call look_ahead(case, instant, result, error)
+      if (.not. allocated(error)) return
+      ! a numerical failure is a result of the run
+      if (error%stat /= err_input) deallocate (error)
+   end subroutine check_run
+
+   !> The same case when it ends as it begins.
+   subroutine look_ahead(case, instant, result, error)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(out) :: instant
+      type(result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(motion_t) :: motion
 
       motion = motion_from_case(case)
       if (allocated(case%spectrum)) call check_asked(case, motion, &
          keys_asked_by(case), error)
       if (.not. allocated(error)) call simulate_instant(case, motion, instant, result, error)
-      if (allocated(error)) return
-      call compose(case, instant, result, text)
-   end subroutine preview_text
+   end subroutine look_ahead
 
    subroutine compose(case, instant, result, text)
       type(case_t), intent(in) :: case
@@ -53,6 +82,7 @@ contains
       !! of it
       character(:), allocatable, intent(out) :: text
       type(summary_item_t), allocatable :: items(:)
+      type(text_buffer_t) :: scalars
       character(name_length), allocatable :: states(:)
       character(name_length), allocatable :: events(:)
       character(note_length), allocatable :: notes(:)
@@ -66,11 +96,11 @@ contains
       call append_line('states', states, text)
       call append_line('events', events, text)
       call summarise(instant, result, items)
-      text = text//'scalars'
+      call append(scalars, 'scalars')
       do i = 1, size(items)
-         text = text//tab//items(i)%key
+         call append(scalars, tab//items(i)%key)
       end do
-      text = text//new_line('a')
+      text = text//scalars%room(:scalars%length)//new_line('a')
       if (allocated(result%history)) call append_line('columns', result%history%names, text)
       call list_notes(case%values, notes)
       call append_line('notes', notes, text)

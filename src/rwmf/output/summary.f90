@@ -12,6 +12,7 @@ module rwmf_output_summary
    use rwmf_simulation_quantities, only: all_quantities
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private
 
@@ -42,33 +43,39 @@ contains
       type(summary_item_t), allocatable, intent(out) :: items(:)
       !! (keys)
       character(12), allocatable :: effects(:)
+      integer, parameter :: usual = 128
       integer :: i
+      integer :: n
 
-      allocate (items(0))
+      allocate (items(usual))
+      n = 0
       do i = 1, size(all_quantities)
          if (index(all_quantities(i)%outputs, 'run') == 0) cycle
          select case (all_quantities(i)%key)
          case ('method')
-            call append_item(items, i, 0, scalar_t(), result%method)
+            call append_item(items, n, i, 0, scalar_t(), result%method)
          case ('effects')
             ! not within the call below, where gfortran 12 takes the length from memory given back
             effects = list_effects(case)
-            call append_item(items, i, 0, scalar_t(), joined(effects))
+            call append_item(items, n, i, 0, scalar_t(), joined(effects))
          case ('warnings')
             if (allocated(result%warnings)) then
-               call append_item(items, i, 0, scalar_t(), joined(result%warnings))
+               call append_item(items, n, i, 0, scalar_t(), joined(result%warnings))
             else
-               call append_item(items, i, 0, scalar_t(), '')
+               call append_item(items, n, i, 0, scalar_t(), '')
             end if
          case default
-            call append_numbers(items, i, case, result)
+            call append_numbers(items, n, i, case, result)
          end select
       end do
+      call resize(items, n, n)
    end subroutine summarise
 
    !> Append a quantity, or one for each storey from the ground up, as far as it applies.
-   pure subroutine append_numbers(items, place, case, result)
+   pure subroutine append_numbers(items, n, place, case, result)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
+      integer, intent(inout) :: n
+      !! items so far
       integer, intent(in) :: place
       !! in the table
       type(case_t), intent(in) :: case
@@ -80,45 +87,66 @@ contains
       do
          scalar = scalar_of(case, result, trim(all_quantities(place)%key), storey)
          if (.not. scalar%is_present) return
-         call append_item(items, place, storey, scalar, '')
+         call append_item(items, n, place, storey, scalar, '')
          if (index(all_quantities(place)%key, '{i}') == 0) return
          storey = storey + 1
       end do
    end subroutine append_numbers
 
    !> Append one item.
-   pure subroutine append_item(items, place, storey, scalar, text)
+   pure subroutine append_item(items, n, place, storey, scalar, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
+      integer, intent(inout) :: n
+      !! items so far
       integer, intent(in) :: place
       integer, intent(in) :: storey
       !! its number, for a key with '{i}'
       type(scalar_t), intent(in) :: scalar
       character(*), intent(in) :: text
-      type(summary_item_t), allocatable :: grown(:)
-      integer :: n
 
-      n = size(items) + 1
-      allocate (grown(n))
-      grown(:n - 1) = items
-      grown(n)%key = trim(numbered(trim(all_quantities(place)%key), storey))
-      grown(n)%kind = trim(all_quantities(place)%kind)
-      grown(n)%number = scalar%number
-      grown(n)%count = scalar%count
-      grown(n)%text = text
-      call move_alloc(grown, items)
+      if (n == size(items)) call resize(items, n, 2*n)
+      n = n + 1
+      items(n)%key = trim(numbered(trim(all_quantities(place)%key), storey))
+      items(n)%kind = trim(all_quantities(place)%kind)
+      items(n)%number = scalar%number
+      items(n)%count = scalar%count
+      items(n)%text = text
    end subroutine append_item
+
+   !> Give the list another size; the texts are moved, not copied.
+   pure subroutine resize(items, n, new_size)
+      type(summary_item_t), allocatable, intent(inout) :: items(:)
+      integer, intent(in) :: n
+      !! items in use
+      integer, intent(in) :: new_size
+      !! >= n
+      type(summary_item_t), allocatable :: resized(:)
+      integer :: i
+
+      allocate (resized(new_size))
+      do i = 1, n
+         resized(i)%number = items(i)%number
+         resized(i)%count = items(i)%count
+         call move_alloc(items(i)%key, resized(i)%key)
+         call move_alloc(items(i)%kind, resized(i)%kind)
+         call move_alloc(items(i)%text, resized(i)%text)
+      end do
+      call move_alloc(resized, items)
+   end subroutine resize
 
    !> The summary without its numbers, as lines `key<TAB>kind<TAB>text`.
    pure subroutine summary_text(items, text)
       type(summary_item_t), intent(in) :: items(:)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed
+      type(text_buffer_t) :: lines
       integer :: i
 
-      text = ''
+      call clear(lines)
       do i = 1, size(items)
-         text = text//items(i)%key//tab//items(i)%kind//tab//items(i)%text//new_line('a')
+         call append(lines, items(i)%key//tab//items(i)%kind//tab//items(i)%text//new_line('a'))
       end do
+      text = lines%room(:lines%length)
    end subroutine summary_text
 
    !> Names of the effects that are simulated, in the order of the case file's groups.

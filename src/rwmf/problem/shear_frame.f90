@@ -143,10 +143,12 @@ contains
       !! with its modes
       real(wp), intent(in) :: xi
       !! damping ratio [-]
-      real(wp) :: c(size(frame%m), size(frame%m))
+      real(wp), allocatable :: c(:, :)
+      !! (n, n)
       real(wp) :: momentum(size(frame%m))
       integer :: i, j
 
+      allocate (c(size(frame%m), size(frame%m)))
       c = 0
       do j = 1, size(frame%m)
          momentum = frame%m*frame%shape(:, j)

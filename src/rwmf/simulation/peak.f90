@@ -72,20 +72,27 @@ contains
       !! (quantities of the table)
       character(40), allocatable, intent(out) :: keys(:)
       !! (keys) with the number of a floor or storey in the place of '{i}'
+      character(40), allocatable :: more(:)
       type(scalar_t) :: scalar
-      integer :: i, number
+      integer :: i, j, n, number
 
       allocate (keys(0))
       do i = 1, size(all_quantities)
          if (.not. is_wanted(i)) cycle
-         number = 1
-         scalar = scalar_of(case, result, trim(all_quantities(i)%key), number)
-         do while (scalar%is_present)
-            keys = [keys, numbered(trim(all_quantities(i)%key), number)]
-            if (index(all_quantities(i)%key, '{i}') == 0) exit
+         number = 0
+         do
+            scalar = scalar_of(case, result, trim(all_quantities(i)%key), number + 1)
+            if (.not. scalar%is_present) exit
             number = number + 1
-            scalar = scalar_of(case, result, trim(all_quantities(i)%key), number)
+            if (index(all_quantities(i)%key, '{i}') == 0) exit
          end do
+         n = size(keys)
+         allocate (more(n + number))
+         more(:n) = keys
+         do j = 1, number
+            more(n + j) = numbered(trim(all_quantities(i)%key), j)
+         end do
+         call move_alloc(more, keys)
       end do
    end subroutine list_reported
 

@@ -38,6 +38,8 @@ module rwmf_spectrum_lanes
    character(*), parameter :: not_finite = 'not_finite'
    !! name of the failure of a row with a number that is infinite or NaN
 
+   integer, parameter :: most_storeys = 64
+   !! of frames in a team: vectors of its states lie on the stack of a thread
    integer, parameter :: few_lanes = 2
    !! that are faster alone than in a team
 
@@ -116,13 +118,17 @@ contains
       !! number of threads to use
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
-      integer :: next
+      integer :: next, width
 
       if (size(ordinates) == 0) return
       next = 0
+      width = 1
+      if (size(ordinates) >= 2*threads) width = team_width
+      if (allocated(queue%rows%case%storeys)) then
+         if (size(queue%rows%case%storeys%frame%m) > most_storeys) width = 1
+      end if
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
-      call run_team(queue, control, min(team_width, 1 + (team_width - 1) &
-         *min(1, size(ordinates)/(2*threads))), next, ordinates)
+      call run_team(queue, control, width, next, ordinates)
       !$omp end parallel
    end subroutine run_ordinates
 

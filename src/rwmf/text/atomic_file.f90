@@ -15,7 +15,7 @@ module rwmf_text_atomic_file
    private
 
    public :: atomic_file_t, open_atomic, write_line, finish, publish, discard
-   public :: check_folder, check_not_read, join_path, remove_leftovers, c_fileno
+   public :: check_folder, check_not_folder, check_not_read, join_path, remove_leftovers, c_fileno
 
    !> A file that is being written.
    type :: atomic_file_t
@@ -201,8 +201,8 @@ contains
       !! without the line feed
       integer(c_size_t) :: written
 
-      written = c_fwrite(line//new_line('a'), 1_c_size_t, len(line, c_size_t) + 1_c_size_t, &
-         file%stream)
+      written = c_fwrite(line, 1_c_size_t, len(line, c_size_t), file%stream)
+      written = c_fwrite(new_line('a'), 1_c_size_t, 1_c_size_t, file%stream)
    end subroutine write_line
 
    !> Bring everything to the disk. On failure the new file is removed.
@@ -276,6 +276,17 @@ contains
          call fail(error, err_input, 'the folder '//folder//' is not writable')
       end if
    end subroutine check_folder
+
+   !> Fails when a file that is to be written is a folder.
+   subroutine check_not_folder(path, error)
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      !! `err_input`
+      integer(c_int), parameter :: exists = 0_c_int
+
+      if (c_access(path//'/.'//c_null_char, exists) /= 0_c_int) return
+      call fail(error, err_input, 'cannot write '//path//': it is a folder')
+   end subroutine check_not_folder
 
    !> `folder/name`, where the folder may be '' (the current one).
    pure function join_path(folder, name) result(path)

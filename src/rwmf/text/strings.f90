@@ -2,6 +2,7 @@
 module rwmf_text_strings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use rwmf_core_kinds, only: dp, i8, wp
+   use rwmf_text_decimal, only: digit_count, shortest_digits
    implicit none
    private
 
@@ -42,60 +43,94 @@ contains
       real(wp), intent(in) :: x
       !! [any]; in the quadruple build rounded to double precision
       character(25) :: text
-      integer, parameter :: most_digits = 17
-      character(40) :: buffer
-      character(12) :: form
+      character(digit_count) :: letters
       real(dp) :: value
-      real(dp) :: read_back
-      integer :: digits
-      integer :: stat
+      integer(i8) :: digits
+      integer :: exponent
+      integer :: i
+      logical :: is_decided
 
       value = real(x, dp)
       if (ieee_is_nan(value)) then
          text = 'nan'
+         return
       else if (.not. ieee_is_finite(value)) then
          text = merge('inf ', '-inf', value > 0)
-      else
-         ! with 15 digits the shortest text only has zeros behind, which plain_number drops
-         do digits = 15, most_digits
-            write (form, '("(es40.", i0, "e3)")') digits - 1
-            write (buffer, form) value
-            read (buffer, *, iostat=stat) read_back
-            if (stat == 0 .and. abs(read_back - value) <= 0) exit
-         end do
-         text = plain_number(trim(adjustl(buffer)))
+         return
       end if
+      is_decided = abs(value) > 0
+      if (is_decided) call shortest_digits(abs(value), digits, exponent, is_decided)
+      if (is_decided) then
+         do i = digit_count, 1, -1
+            letters(i:i) = achar(iachar('0') + int(mod(digits, 10_i8)))
+            digits = digits/10
+         end do
+      else
+         call find_digits(abs(value), letters, exponent)
+      end if
+      text = plain_number(sign(1.0_dp, value) < 0, letters, exponent)
    end function real_to_text
 
-   !> `-1.25E-002` as -0.0125: without exponent where that is easier to read.
-   pure function plain_number(scientific) result(text)
-      character(*), intent(in) :: scientific
-      !! sign, one digit, point, digits, `E`, sign, three digits
-      character(25) :: text
-      character(17) :: digits
-      !! with zeros behind
-      integer :: exponent
-      integer :: first
-      integer :: last
-      !! digit that is not zero
+   !> Shortest digits by trial, for zero and where a product does not decide.
+   pure subroutine find_digits(x, digits, exponent)
+      real(dp), intent(in) :: x
+      !! >= 0, finite
+      character(digit_count), intent(out) :: digits
+      !! with zeros at its end
+      integer, intent(out) :: exponent
+      !! of the first digit
+      character(40) :: buffer
+      character(12) :: form
+      real(dp) :: read_back
+      integer :: count
       integer :: letter
       integer :: stat
+      logical :: ok
 
-      text = scientific
-      first = verify(scientific, '-')
-      letter = index(scientific, 'E')
-      read (scientific(letter + 1:), *, iostat=stat) exponent
-      if (stat /= 0) return
-      digits = scientific(first:first)//scientific(first + 2:letter - 1)//repeat('0', len(digits))
+      ! with 15 digits the shortest text only has zeros behind, which plain_number drops
+      do count = 15, digit_count
+         write (form, '("(es40.", i0, "e3)")') count - 1
+         write (buffer, form) x
+         read (buffer, *, iostat=stat) read_back
+         if (stat == 0 .and. abs(read_back - x) <= 0) exit
+      end do
+      buffer = adjustl(buffer)
+      letter = index(buffer, 'E')
+      call parse_integer(trim(buffer(letter + 1:)), exponent, ok)
+      digits = buffer(1:1)//buffer(3:letter - 1)//repeat('0', digit_count)
+   end subroutine find_digits
+
+   !> Digits and exponent as -0.0125 or -1.25e-20: without exponent where that is easier to read.
+   pure function plain_number(is_negative, digits, exponent) result(text)
+      logical, intent(in) :: is_negative
+      character(digit_count), intent(in) :: digits
+      !! of which zeros at the end do not count
+      integer, intent(in) :: exponent
+      !! of the first digit
+      character(25) :: text
+      integer :: at
+      !! last letter so far
+      integer :: last
+      !! digit that is not zero
+      integer :: point
+      !! digits before the point
+
+      text = ''
+      if (is_negative) text(1:1) = '-'
+      at = merge(1, 0, is_negative)
       last = max(1, verify(digits, '0', back=.true.))
-      if (exponent >= 15 .or. exponent < -4) then
-         text = digits(1:1)//'.'//digits(2:max(2, last))//'e'//integer_to_text(exponent)
-      else if (exponent < 0) then
-         text = '0.'//repeat('0', -exponent - 1)//digits(:last)
-      else
-         text = digits(:exponent + 1)//'.'//digits(exponent + 2:max(exponent + 2, last))
+      point = exponent + 1
+      if (exponent >= 15 .or. exponent < -4) point = 1
+      if (point <= 0) then
+         text(at + 1:at + 2 - point) = '0.0000'
+         text(at + 3 - point:) = digits(:last)
+         return
       end if
-      if (first > 1) text = '-'//text(:len(text) - 1)
+      text(at + 1:at + point) = digits(:point)
+      text(at + point + 1:at + point + 1) = '.'
+      last = max(point + 1, last)
+      text(at + point + 2:) = digits(point + 1:last)
+      if (point == 1 .and. exponent /= 0) text(at + last + 2:) = 'e'//integer_to_text(exponent)
    end function plain_number
 
    !> Read a decimal number, and nothing else: no list, no repeat, no NaN, no infinity.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import re
+import tomllib
 
 import pytest
 from checkout import ROOT
@@ -12,7 +13,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 _TOOLS = ROOT / "tools"
-_NAMES = ("requirements", "pip-tools", "docs")
+_NAMES = ("requirements", "pip-tools", "docs", "wheel")
 
 
 def _direct(name: str) -> list[Requirement]:
@@ -73,6 +74,24 @@ def test_what_packages_pull_in_is_locked() -> None:
                 assert wanted.specifier.contains(pinned, prereleases=True), (name, line)
 
 
-def test_the_set_up_takes_the_lock() -> None:
-    text = (_TOOLS / "lib" / "venv.sh").read_text(encoding="utf-8")
-    assert "--require-hashes --requirement" in text
+def test_wheels_are_built_with_locked_packages() -> None:
+    """The lock has every package of pyproject.toml, in the version of the checkout."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    locked, checkout = _locked("wheel"), _locked("requirements")
+    needs = [Requirement(line) for line in project["build-system"]["requires"]]
+    for wanted in [*needs, Requirement("pip>=23.1")]:
+        name = canonicalize_name(wanted.name)
+        assert wanted.specifier.contains(locked[name][0])
+        assert name == "pip" or locked[name][0] == checkout[name][0]
+
+
+@pytest.mark.parametrize("tool", ["wheel", "lock", "lib/venv.sh", "lib/docs.sh"])
+def test_tools_install_packages_of_locks_only(tool: str) -> None:
+    """The exceptions are what a wheel is tried with: a user's own calls."""
+    text = (_TOOLS / tool).read_text(encoding="utf-8").replace("\\\n", "")
+    calls = [line for line in text.splitlines() if re.search(r"pip['\"]? install", line)]
+    tried = [line for line in calls if "$work/clean/bin/pip" in line]
+    assert len(calls) > len(tried)
+    assert len(tried) == (tool == "wheel")
+    for line in calls:
+        assert line in tried or "--require-hashes --requirement" in " ".join(line.split())

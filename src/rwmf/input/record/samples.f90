@@ -59,8 +59,11 @@ contains
          end do
       end if
       if (allocated(error)) return
-      samples%crc32 = crc32_of(a)
-      if (present(t)) samples%crc32 = crc32_of([t, a])
+      if (present(t)) then
+         samples%crc32 = crc32(t, a)
+      else
+         samples%crc32 = crc32(a)
+      end if
    end subroutine samples_from_array
 
    !> Every number is finite.
@@ -77,14 +80,5 @@ contains
       call fail(error, err_input, 'sample '//trim(integer_to_text(i))//': '//what//' ' &
          //trim(real_to_text(real(numbers(i), wp)))//' is not a finite number')
    end subroutine check_finite
-
-   !> CRC-32 of the bytes of numbers.
-   pure character(8) function crc32_of(numbers)
-      real(dp), intent(in) :: numbers(:)
-      character(8*size(numbers)) :: bytes
-
-      bytes = transfer(numbers, bytes)
-      crc32_of = crc32(bytes)
-   end function crc32_of
 
 end module rwmf_input_record_samples

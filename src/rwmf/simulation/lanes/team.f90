@@ -123,11 +123,14 @@ contains
       integer, intent(in) :: width
       !! number of lanes: 1, or that of the kernels, which are then to be set
       type(team_t), intent(out), target :: team
+      integer :: i
 
       team%width = width
       team%pair = pair
       call divide_room(equation%n, equation%scene%n_coef, team)
-      team%coef(:, :) = spread(equation%state%coef(1, :), 1, width)
+      do i = 1, width
+         team%coef(i, :) = equation%state%coef(1, :)
+      end do
       team%tolerance(:, :) = 1
       associate (n => equation%n)
          allocate (team%error(width), source=0.0_wp)

@@ -58,7 +58,8 @@ contains
       equation%floors%height = frame%height
       equation%floors%k = frame%k*pace**2/unit
       equation%floors%mass = sum(equation%floors%m(:n - 1))
-      equation%floors%c = damping_matrix(frame, case%frame%xi_s)*(pace/unit)
+      equation%floors%c = damping_matrix(frame, case%frame%xi_s)
+      equation%floors%c(:, :) = equation%floors%c*(pace/unit)
       allocate (equation%state%storeys(n))
       equation%state%storeys%slope = equation%floors%k
       equation%floors%max_frequency = frame%omega(n)*pace

@@ -151,7 +151,9 @@ contains
       type(shear_frame_t), intent(in) :: frame
       !! with masses and heights, and the stiffness of the lowest storey
       real(wp) :: k(size(frame%height))
-      integer :: i, j
+      real(wp) :: moment(size(frame%height))
+      !! of each floor's mass about the ground, over g
+      integer :: i
 
       select case (distribution)
       case ('linear')
@@ -159,8 +161,9 @@ contains
          k = [(sum(frame%height(i:)), i=1, size(k))]/sum(frame%height)
       case ('straight_mode')
          ! each storey bears the inertia of the floors above it, which grows with their height
+         moment = frame%m*[(sum(frame%height(:i)), i=1, size(k))]
          do i = 1, size(k)
-            k(i) = sum([(frame%m(j)*sum(frame%height(:j)), j=i, size(k))])/frame%height(i)
+            k(i) = sum(moment(i:))/frame%height(i)
          end do
          k = k/k(1)
       case default

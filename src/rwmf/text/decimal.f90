@@ -1,0 +1,68 @@
+!> Shortest decimal digits of a double precision number, by one product in quadruple precision.
+module rwmf_text_decimal
+   use, intrinsic :: iso_fortran_env, only: real128
+   use rwmf_core_kinds, only: dp, i8
+   implicit none
+   private
+
+   public :: shortest_digits, digit_count
+
+   integer, parameter :: digit_count = 17
+   !! digits that tell every double precision number from its neighbours
+   integer, parameter :: most_exponent = 290
+   !! decimal exponents beyond which a number is left to the caller
+
+contains
+
+   !> Decimal with the fewest digits, 15 at least, that reads back as the same number.
+   !>
+   !> A count of digits qualifies when the decimal nearest to the number lies within half the gap
+   !> to the neighbouring numbers. Too close to a tie (and for powers of two, whose gaps differ) the
+   !> product does not decide.
+   pure subroutine shortest_digits(x, digits, exponent, is_decided)
+      real(dp), intent(in) :: x
+      !! > 0, finite
+      integer(i8), intent(out) :: digits
+      !! 10**16 <= digits < 10**17; zeros at its end replace the digits that are not needed
+      integer, intent(out) :: exponent
+      !! x = digits*10**(exponent - 16) to the accuracy of double precision
+      logical, intent(out) :: is_decided
+      !! otherwise the caller has to find the digits
+      real(dp), parameter :: tie = 1.0e-9_dp
+      integer(i8), parameter :: lowest = 10_i8**(digit_count - 1)
+      integer :: i
+      real(real128), parameter :: ten_to(-300:310) = [(10.0_real128**i, i=-300, 310)]
+      real(real128) :: scaled
+      real(dp) :: half_gap, rest
+      integer(i8) :: unit, whole
+
+      digits = 0
+      exponent = floor(log10(x))
+      is_decided = abs(exponent) <= most_exponent .and. fraction(x) > 0.5_dp
+      if (.not. is_decided) return
+      scaled = x*ten_to(digit_count - 1 - exponent)
+      ! log10 rounds
+      if (scaled < lowest) exponent = exponent - 1
+      if (scaled >= 10*lowest) exponent = exponent + 1
+      scaled = x*ten_to(digit_count - 1 - exponent)
+      whole = int(scaled, i8)
+      half_gap = real(ten_to(digit_count - 1 - exponent), dp)*spacing(x)/2
+      unit = 100
+      do
+         digits = whole - mod(whole, unit)
+         rest = real(whole - digits, dp) + real(scaled - whole, dp)
+         is_decided = abs(2*rest - unit) > tie
+         if (2*rest > unit) then
+            digits = digits + unit
+            rest = unit - rest
+         end if
+         is_decided = is_decided .and. abs(rest - half_gap) > tie
+         if (.not. is_decided .or. rest < half_gap .or. unit == 1) exit
+         unit = unit/10
+      end do
+      if (digits < 10*lowest) return
+      digits = lowest
+      exponent = exponent + 1
+   end subroutine shortest_digits
+
+end module rwmf_text_decimal

@@ -1,0 +1,163 @@
+"""Signals while files are written: complete files and status 0, or none of them and 130."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from checkout import BATCH, run_words
+from rwmf._library.worker import write
+from rwmf.errors import Interrupted
+
+RUN = """&wall h = 2.0, b = 0.5 /
+&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
+&impact e = 0.9 /
+&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /
+&solver method = 'dop853', rtol = 1e-4, t_end = 1.0 /
+"""
+MANY_ROWS = "&output dt = 1e-6, energy = .true. /\n"
+MANY_PERIODS = """&frame xi_s = 0.05 /
+&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /
+&solver t_end = 0.01 /
+&spectrum T_s_min = 0.1, T_s_max = 3.0, n = 1000000 /
+"""
+PYTHON = [sys.executable, "-m", "rwmf"]
+WORDS = {
+    "batch": [BATCH, "case.nml"],
+    "run": [*PYTHON, "run", "case.nml", "--out", "."],
+    "spectrum": [*PYTHON, "spectrum", "case.nml", "--csv", "case.spectrum.csv"],
+}
+
+
+def _begun(folder: Path, process: subprocess.Popen[bytes]) -> None:
+    """Wait until some of a new file has been written."""
+    while not any(path.stat().st_size > 1e5 for path in folder.glob(".rwmf-*.tmp")):
+        assert process.poll() is None
+        time.sleep(0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("entry", "text", "number"),
+    [
+        ("batch", RUN + MANY_ROWS, signal.SIGINT),
+        ("batch", RUN + MANY_ROWS, signal.SIGTERM),
+        ("batch", MANY_PERIODS, signal.SIGTERM),
+        ("run", RUN + MANY_ROWS, signal.SIGINT),
+        ("spectrum", MANY_PERIODS, signal.SIGINT),
+    ],
+)
+def test_interrupted_while_writing(entry: str, text: str, number: int, tmp_path: Path) -> None:
+    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
+    earlier = [tmp_path / f"case.{kind}.csv" for kind in ("summary", "history", "spectrum")]
+    for path in earlier:
+        path.write_text("earlier", encoding="utf-8")
+    with subprocess.Popen(
+        WORDS[entry], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as process:
+        _begun(tmp_path, process)
+        started = time.monotonic()
+        process.send_signal(number)
+        _, told = process.communicate(timeout=60)
+        assert time.monotonic() - started < 5
+    assert process.returncode == 130, told
+    assert b"interrupted" in told
+    assert sorted(tmp_path.iterdir()) == sorted([tmp_path / "case.nml", *earlier])
+    assert all(path.read_text(encoding="utf-8") == "earlier" for path in earlier)
+
+
+def test_a_signal_behind_the_last_file_is_too_late(tmp_path: Path) -> None:
+    """The files are complete: status 0. The report blocks in a full pipe meanwhile."""
+    (tmp_path / "case.nml").write_text(RUN, encoding="utf-8")
+    reader, writer = os.pipe()
+    room = fcntl.fcntl(writer, fcntl.F_GETPIPE_SZ)
+    os.write(writer, b"x" * room)
+    with subprocess.Popen(
+        WORDS["batch"], cwd=tmp_path, stdout=writer, stderr=subprocess.PIPE
+    ) as process:
+        os.close(writer)
+        while not (tmp_path / "case.summary.csv").exists():
+            assert process.poll() is None
+            time.sleep(0.01)
+        time.sleep(0.1)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.1)
+        with os.fdopen(reader, "rb") as stream:
+            assert b"summary written" in stream.read()
+        process.communicate(timeout=60)
+    assert process.returncode == 0
+
+
+def test_the_next_case_is_not_begun(tmp_path: Path) -> None:
+    """A signal between two cases leaves the first complete and nothing of the second."""
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.nml").write_text(RUN, encoding="utf-8")
+    reader, writer = os.pipe()
+    os.write(writer, b"x" * fcntl.fcntl(writer, fcntl.F_GETPIPE_SZ))
+    with subprocess.Popen(
+        [BATCH, "one.nml", "two.nml"], cwd=tmp_path, stdout=writer, stderr=subprocess.PIPE
+    ) as process:
+        os.close(writer)
+        while not (tmp_path / "one.summary.csv").exists():
+            assert process.poll() is None
+            time.sleep(0.01)
+        time.sleep(0.1)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.1)
+        with os.fdopen(reader, "rb") as stream:
+            stream.read()
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert b"two.nml: not begun: interrupted" in told
+    assert not (tmp_path / "two.summary.csv").exists()
+
+
+@pytest.mark.parametrize(("status", "is_complete"), [(0, True), (130, False)])
+def test_interrupt_in_python(status: int, is_complete: bool) -> None:
+    def call(_: np.ndarray) -> tuple[int, int]:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.2)
+        return status, 0
+
+    if is_complete:
+        assert write(call) == (0, 0)
+    else:
+        with pytest.raises(Interrupted):
+            write(call)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("&spectrum T_s = 0.5, quantities = 'u_s_max', 'dance' /", "dance"),
+        ("&spectrum T_s = 0.5, quantities = 'roof_residual_drift' /", "roof_residual_drift"),
+        ("&spectrum T_s = 0.5, quantities = 'storey_3_ductility' /", "storey_3_ductility"),
+    ],
+)
+def test_nothing_is_written_before_all_is_checked(more: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "good.nml").write_text(RUN, encoding="utf-8")
+    (tmp_path / "bad.nml").write_text(RUN + more + "\n", encoding="utf-8")
+    (tmp_path / "bad.summary.csv").write_text("earlier", encoding="utf-8")
+    done = run_words([BATCH, "good.nml", "bad.nml"], tmp_path)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "bad.nml" in done.stderr
+    assert sorted(path.name for path in tmp_path.glob("*.csv")) == ["bad.summary.csv"]
+    assert (tmp_path / "bad.summary.csv").read_text(encoding="utf-8") == "earlier"
+
+
+def test_threads_and_folders_are_checked_before(tmp_path: Path) -> None:
+    (tmp_path / "case.nml").write_text(RUN + "&spectrum T_s = 0.5 /\n", encoding="utf-8")
+    done = run_words([BATCH, "case.nml"], tmp_path, OMP_NUM_THREADS="100000")
+    assert (done.returncode, "OMP_NUM_THREADS" in done.stderr) == (2, True)
+    (tmp_path / "case.spectrum.csv").mkdir()
+    done = run_words([BATCH, "case.nml"], tmp_path)
+    assert (done.returncode, "case.spectrum.csv: it is a folder" in done.stderr) == (2, True)
+    assert not (tmp_path / "case.summary.csv").exists()

@@ -1,0 +1,49 @@
+"""Sizes at their limits with a small stack: nothing that a user sizes lies on it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import fuzz_sizes
+import pytest
+
+FIRST = int(os.environ.get("RWMF_FUZZ_FIRST", "0"))
+ATTACKS = int(os.environ.get("RWMF_FUZZ", "2"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(FIRST, FIRST + ATTACKS))
+@pytest.mark.parametrize("kind", fuzz_sizes.KINDS)
+def test_sizes_at_their_limits(kind: str, number: int, tmp_path: Path) -> None:
+    """The batch program and Python answer; RWMF_FUZZ sets the number of attacks of each kind."""
+    fuzz_sizes.survive(fuzz_sizes.attack(kind, number), tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", fuzz_sizes.choices("yielding.law"))
+def test_every_law_in_a_thousand_storeys(law: str, tmp_path: Path) -> None:
+    text = fuzz_sizes.building(1000, "full", law, "dop853")
+    (tmp_path / "case.nml").write_text(text.replace("t_end = 2e-4", "t_end = 1e-4"), "utf-8")
+    done = fuzz_sizes.run_small([fuzz_sizes.BATCH, "case.nml"], tmp_path, {})
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("n", [100, 600])
+def test_storeys_that_did_not_fit_a_stack(n: int, tmp_path: Path) -> None:
+    text = fuzz_sizes.building(n, "full", None, "dop853")
+    (tmp_path / "case.nml").write_text(text.replace("t_end = 2e-4", "t_end = 1e-5"), "utf-8")
+    done = fuzz_sizes.run_small([fuzz_sizes.BATCH, "case.nml"], tmp_path, {})
+    assert done.returncode == 0, done.stderr
+
+
+def test_many_samples_of_an_array(tmp_path: Path) -> None:
+    """A motion of more samples than a stack of 8 MB holds."""
+    attack = fuzz_sizes.Attack(
+        {"case.nml": "&frame xi_s = 0.05, T_s = 1.0 /\n&solver t_end = 0.1 /\n"
+         "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /\n"},
+        "a = np.sin(np.arange(1_100_000) / 9)\n"
+        "rwmf.simulate(case.replace(motion=rwmf.Motion(a, times=np.arange(a.size) * 0.01, "
+        "unit='g')))\n",
+    )  # fmt: skip
+    fuzz_sizes.survive(attack, tmp_path)

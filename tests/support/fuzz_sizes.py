@@ -1,0 +1,239 @@
+"""Cases and calls whose sizes lie at their limits, from a seed.
+
+Samples, storeys, lists, rows, points, threads and lines as long as they may be, in scenes whose
+other numbers are small. All of them run with a small stack.
+"""
+
+from __future__ import annotations
+
+import random
+import resource
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from checkout import BATCH, ROOT
+from rwmf import _library
+
+# the least stack of the main thread and of each worker that the documentation promises [bytes]
+STACK = 512 * 1024
+# more than a stack of 8 MB holds as reals
+_SAMPLES = (1_048_575, 1_048_577, 2_200_000)
+_STOREYS = (549, 999, 1000)
+_MANY = 100_000
+_WALL = "&wall h = {h}, b = {b} /\n&impact e = 0.9 /\n"
+_PULSE = "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /\n"
+# what laws of springs cannot do without
+_LAWS = {
+    "peak_oriented": ", cap = 5.0, ultimate = 10.0",
+    "pinched": ", cap = 5.0, ultimate = 10.0",
+}
+
+
+@dataclass(frozen=True)
+class Attack:
+    """A case in files, and lines of Python that compute the like from arrays.
+
+    Attributes
+    ----------
+    files : dict
+        Texts by name; ``case.nml`` is the case.
+    lines : str
+        Lines of Python, with `case` as the case that has been read.
+    environment : dict
+        Variables.
+    """
+
+    files: Mapping[str, str]
+    lines: str
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+
+def choices(name: str) -> list[str]:
+    """Words that a key of the namelist allows.
+
+    Parameters
+    ----------
+    name : str
+        Group and key.
+
+    Returns
+    -------
+    list of str
+        The words of the table of keys.
+    """
+    found = [key for key in _library.schema() if f"{key[0]}.{key[1]}" == name]
+    return found[0][5].split()
+
+
+def building(n: int, coupling: str, law: str | None, method: str) -> str:
+    """Give a frame of many storeys beside its wall.
+
+    Parameters
+    ----------
+    n : int
+        Number of storeys.
+    coupling : str
+        Word of `&storeys`.
+    law : str or None
+        Of its springs; None for elastic ones.
+    method : str
+        Word of `&solver`.
+
+    Returns
+    -------
+    str
+        Text of the namelist.
+    """
+    text = _WALL.format(h=2.0 * n, b=100.0) + _PULSE
+    text += f"&storeys n = {n}, m_over_m_w = 0.001, k_over_m_w = 1000.0, height = 4.0, "
+    text += f"coupling = '{coupling}' /\n&frame xi_s = 0.02 /\n"
+    if law is not None:
+        text += f"&yielding storey_u_y = 0.01, hardening = 0.05, law = '{law}'"
+        text += f"{_LAWS.get(law, '')} /\n"
+    text += "&output dt = 1e-4, reactions = .true., energy = .true. /\n"
+    return text + f"&solver method = '{method}', t_end = 2e-4, rtol = 1e-4 /\n"
+
+
+def _samples(dice: random.Random) -> Attack:
+    """Write records longer than a stack, horizontal and vertical, in every format."""
+    n = dice.choice(_SAMPLES)
+    rows = {
+        "one column": "0.1\n-0.1\n" * (n // 2 + 1),
+        "two columns": "".join(f"{i / 500} {i % 7}e-2\n" for i in range(n)),
+        "AT2": f"A\nB\nC\nNPTS= {2 * n}, DT= .005 SEC\n" + ".1 -.1\n" * n,
+    }
+    keys = {
+        "one column": "unit = 'm/s2', dt = 0.002",
+        "two columns": "unit = 'm/s2'",
+        "AT2": "",
+    }
+    horizontal, vertical = dice.choice(list(rows)), dice.choice(list(rows))
+    text = _WALL.format(h=2.0, b=0.5) + "&frame xi_s = 0.05, gamma = 5.0, T_s = 1.0 /\n"
+    text += f"&motion kind = 'record', file = 'a.txt', {keys[horizontal]} /\n"
+    text += f"&vertical file = 'b.txt', {keys[vertical]} /\n" * dice.randrange(2)
+    text += "&solver t_end = 0.1, rtol = 1e-5 /\n&spectrum T_s = 0.5, 1.0 /\n"
+    lines = f"""
+a = 0.1 * np.sin(np.arange({n}) / 9)
+times = np.arange({n}) * 0.002
+for motion in (rwmf.Motion(a, dt=0.002, unit="g"), rwmf.Motion(a, times=times, unit="g")):
+    moved = case.replace(motion=motion)
+    rwmf.simulate(moved)
+    rwmf.spectrum(moved)
+"""
+    return Attack({"case.nml": text, "a.txt": rows[horizontal], "b.txt": rows[vertical]}, lines)
+
+
+def _storeys(dice: random.Random) -> Attack:
+    """Choose a tall frame with any coupling, law and method."""
+    law = dice.choice([None, *choices("yielding.law")])
+    coupling = "full" if law is not None else dice.choice(choices("storeys.coupling"))
+    method = dice.choice(["dop853", "erk54"])
+    text = building(dice.choice(_STOREYS), coupling, law, method)
+    return Attack({"case.nml": text}, "rwmf.simulate(case)\ncase.kernel.inventory()\n")
+
+
+def _lists(dice: random.Random) -> Attack:
+    """Write lists and lines that are long, and take as many threads as are allowed."""
+    periods = ", ".join(f"{0.5 + i * 1e-5:.5f}" for i in range(dice.choice((1000, _MANY))))
+    table = ", ".join(f"{i * 1e-5:.5f}" for i in range(10_000))
+    falling = ", ".join(f"{0.9 - i * 1e-6:.6f}" for i in range(10_000))
+    impact = f"&impact rule = 'table', table_theta_dot = {table}, table_e = {falling} /\n"
+    text = "&wall h = 2.0, b = 0.5 /\n" + _PULSE + "&solver t_end = 0.01, rtol = 1e-4 /\n"
+    text += dice.choice((impact, "&impact e = 0.9 /\n"))
+    text += f"&frame xi_s = 0.05, gamma = 5.0 /\n! {'c' * dice.choice((10, 3_000_000))}\n"
+    text += f"&spectrum T_s = {periods}, gamma = 5.0 /\n"
+    lines = f"""
+points = {{"T_s": np.linspace(0.5, 1.0, {_MANY}), "gamma": np.full({_MANY}, 5.0)}}
+rwmf.sweep(case.replace(spectrum=None, frame={{"T_s": 1.0}}), points=points)
+"""
+    return Attack({"case.nml": text}, lines, {"OMP_NUM_THREADS": dice.choice(("1", "2", "256"))})
+
+
+def _rows(dice: random.Random) -> Attack:
+    """Ask for a history of many rows."""
+    text = _WALL.format(h=2.0, b=0.5) + "&frame xi_s = 0.05, gamma = 5.0, T_s = 1.0 /\n" + _PULSE
+    text += f"&solver t_end = 1.0, rtol = 1e-4 /\n&output dt = {1 / dice.choice((2e5, 1e6))} /\n"
+    return Attack({"case.nml": text}, "assert rwmf.simulate(case).sizes['time'] > 100000\n")
+
+
+KINDS: Mapping[str, Callable[[random.Random], Attack]] = {
+    "samples": _samples,
+    "storeys": _storeys,
+    "lists": _lists,
+    "rows": _rows,
+}
+
+
+def attack(kind: str, number: int) -> Attack:
+    """Make the attack of a number.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    number : int
+        Any; the same number gives the same attack.
+
+    Returns
+    -------
+    Attack
+        Files and lines.
+    """
+    return KINDS[kind](random.Random(f"{kind} {number}"))
+
+
+def run_small(
+    words: list[str | Path], folder: Path, environment: Mapping[str, str]
+) -> subprocess.CompletedProcess[str]:
+    """Run a command with a stack of `STACK`.
+
+    Parameters
+    ----------
+    words : list
+        Program and arguments.
+    folder : path
+        Where it runs.
+    environment : dict
+        Further variables.
+
+    Returns
+    -------
+    subprocess.CompletedProcess
+        Status and streams.
+    """
+
+    def shrink() -> None:
+        resource.setrlimit(resource.RLIMIT_STACK, (STACK, STACK))
+
+    return subprocess.run(
+        ["env", *(f"{name}={value}" for name, value in environment.items()), *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+        preexec_fn=shrink,
+    )
+
+
+def survive(found: Attack, folder: Path) -> None:
+    """Run an attack by the batch program and by Python, each with a small stack.
+
+    Parameters
+    ----------
+    found : Attack
+        Files and lines.
+    folder : path
+        An empty folder.
+    """
+    for name, text in found.files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    done = run_small([BATCH, "case.nml"], folder, found.environment)
+    assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
+    code = "import numpy as np, rwmf\ncase = rwmf.Case.from_namelist('case.nml')\n" + found.lines
+    path = {"PYTHONPATH": str(ROOT / "driver")}
+    done = run_small([sys.executable, "-c", code], folder, {**found.environment, **path})
+    assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
