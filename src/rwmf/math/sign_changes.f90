@@ -91,7 +91,7 @@ contains
       polygon%n = n
       polygon%c(0) = p(0)
       do k = 1, n - 1
-         polygon%c(k) = (k*p(k - 1) + (n - k)*p(k))/n
+         polygon%c(k) = k*(p(k - 1)/n) + (n - k)*(p(k)/n)
       end do
       polygon%c(n) = p(n - 1)
       polygon%margin(n/2) = merge(rough/24, rough/120, n == 4)
@@ -119,7 +119,7 @@ contains
       polygon%n = n
       polygon%c(0) = r(0)
       do k = 1, n - 1
-         polygon%c(k) = (k*r(k - 1) + (n - k)*r(k))/n
+         polygon%c(k) = k*(r(k - 1)/n) + (n - k)*(r(k)/n)
       end do
       polygon%c(n) = r(n - 1)
       polygon%margin(n/2:n/2 + 1) = merge(rough/(6*h), rough/(20*h), n == 3)

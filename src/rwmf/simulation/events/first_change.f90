@@ -29,7 +29,7 @@ module rwmf_simulation_events_first_change
    type :: span_t
       type(moment_t) :: a, b
       real(wp) :: rough
-      !! of the roughest function: those of a kind move together
+      !! `roughness` of the roughest function
       real(wp) :: largest(0:1)
       !! value and rate at the ends
    end type span_t
@@ -86,6 +86,9 @@ contains
    end subroutine sample_functions
 
    !> The functions between two moments.
+   !>
+   !> Functions of a kind drive each other, and a vibration that cancels in one of them at both ends
+   !> shows in another, so that the roughest one counts for all.
    function span_between(functions, a, b) result(span)
       class(functions_t), intent(in) :: functions
       type(moment_t), intent(in) :: a, b
@@ -95,11 +98,11 @@ contains
 
       span%a = a
       span%b = b
-      span%rough = 0
       do i = 0, 1
          span%largest(i) = max(maxval(abs(a%f(:, i))), maxval(abs(b%f(:, i))))
       end do
       angle = fastest_angle(functions%step, b%t - a%t)
+      span%rough = 0
       do i = 1, size(a%f, 1)
          span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
       end do
@@ -123,14 +126,15 @@ contains
 
    !> Round-off of a watched function.
    !>
-   !> Rates are differences of larger ones. Their polygon contains the mean rate, which round-off of
-   !> the values spoils in a short span. A reversal that it hides moves the values by round-off.
+   !> Functions of a kind are differences of the same states. The polygon of a rate contains the
+   !> mean rate, which round-off of the values spoils in a short span. A reversal that it hides
+   !> moves the values by round-off.
    pure real(wp) function noise_in(span, watch) result(noise)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
       integer, parameter :: spacings = 8
 
-      noise = abs(watch%level)
+      noise = max(abs(watch%level), span%largest(0))
       if (watch%order == 1) noise = span%largest(1) + span%largest(0)/(span%b%t - span%a%t)
       noise = spacings*epsilon(noise)*noise
    end function noise_in
@@ -165,11 +169,13 @@ contains
       !! the integrator fails
       integer, parameter :: most_halvings = 20
       !! an excursion in a shorter part is round-off
+      integer, parameter :: most_samples = 100
+      !! beyond them only the ends of parts count: the function is far smaller than others
       type(moment_t) :: ahead(0:most_halvings)
       type(span_t) :: part
       real(wp) :: smallest
       logical :: is_short
-      integer :: depth
+      integer :: depth, samples
 
       is_found = .false.
       if (.not. span%b%t > span%a%t) return
@@ -177,8 +183,9 @@ contains
       part = span
       ahead(0) = span%b
       depth = 0
+      samples = 0
       do
-         is_short = part%b%t - part%a%t <= 1.5_wp*smallest
+         is_short = part%b%t - part%a%t <= 1.5_wp*smallest .or. samples == most_samples
          select case (changes_in(part, watch))
          case (no_change)
             is_short = .true.
@@ -197,6 +204,7 @@ contains
             part = span_between(functions, part%b, ahead(depth))
          else
             depth = depth + 1
+            samples = samples + 1
             call sample_functions(functions, part%a%t + (part%b%t - part%a%t)/2, ahead(depth), &
                error)
             if (allocated(error)) return

@@ -231,7 +231,7 @@ contains
       associate (a => span%a, b => span%b)
          way = a%f(i, 1)
          if (abs(way) <= 0) way = a%f(i, 2)
-         if (abs(way) <= 0) way = b%f(i, 1)
+         if (begins_at_rest(span, i)) way = b%f(i, 1)
          if (abs(way) <= 0) return
          if (a%t < found%t) found = storey_end_t(i, a%t, turns=.true., is_rising=way > 0)
          b = a
@@ -253,8 +253,13 @@ contains
 
       direction = loading_direction_of(storeys%step%equation, storeys%step%equation%state, i)
       watch = watch_t(i, 1, side=real(direction, wp))
-      call stop_at_change(storeys, watch, span, is_found, error)
-      if (allocated(error)) return
+      if (begins_at_rest(span, i)) then
+         is_found = value_at(watch, span%b) < 0
+         if (is_found) span = span_between(storeys, span%a, span%a)
+      else
+         call stop_at_change(storeys, watch, span, is_found, error)
+         if (allocated(error)) return
+      end if
       if (is_found .and. span%b%t < found%t) found = storey_end_t(i, span%b%t, turns=.true., &
          is_rising=direction < 0)
       call branch_limits(storeys%step%equation, i, limit(1), limit(2))
@@ -264,6 +269,19 @@ contains
       if (.not. allocated(error) .and. span%b%t < found%t) found = storey_end_t(i, span%b%t, &
          is_rising=direction > 0)
    end subroutine search_turn
+
+   !> Does a storey set out with neither rate nor acceleration, within round-off? The end of the
+   !> span then shows its direction.
+   pure logical function begins_at_rest(span, i)
+      type(span_t), intent(in) :: span
+      integer, intent(in) :: i
+      !! number of the storey, from the ground
+      integer, parameter :: spacings = 8
+
+      associate (a => span%a%f(i, :), h => span%b%t - span%a%t)
+         begins_at_rest = max(abs(a(1)), h*abs(a(2))) <= spacings*epsilon(h)*span%largest(1)
+      end associate
+   end function begins_at_rest
 
    !> Does an elastic storey come to a limit?
    subroutine search_limits(storeys, i, span, found, error)

@@ -1,0 +1,92 @@
+"""Storeys that reverse twice within one step of the integrator."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+import rwmf
+
+METHODS = ("dop853", "extrapolation", "row")
+_FULL = {"coupling": "full"}
+# Bouc and Wen, and friction with breakaway: scene, quantity and its value by `adams` at rtol 1e-13
+SMOOTH: tuple[dict[str, Any], str, float] = (
+    {
+        "wall": {"h": 7.386277656720867, "b": 1.2897646461958807},
+        "frame": {"xi_s": 0.05},
+        "storeys": _FULL
+        | {
+            "m_over_m_w": [1.3313757956015229, 0.27464878015113203, 0.39994551949254603],
+            "k_over_m_w": [1392.3025336351998, 1168.5553778501333, 1233.5437707394428],
+            "height": [4.527881789516528, 4.898970848107303, 5.345702675817902],
+        },
+        "inerter": {"inertance_over_m_w": 0.11200862128720843},
+        "yielding": {"storey_u_y": 0.00848656752820923, "hardening": 0.1, "law": "bouc_wen",
+                     "exponent": 1.0, "beta": 1.0},
+        "cable": {"eta_0": 1.0, "eta_alpha": 5.927416132643434, "law": "truss"},
+        "impact": {"rule": "constant", "r": 0.8},
+        "motion": {"kind": "mavroeidis_papageorgiou", "a_max_g": -0.30680591002622987,
+                   "T_p": 0.42619246054077337, "gamma_p": 2.320745435515347,
+                   "nu": -0.9154470427791828},
+        "solver": {"t_end": 2.8},
+    },
+    "storey_1_ductility",
+    1.23480942113,
+)  # fmt: skip
+FRICTION: tuple[dict[str, Any], str, float] = (
+    {
+        "wall": {"h": 2.903923052906755, "b": 0.35564266218601515},
+        "frame": {"xi_s": 0.05},
+        "storeys": _FULL
+        | {
+            "m_over_m_w": [7.566094038908452, 0.6441879910451652, 0.6073625952090079],
+            "k_over_m_w": [1831.389848621528, 1874.239154000391, 1376.0550694525914],
+            "height": [2.355404934337633, 1.697910098661554, 1.7545310728143226],
+        },
+        "yielding": {"storey_u_y": [0.006664321908626363, 0.0030704865021052487,
+                                    0.008143818575992832],
+                     "hardening": 0.3, "law": "friction", "breakaway": 1.5},
+        "p_delta": {"m_g_over_m_s": 0.5},
+        "cable": {"eta_0": 0.0, "eta_alpha": 0.6662785431029348, "law": "linear"},
+        "impact": {"rule": "coupled"},
+        "motion": {"kind": "one_sine", "a_max_g": -0.6649554405647147,
+                   "T_p": 0.7013616491747245},
+        "solver": {"t_end": 4.84},
+    },
+    "storey_2_residual_drift",
+    -0.00112946168501,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-9, 1e-11])
+@pytest.mark.parametrize("scene", [SMOOTH, FRICTION], ids=["bouc_wen", "friction"])
+def test_a_storey_that_reverses_twice_in_a_step(
+    scene: tuple[dict[str, Any], str, float], rtol: float, method: str
+) -> None:
+    """Its quantity is within 100 rtol of a run whose steps are short."""
+    groups, name, truth = scene
+    solver = {"method": method.replace("row", "dop853"), "rtol": rtol}
+    case = rwmf.Case(**groups | {"solver": groups["solver"] | solver})
+    if method == "row":
+        found = float(rwmf.sweep(case, points={"scale": [1.0]}, quantities=[name])[name][0])
+    else:
+        found = float(rwmf.simulate(case)[name])
+    assert found == pytest.approx(truth, rel=max(100 * rtol, 1e-10))
+
+
+def test_storeys_that_do_not_move_yet_cost_little() -> None:
+    """The upper ones of nine storeys move by round-off at first: halving for them is bounded."""
+    n = 9
+    case = rwmf.Case(
+        wall={"h": 1.5 * n, "b": 3.0},
+        frame={"xi_s": 0.0},
+        storeys={"m_over_m_w": [1.0] * n, "k_over_m_w": [3000.0] * n, "height": [3.0] * n} | _FULL,
+        yielding={"storey_u_y": 0.005},
+        cable={"eta_0": 5.0, "eta_alpha": 9.0},
+        impact={"e": 0.9},
+        motion={"kind": "one_sine", "a_max_g": 0.3, "T_p": 1.0},
+        solver={"t_end": 0.3, "method": "dop853", "rtol": 1e-7},
+    )
+    run = rwmf.simulate(case)
+    assert run.attrs["rhs_evaluations"] < 1000 * run.attrs["steps"]
