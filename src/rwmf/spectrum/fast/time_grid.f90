@@ -17,7 +17,7 @@ module rwmf_spectrum_fast_time_grid
 
    integer, parameter :: max_grid_steps = 1000000
    !! steps of a grid: 64 MB
-   integer, parameter :: max_tail_steps = 1024
+   integer, parameter :: max_tail_steps = 65536
    !! stored steps after the motion; a longer tail repeats all of them but the first
    real(wp), parameter :: round_off = 1.0e-11_wp
    !! bound of the round-off of differences of accelerations, over the largest acceleration [-]
