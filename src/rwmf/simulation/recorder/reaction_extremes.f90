@@ -336,7 +336,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: far = 0.25_wp
       !! part of the largest so far below which a sample is no sign of a larger one
-      real(wp) :: point(n_nodes + 3), value(n_nodes + 3), low(n_found), turn(2), width, t_low
+      real(wp), parameter :: beside = 1.0e-4_wp
+      !! distance from an end over the width of a peak, at which a sample shows that it rises
+      real(wp) :: point(n_nodes + 5), value(n_nodes + 5), low(n_found), turn(2), width, t_low
       type(maximum_t) :: search
       integer :: i, n
 
@@ -356,6 +358,8 @@ contains
       call add_point(t_low)
       call add_point(turn(1))
       call add_point(turn(2))
+      call add_point(t(1) + beside*width)
+      call add_point(t(n_nodes) - beside*width)
       do i = 2, n - 1
          if (allocated(error)) return
          if (value(i) < maxval(value(i - 1:i + 1)) .or. value(i) < far*forces%largest(demand)) cycle
