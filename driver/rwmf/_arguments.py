@@ -164,7 +164,9 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     if not isinstance(value, xr.DataArray):
         raise InputError(f"values = {show(value)}: must be a variable of the dataset of a sweep")
     if not isinstance(dim, str) or dim not in value.dims:
-        raise InputError(f"values: has no dimension {show(dim)}, only {', '.join(map(str, value.dims))}")
+        raise InputError(
+            f"values: has no dimension {show(dim)}, only {', '.join(map(str, value.dims))}"
+        )
     return value
 
 

@@ -89,7 +89,7 @@ class KernelCase:
         self._origin = origin
         self._looked_up: tuple[Changes, Memory] | None = None
         # whether the lines of the text are the user's
-        self.has_lines = origin is None or origin.has_lines
+        self.has_lines: bool = origin is None or origin.has_lines
 
     @property
     def handle(self) -> int:
@@ -266,6 +266,11 @@ class KernelCase:
     @contextmanager
     def own_lines(self) -> Iterator[None]:
         """Take numbers of lines out of messages where the text is not the user's.
+
+        Yields
+        ------
+        None
+            Nothing.
 
         Raises
         ------
