@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "OutputError",
     "RwmfError",
     "did_you_mean",
+    "without_lines",
 ]
 
 
@@ -33,6 +35,22 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     by_lower = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower(), by_lower, n=1)
     return f", did you mean {by_lower[near[0]]}?" if near else ""
+
+
+def without_lines(message: str) -> str:
+    """Take the numbers of lines out of a message about text that the user has not written.
+
+    Parameters
+    ----------
+    message : str
+        Message of the kernel.
+
+    Returns
+    -------
+    str
+        The same without ` (line 7)`.
+    """
+    return re.sub(r" \(line \d+\)", "", message)
 
 
 class RwmfError(Exception):

@@ -111,6 +111,11 @@ def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
     -------
     list of Loop
         As `find_loops`, none where no column is a force.
+
+    Raises
+    ------
+    InputError
+        When an argument is of another kind.
     """
     case = case_of(case)
     if not isinstance(columns, Mapping):
@@ -164,6 +169,11 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     -------
     dict
         Loops by kind: 'frame', 'cable', 'fuse'.
+
+    Raises
+    ------
+    InputError
+        When an argument is of another kind.
     """
     found = to_items(loops)
     if found is None or not all(isinstance(loop, Loop) for loop in found):

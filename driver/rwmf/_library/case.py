@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, split_table
 from rwmf._library.memory import Memory
+from rwmf.errors import InputError, without_lines
 
 __all__ = ["Changes", "KernelCase", "Samples", "SceneAxis", "keep_samples", "read_case"]
 
@@ -86,6 +88,8 @@ class KernelCase:
         # what was read: of a changed case that with the samples of its records
         self._origin = origin
         self._looked_up: tuple[Changes, Memory] | None = None
+        # whether the lines of the text are the user's
+        self.has_lines: bool = origin is None or origin.has_lines
 
     @property
     def handle(self) -> int:
@@ -260,10 +264,32 @@ class KernelCase:
         def call(buffer: npt.NDArray[np.int8]) -> int:
             message = message_buffer()
             length, status, n = procedure(self.handle, buffer, message)
-            raise_for(status, message, n, source=self._source)
+            with self.own_lines():
+                raise_for(status, message, n, source=self._source)
             return length
 
         return fetch_text(call)
+
+    @contextmanager
+    def own_lines(self) -> Iterator[None]:
+        """Take numbers of lines out of messages where the text is not the user's.
+
+        Yields
+        ------
+        None
+            Nothing.
+
+        Raises
+        ------
+        InputError
+            In the place of one that is raised inside.
+        """
+        try:
+            yield
+        except InputError as error:
+            if self.has_lines:
+                raise
+            raise InputError(without_lines(str(error))) from None
 
     def end_of_motion(self) -> float:
         """When the ground has come to rest, at the end of pulse or record; 0 without motion [s].

@@ -79,7 +79,8 @@ def start_simulation(case: KernelCase, source: str, progress: Progress | None = 
         handle, status, n = _kernel.simulate(case.handle, control, message)
         return handle, status, n
 
-    return wait_for(call, message, source, lambda handle: Run(case, handle), progress)
+    with case.own_lines():
+        return wait_for(call, message, source, lambda handle: Run(case, handle), progress)
 
 
 def start_spectrum(
@@ -124,7 +125,8 @@ def start_spectrum(
         handle, status, n = _kernel.spectrum(case.handle, keys, threads, control, message)
         return handle, status, n
 
-    return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)
+    with case.own_lines():
+        return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)
 
 
 def start_rows(
@@ -178,4 +180,5 @@ def start_rows(
         handle, status, n = _kernel.rows(case.handle, names, table, keys, threads, control, message)
         return handle, status, n
 
-    return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)
+    with case.own_lines():
+        return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)

@@ -10,8 +10,8 @@ from rwmf import _library
 from rwmf._sweep.axes import Entries, Key, Scene
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
-from rwmf.case.namelist import compose, without_lines
-from rwmf.errors import InputError, did_you_mean
+from rwmf.case.namelist import compose
+from rwmf.errors import InputError, did_you_mean, without_lines
 
 __all__ = ["Intensity", "choose_intensity", "scale_to_one_g"]
 

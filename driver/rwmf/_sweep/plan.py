@@ -31,8 +31,8 @@ from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf._sweep.task import Task
 from rwmf.case import Case, Motion
-from rwmf.case.namelist import compose, without_lines
-from rwmf.errors import InputError
+from rwmf.case.namelist import compose
+from rwmf.errors import InputError, without_lines
 from rwmf.quantities import AXES, keys_of
 
 __all__ = ["Plan", "make_plan", "varied_keys"]

@@ -16,8 +16,8 @@ from rwmf._numbers import show
 from rwmf.case.changes import numbers_of
 from rwmf.case.group import Group
 from rwmf.case.motion import Motion
-from rwmf.case.namelist import compose, read_text, without_lines
-from rwmf.errors import InputError, did_you_mean
+from rwmf.case.namelist import compose, read_text
+from rwmf.errors import InputError, did_you_mean, without_lines
 
 __all__ = ["Case", "CaseLike"]
 
@@ -81,6 +81,7 @@ class Case:
             self._assemble(compose(entries), source, origin, _motions_of(entries))
         except InputError as error:
             raise InputError(without_lines(str(error))) from None
+        self._kernel.has_lines = False
 
     def _put(
         self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import stat
 import textwrap
 from collections.abc import Mapping
@@ -14,7 +13,7 @@ from rwmf._numbers import is_whole, show, to_items
 from rwmf.case.motion import Motion
 from rwmf.errors import InputError
 
-__all__ = ["Value", "compose", "format_value", "parse_value", "read_text", "without_lines"]
+__all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
@@ -164,19 +163,3 @@ def parse_value(kind: str, text: str) -> Value:
     if kind == "logical":
         return text.strip(".").lower() in ("t", "true")
     return text
-
-
-def without_lines(message: str) -> str:
-    """Take the numbers of lines out of a message about text that the user has not written.
-
-    Parameters
-    ----------
-    message : str
-        Message of the kernel.
-
-    Returns
-    -------
-    str
-        The same without ` (line 7)`.
-    """
-    return re.sub(r" \(line \d+\)", "", message)

@@ -60,6 +60,11 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
     -------
     matplotlib.axes.Axes
         The axes. A ring marks the recommended row.
+
+    Raises
+    ------
+    InputError
+        When an argument is of another kind.
     """
     if not hasattr(cost, "practices"):
         raise InputError(f"cost = {show(cost)}: must be what rwmf.cost returns")

@@ -57,6 +57,11 @@ def percentiles(
     -------
     xarray.DataArray
         Over ``percentile`` and the other dimensions; runs that failed are left out.
+
+    Raises
+    ------
+    InputError
+        When an argument is of another kind.
     """
     array_of(values, dim)
     levels = to_array("q", q, least=1)
