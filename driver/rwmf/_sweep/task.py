@@ -112,8 +112,8 @@ def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any
     case = _library.read_case(compose(task.entries), task.source, None, **samples)
     allowed = case.applicable()
     # a quantity under both of its names is one key
-    keys = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
-    keys = [key for key in keys if key in allowed]
+    requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
+    keys = [key for key in requested if key in allowed]
     with _library.start_rows(
         case, task.source, task.columns, task.rows, keys, task.threads, progress
     ) as sweep:

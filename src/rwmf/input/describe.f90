@@ -120,7 +120,7 @@ contains
          end do
       end associate
       text = list%room(:list%length)
-      ! defaults that only the validated case knows: the last sample of the record, the wall's height
+      ! defaults that only the validated case knows: the last sample of the record, the height
       if (key%key == 't_end' .and. text == '') text = trim(real_to_text(case%solver%t_end))
       if (key%default == '2h' .and. .not. row%is_given) text = trim(real_to_text(2*case%wall%h))
    end subroutine canonical_values

@@ -108,7 +108,8 @@ contains
    end function find_key
 
    !> The table as text: group, key, type, unit, default, what is allowed, help and the range in
-   !> real buildings, separated by tabs, one key a line. The default of a required key is 'required', of one without 'none'.
+   !> real buildings, separated by tabs, one key a line. The default of a required key is
+   !> 'required', of one without 'none'.
    subroutine write_schema(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed

@@ -5,6 +5,8 @@
 !> change means no root, one means exactly one. The interpolation error vanishes at the ends with
 !> all known derivatives, so it moves only the middle coefficients. Where one of these lies within
 !> that error, nothing is decided and the caller halves the span.
+!>
+!> All numbers are in the caller's units.
 module rwmf_math_sign_changes
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t

@@ -54,7 +54,7 @@ module rwmf_problem_group_values
       character(6) :: unit = '-'
       !! of the values
       real(wp) :: usual(2) = [0.0_wp, huge(1.0_wp)]
-      !! range of their magnitudes in real buildings
+      !! range of their magnitudes in real buildings, in that unit
    end type key_values_t
 
    !> All values of a case.

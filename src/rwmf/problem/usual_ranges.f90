@@ -37,6 +37,7 @@ contains
    pure subroutine list_unusual(values, lines)
       type(group_values_t), intent(in) :: values
       character(256), allocatable, intent(out) :: lines(:)
+      !! (keys outside their ranges)
       type(key_values_t) :: row
       real(wp) :: number
       integer :: i, k, pass
@@ -76,8 +77,8 @@ contains
       associate (row => values%keys(place))
          if (is_usual(row, number)) return
          text = '&'//trim(row%group)//' '//trim(row%key)//' = '//with_unit(number, row%unit) &
-            //' is outside the range of real buildings, '//trim(real_to_text(row%usual(1)))//' to ' &
-            //with_unit(row%usual(2), row%unit)
+            //' is outside the range of real buildings, '//trim(real_to_text(row%usual(1))) &
+            //' to '//with_unit(row%usual(2), row%unit)
          do i = 1, size(slips)
             if (slips(i)%unit /= row%unit .or. .not. is_usual(row, number*slips(i)%factor)) cycle
             text = trim(text)//': '//trim(real_to_text(number))//' '//trim(slips(i)%meant) &

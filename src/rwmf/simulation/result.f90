@@ -168,7 +168,7 @@ module rwmf_simulation_result
       real(wp), allocatable :: storey_residual_drift(:)
       !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
       real(wp), allocatable :: storey_at_rest(:)
-      !! (storeys) drift in static equilibrium after the motion [-]; likewise, and absent without one
+      !! (storeys) drift in static equilibrium after the motion [-]; likewise, absent without one
       real(wp), allocatable :: theta_end_over_alpha
       !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
@@ -208,8 +208,8 @@ module rwmf_simulation_result
       real(wp), allocatable :: sensitivity
       !! relative change of the same peak per relative change of the motion [-]
       real(wp) :: peak_sensitivity = 0
-      !! the same of the largest rotation, estimated along the run of a rocking wall whose every step
-      !! is observed; else 0 [-]
+      !! the same of the largest rotation, estimated along the run of a rocking wall whose steps are
+      !! all observed; else 0 [-]
       type(energy_t), allocatable :: energy
       type(reaction_extremes_t), allocatable :: reactions
       !! only when they were asked for, as the energy

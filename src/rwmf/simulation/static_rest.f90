@@ -72,6 +72,7 @@ contains
       real(wp), intent(inout) :: y(:)
       !! (states) in the end; at rest
       logical, intent(out) :: is_found
+      !! y is an equilibrium
       type(path_t) :: path
       real(wp) :: largest
       !! displacement so far [m]
@@ -116,8 +117,8 @@ contains
       if (allocated(model%floors%laws)) z = model%floors%laws%place
    end subroutine list_smooth
 
-   !> Positions that are not held: the wall, or the bare frame, and floors below the roof. Velocities
-   !> are taken away.
+   !> Positions that are not held: the wall, or the bare frame, and floors below the roof.
+   !> Velocities are taken away.
    pure subroutine free_positions(model, path)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
@@ -334,8 +335,8 @@ contains
       end if
    end subroutine follow_piece
 
-   !> Springs whose directions depend on each other may send each other back for ever: damping, which
-   !> decides by the forces alone, ends that.
+   !> Springs whose directions depend on each other may send each other back for ever: damping,
+   !> which decides by the forces alone, ends that.
    pure subroutine adapt_damping(path, part)
       type(path_t), intent(inout) :: path
       real(wp), intent(in) :: part

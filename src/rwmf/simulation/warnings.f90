@@ -91,6 +91,7 @@ contains
       character(*), intent(in) :: keys(:)
       !! (quantities) that are reported
       character(256), allocatable, intent(out) :: lines(:)
+      !! (warnings)
       real(wp), allocatable :: gamma(:), b(:)
 
       call list_unusual(case%values, lines)

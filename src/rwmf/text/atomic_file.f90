@@ -280,6 +280,7 @@ contains
    !> Fails when a file that is to be written is a folder.
    subroutine check_not_folder(path, error)
       character(*), intent(in) :: path
+      !! of the file
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
       integer(c_int), parameter :: exists = 0_c_int

@@ -21,7 +21,7 @@ contains
    !> product does not decide.
    pure subroutine shortest_digits(x, digits, exponent, is_decided)
       real(dp), intent(in) :: x
-      !! > 0, finite
+      !! > 0, finite, of any unit [-]
       integer(i8), intent(out) :: digits
       !! 10**16 <= digits < 10**17; zeros at its end replace the digits that are not needed
       integer, intent(out) :: exponent

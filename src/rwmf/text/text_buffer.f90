@@ -17,6 +17,7 @@ contains
    pure subroutine append(buffer, piece)
       type(text_buffer_t), intent(inout) :: buffer
       character(*), intent(in) :: piece
+      !! text
       integer, parameter :: least_room = 256
       character(:), allocatable :: larger
       integer :: length

@@ -4,6 +4,8 @@
 !> values, rates and second derivatives at a time of the step. A span is quiet when the polygon of a
 !> function (`rwmf_math_sign_changes`) has no sign change with the error of the interpolation taken
 !> into account. Where that is not clear, the span is halved with the integrator's own state.
+!>
+!> Functions are in the caller's units.
 module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -61,7 +63,7 @@ module rwmf_simulation_events_first_change
       integer :: which
       !! number of the function
       integer :: order
-      !! 0: its value, 1: its rate
+      !! of the derivative that is watched: 0 its value, 1 its rate
       real(wp) :: level = 0
       real(wp) :: side = 1
       !! +1: at the level or above it, -1: at the level or below it
@@ -165,6 +167,7 @@ contains
       type(watch_t), intent(in) :: watch
       type(span_t), intent(inout) :: span
       logical, intent(out) :: is_found
+      !! the function changes
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       integer, parameter :: most_halvings = 20
@@ -222,6 +225,7 @@ contains
       type(watch_t), intent(in) :: watch
       type(span_t), intent(inout) :: span
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(secant_t) :: secant
       type(moment_t) :: now
       real(wp) :: first
