@@ -76,7 +76,7 @@ contains
       if (place == 0) return
       associate (row => values%keys(place))
          if (is_usual(row, number)) return
-         text = '&'//trim(row%group)//' '//trim(row%key)//' = '//with_unit(number, row%unit) &
+         text = '&'//trim(row%group)//' '//trim(row%key)//' = '//trim(with_unit(number, row%unit)) &
             //' is outside the range of real buildings, '//trim(real_to_text(row%usual(1))) &
             //' to '//with_unit(row%usual(2), row%unit)
          do i = 1, size(slips)
@@ -89,17 +89,16 @@ contains
    end function unusual_text
 
    !> A number and its unit.
-   pure function with_unit(number, unit) result(text)
+   pure character(48) function with_unit(number, unit) result(text)
       real(wp), intent(in) :: number
       character(*), intent(in) :: unit
       !! '-' for a ratio
-      character(:), allocatable :: text
 
-      text = trim(real_to_text(number))
-      if (unit /= '-' .and. unit /= '') text = text//' '//trim(unit)
+      text = real_to_text(number)
+      if (unit /= '-' .and. unit /= '') text = trim(text)//' '//unit
    end function with_unit
 
-   !> Does a number lie within the range of a key?
+   !> Whether a number lies within the range of a key.
    pure logical function is_usual(row, number)
       type(key_values_t), intent(in) :: row
       real(wp), intent(in) :: number
@@ -108,7 +107,7 @@ contains
          row%usual(2))
    end function is_usual
 
-   !> Are these the ratios of storeys without a wall, which are over any mass?
+   !> Whether these are ratios of storeys without a wall, which are over any mass.
    pure logical function is_over_any_mass(values, row)
       type(group_values_t), intent(in) :: values
       type(key_values_t), intent(in) :: row

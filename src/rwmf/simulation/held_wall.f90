@@ -87,7 +87,7 @@ contains
       end if
       call hold_wall(equation%state, .true.)
       if (hybrid%must_restart .and. equation%floors%yields) call settle_storeys( &
-         equation%model_t, equation%state, hybrid%y)
+         equation%model_t, equation%state, hybrid%y, hybrid%t <= hybrid%t_turn)
       call find_bearing(equation%model_t, equation%state)
    end subroutine begin_held_step
 

@@ -63,6 +63,7 @@ contains
       hybrid%t = t
       hybrid%y = y
       hybrid%must_restart = .true.
+      hybrid%t_turn = -huge(t)
       hybrid%drifts = count_drifts(equation)
       call enter_interval(equation%model_t, equation%state, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
@@ -205,6 +206,7 @@ contains
       call enter_side(equation%model_t, equation%state, side)
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
+      hybrid%t_turn = -huge(hybrid%t)
       recorder%lift_offs = recorder%lift_offs + 1_i8
       call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
    end subroutine leave_rest
@@ -340,7 +342,8 @@ contains
       if (.not. hybrid%must_restart) return
       if (equation%has_bilinear_springs) call renew_window(equation%model_t, equation%state)
       if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
-      if (equation%floors%yields) call settle_storeys(equation%model_t, equation%state, hybrid%y)
+      if (equation%floors%yields) call settle_storeys(equation%model_t, equation%state, hybrid%y, &
+         hybrid%t <= hybrid%t_turn)
       if (hybrid%flight > 0) then
          span = hybrid%flight
       else
@@ -508,6 +511,7 @@ contains
       if (allocated(recorder%nearby)) call meet_impact(recorder%nearby, equation, hybrid%y, &
          factor_at(hybrid%restitution, abs(hybrid%y(2))))
       hybrid%y(:2) = [0.0_wp, after]
+      hybrid%t_turn = -huge(hybrid%t)
       call turn_back(equation%model_t, equation%state, 0.0_wp, goes_on=abs(after) > 0)
       call enter_side(equation%model_t, equation%state, -equation%state%side)
       if (equation%has_bilinear_springs .or. equation%has_loading_direction &

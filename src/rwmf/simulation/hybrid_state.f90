@@ -51,6 +51,9 @@ module rwmf_simulation_hybrid_state
       !! number of drifts with a limit at which the scene collapses
       real(wp) :: flight = 0
       !! estimated duration of the flight that begins; 0: not known [s]
+      real(wp) :: t_turn = -huge(1.0_wp)
+      !! last turn of a storey since an impact or a lift-off: its direction is known there, whatever
+      !! round-off leaves of its rate [s]
       integer(i8) :: steps_at_knot = 0_i8
       !! of the integrator when the present interval of the motion began
    end type hybrid_t
@@ -114,6 +117,7 @@ contains
       call end_branch(equation%model_t, equation%state, ending, hybrid%y)
       if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
          hybrid%t, hybrid%y)
+      if (ending%turns) hybrid%t_turn = hybrid%t
       hybrid%must_restart = .true.
    end subroutine change_storey
 

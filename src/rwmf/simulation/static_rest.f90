@@ -220,7 +220,7 @@ contains
 
       y = path%y
       y(path%v) = change
-      if (model%floors%yields) call settle_storeys(model, path%state, y)
+      if (model%floors%yields) call settle_storeys(model, path%state, y, .false.)
       if (abs(y(2)) <= 0) return
       call turn_back(model, path%state, y(1), onward=int(sign(1.0_wp, y(2))))
       if (model%has_bilinear_springs) call renew_window(model, path%state)

@@ -94,7 +94,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
     ),
     "g": ("&solver", "&model g = 0 /\n&solver", "model.*g = 0.*> 0"),
     "method": ("t_end = 2.0", "t_end = 2.0, method = 'euler'", "solver.*method.*euler.*adams"),
-    "rtol": ("t_end = 2.0", "t_end = 2.0, rtol = 0", r"solver.*rtol = 0.*\(0, 0.1"),
+    "rtol": ("t_end = 2.0", "t_end = 2.0, rtol = 0", r"solver.*rtol = 0.*\[1.0e-14, 0.1"),
     "atol": ("t_end = 2.0", "t_end = 2.0, atol = -1", "solver.*atol = -1.*> 0"),
     "max_steps": ("t_end = 2.0", "t_end = 2.0, max_steps = 1.5", "solver.*max_steps.*1.5"),
     "no t_end": ("   t_end = 2.0\n", "", "solver.*t_end"),

@@ -128,8 +128,8 @@ contains
 
    !> Round-off of a watched function.
    !>
-   !> Functions of a kind are differences of the same states. The polygon of a rate contains the
-   !> mean rate, which round-off of the values spoils in a short span. A reversal that it hides
+   !> Functions of a kind are differences of the same states. The polygon of a rate contains five
+   !> times the mean rate, which round-off of the values spoils in a short span. A reversal that it hides
    !> moves the values by round-off.
    pure real(wp) function noise_in(span, watch) result(noise)
       type(span_t), intent(in) :: span
@@ -137,7 +137,7 @@ contains
       integer, parameter :: spacings = 8
 
       noise = max(abs(watch%level), span%largest(0))
-      if (watch%order == 1) noise = span%largest(1) + span%largest(0)/(span%b%t - span%a%t)
+      if (watch%order == 1) noise = span%largest(1) + 5*span%largest(0)/(span%b%t - span%a%t)
       noise = spacings*epsilon(noise)*noise
    end function noise_in
 

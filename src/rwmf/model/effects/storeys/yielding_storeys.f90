@@ -88,11 +88,13 @@ contains
 
    !> Storeys that yield against their motion unload: an impact has turned it, or the state has come
    !> to a turn within round-off. Smooth ones take over the signs of their motion.
-   subroutine settle_storeys(model, state, y)
+   subroutine settle_storeys(model, state, y, keeps_directions)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
+      logical, intent(in) :: keeps_directions
+      !! the loading directions are known: rates within round-off of zero do not change them
       real(wp) :: d(model%floors%n)
       real(wp) :: d_dot(model%floors%n)
       integer :: i
@@ -101,10 +103,12 @@ contains
       do i = 1, model%floors%n
          if (allocated(state%storey_signs)) then
             associate (law => model%floors%laws(i), signs => state%storey_signs(i))
-               if (abs(d_dot(i)) > 0) signs%loading_direction = int(sign(1.0_wp, d_dot(i)))
+               if (abs(d_dot(i)) > 0 .and. .not. keeps_directions) signs%loading_direction = &
+                  int(sign(1.0_wp, d_dot(i)))
                call follow_signs(law, y(law%place), signs)
             end associate
-         else if (loading_direction_of(model, state, i)*d_dot(i) < 0) then
+         else if (loading_direction_of(model, state, i)*d_dot(i) < 0 .and. .not. keeps_directions) &
+            then
             call turn_spring(model%floors%springs(i), state%storeys(i), d(i))
          end if
       end do
