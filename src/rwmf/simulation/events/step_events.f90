@@ -87,12 +87,15 @@ contains
       integer, intent(out) :: event
       type(error_t), allocatable, intent(out) :: error
       type(step_view_t) :: rest
+      integer, parameter :: most_spans = 20
+      !! more turns in a part are round-off
       real(wp) :: t_m
       real(wp), dimension(size(part%y_a)), target :: y_a, y_m
       logical :: is_split
+      integer :: i
 
       rest = part
-      do
+      do i = 1, most_spans
          call split_turns(rest, direction_of(hybrid, rest), t_m, y_m, is_split, error)
          if (allocated(error) .or. .not. is_split) exit
          call search_span(hybrid, until(rest, t_m, y_m), recorder, event, error)

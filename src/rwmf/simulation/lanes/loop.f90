@@ -452,11 +452,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(step_view_t) :: rest
       real(wp), dimension(size(piece%y_a)), target :: y_a, y
+      integer, parameter :: most_turns = 20
       real(wp) :: t
       logical :: is_split
+      integer :: k
 
       rest = piece
-      do
+      do k = 1, most_turns
          call split_turns(rest, rest%y_a(2), t, y, is_split, error)
          if (allocated(error)) return
          if (.not. is_split) exit

@@ -296,6 +296,9 @@ contains
       type(span_t) :: span
       type(watch_t) :: watch
       logical :: is_found
+      integer, parameter :: most_turns = 20
+      !! more of them in a part are round-off
+      integer :: i
 
       if (fastest_in(piece) < recorder%theta_dot_max) return
       velocity%step = piece
@@ -311,16 +314,26 @@ contains
       case (one_change)
          call observe_extremum(recorder, piece, [a%f(1, 1), b%f(1, 1)], error)
       case default
-         do
+         do i = 1, most_turns
+            if (stays_within(recorder%theta_dot_max, span)) return
             call stop_at_change(velocity, watch, span, is_found, error)
             if (allocated(error) .or. .not. is_found) return
             recorder%theta_dot_max = max(recorder%theta_dot_max, abs(span%b%f(1, 0)))
-            if (span%b%t >= b%t) return
             watch%side = -watch%side
             span = span_between(velocity, span%b, b)
          end do
       end select
    end subroutine observe_turn
+
+   !> Is it plain that |theta'| does not exceed a value in a span?
+   pure logical function stays_within(largest, span)
+      real(wp), intent(in) :: largest
+      !! [rad/s]
+      type(span_t), intent(in) :: span
+
+      stays_within = all([changes_in(span, watch_t(1, 0, level=-largest, side=1.0_wp)), &
+         changes_in(span, watch_t(1, 0, level=largest, side=-1.0_wp))] == no_change)
+   end function stays_within
 
    !> The same where theta'' changes its sign once: the cubic through ends and slopes gives the
    !> instant, which a secant closes in on until nothing is to be gained.
