@@ -61,7 +61,8 @@ contains
    !> Something may happen where a state leaves its window, or where theta' may change its sign
    !> unless a bound of the turn stays inside of all that matters. Both bounds are coefficients in
    !> Bernstein form of the quartic through both ends, both velocities and the acceleration at the
-   !> beginning, with its error (`rwmf_math_sign_changes`) for vibrations of up to 1.4 rad in a step.
+   !> beginning, with its error (as in `rwmf_math_sign_changes`) for vibrations of up to 1.4 rad in
+   !> a step.
    subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
@@ -112,8 +113,8 @@ contains
          slack = 0.035_wp*abs(last_bend - bend) + 0.05_wp*max(abs(bend), abs(last_bend))
          ! theta' where it is least, for one that begins upwards
          lowest = sign(1.0_wp, y(i, 2))
-         lowest = min(abs(y(i, 2)), lowest*(y(i, 2) + 3*first)/4, lowest*(first + second)/2 - slack, &
-            lowest*(3*second + y_new(i, 2))/4 - slack, lowest*y_new(i, 2))
+         lowest = min(abs(y(i, 2)), lowest*(y(i, 2) + 3*first)/4, lowest*(first + second)/2 &
+            - slack, lowest*(3*second + y_new(i, 2))/4 - slack, lowest*y_new(i, 2))
          turns = merge(1.0_wp, 0.0_wp, lowest <= 0)
          slack = 0.2_wp*h*slack
          bottom = y(i, 1) + 0.25_wp*h*y(i, 2)

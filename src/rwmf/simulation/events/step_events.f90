@@ -19,7 +19,10 @@ module rwmf_simulation_events_step_events
    implicit none
    private
 
-   public :: search_step
+   public :: search_step, list_turns
+
+   integer, parameter :: most_spans = 20
+   !! of a part of a step: more turns in it are round-off
 
 contains
 
@@ -87,8 +90,6 @@ contains
       integer, intent(out) :: event
       type(error_t), allocatable, intent(out) :: error
       type(step_view_t) :: rest
-      integer, parameter :: most_spans = 20
-      !! more turns in a part are round-off
       real(wp) :: t_m
       real(wp), dimension(size(part%y_a)), target :: y_a, y_m
       logical :: is_split
@@ -335,5 +336,42 @@ contains
       if (equation%has_wall) leaves = leaves .and. abs(level) < hybrid%overturning_angle
       if (.not. leaves) level = 0
    end function leaves_window
+
+   !> Put the turns inside a piece, which cut no step, into the list of events.
+   subroutine list_turns(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      type(step_view_t) :: rest
+      real(wp), dimension(size(piece%y_a)), target :: y_a, y
+      real(wp) :: t
+      logical :: is_split
+      integer :: k
+
+      rest = piece
+      do k = 1, most_spans
+         call split_turns(rest, rest%y_a(2), t, y, is_split, error)
+         if (allocated(error)) return
+         if (.not. is_split) exit
+         call list_turn(recorder, until(rest, t, y), error)
+         if (allocated(error)) return
+         y_a = y
+         rest = from(rest, t, y_a)
+      end do
+      call list_turn(recorder, rest, error)
+   end subroutine list_turns
+
+   !> The same of a span with one turn at most.
+   subroutine list_turn(recorder, span, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: span
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: y(size(span%y_a))
+      real(wp) :: t
+
+      if (span%y_a(2)*span%y_b(2) >= 0) return
+      call find_event_time(span, 2, 0.0_wp, t, y, error)
+      if (.not. allocated(error)) call observe_event(recorder, event_peak, t, y)
+   end subroutine list_turn
 
 end module rwmf_simulation_events_step_events

@@ -73,8 +73,8 @@ contains
       fastest = max(abs(step%y_a(2)), abs(step%y_b(2)), maxval(abs(middle)) + error)
    end function fastest_in
 
-   !> Velocity in a step by the cubic of the rotation: `rate_polygon` written out, because most steps
-   !> ask for nothing else.
+   !> Velocity in a step by the cubic of the rotation: `rate_polygon` written out, because most
+   !> steps ask for nothing else.
    pure subroutine bound_velocity(step, middle, error)
       type(step_view_t), intent(in) :: step
       real(wp), intent(out) :: middle(2)

@@ -22,11 +22,10 @@ module rwmf_simulation_lanes_loop
    use rwmf_model_lanes, only: power_count
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
-   use rwmf_simulation_events_event_time, only: find_event_time
+   use rwmf_simulation_events_step_events, only: list_turns
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cubic_of, first_event, &
       no_event, place_event, quartic_of, quartic_t, quintic_of
-   use rwmf_simulation_events_step_view, only: from, step_view_t, until, view_step
-   use rwmf_simulation_events_turns, only: split_turns
+   use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
@@ -444,44 +443,6 @@ contains
       call note_extremes(lane, i, team)
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step
-
-   !> Put the turns inside a piece, which cut no step, into the list of events.
-   subroutine list_turns(recorder, piece, error)
-      type(recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      type(error_t), allocatable, intent(out) :: error
-      type(step_view_t) :: rest
-      real(wp), dimension(size(piece%y_a)), target :: y_a, y
-      integer, parameter :: most_turns = 20
-      real(wp) :: t
-      logical :: is_split
-      integer :: k
-
-      rest = piece
-      do k = 1, most_turns
-         call split_turns(rest, rest%y_a(2), t, y, is_split, error)
-         if (allocated(error)) return
-         if (.not. is_split) exit
-         call list_turn(recorder, until(rest, t, y), error)
-         if (allocated(error)) return
-         y_a = y
-         rest = from(rest, t, y_a)
-      end do
-      call list_turn(recorder, rest, error)
-   end subroutine list_turns
-
-   !> The same of a span with one turn at most.
-   subroutine list_turn(recorder, span, error)
-      type(recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: span
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: y(size(span%y_a))
-      real(wp) :: t
-
-      if (span%y_a(2)*span%y_b(2) >= 0) return
-      call find_event_time(span, 2, 0.0_wp, t, y, error)
-      if (.not. allocated(error)) call observe_event(recorder, event_peak, t, y)
-   end subroutine list_turn
 
    !> Bound on the work of one run in the team.
    subroutine bound_work(lane, i, team)

@@ -297,8 +297,7 @@ contains
 
    !> May a step hold the peak of |theta'|? Not where its bound is below what was largest so far,
    !> nor where theta'' keeps its sign. The cubic through both ends and velocities mostly shows it,
-   !> the quintic with both accelerations, of which the last stage knows that at the end nearly, more
-   !> sharply.
+   !> the quintic with both accelerations more sharply: the last stage knows that at the end nearly.
    pure logical function may_be_fastest(team, i, largest) result(may)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
