@@ -58,9 +58,11 @@ contains
 
    !> Accept the steps that are accurate and in which nothing happens; the lengths of the next ones.
    !>
-   !> Something may happen where a state leaves its window, where theta' changes its sign, or where
-   !> a parabola through theta' and its slope says that it may do so twice, unless a bound of the
-   !> turn stays inside of all that matters.
+   !> Something may happen where a state leaves its window, or where theta' may change its sign
+   !> unless a bound of the turn stays inside of all that matters. Both bounds are coefficients in
+   !> Bernstein form of the quartic through both ends, both velocities and the acceleration at the
+   !> beginning, with its error (as in `rwmf_math_sign_changes`) for vibrations of up to 1.4 rad in
+   !> a step.
    subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
@@ -78,14 +80,18 @@ contains
       !! norm of the local error over the tolerance; accurate up to 1 [-]
       integer, intent(out) :: mark(lane_count)
       !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
-      real(wp) :: h, h_new, root, reach, bend, drop, lowest
+      real(wp) :: h, h_new, root, reach, lowest, top, bottom, slack
+      real(wp) :: first, second
+      !! coefficients of theta' in the middle of the step [rad/s]
+      real(wp) :: bend, last_bend
+      !! and differences of their differences [rad/s]
       ! 1 where it is so, 0 where not: logical variables would keep the loop from being vectorised
       real(wp) :: is_accurate, is_inside, turns, is_far
       real(wp) :: is_plain(lane_count)
       integer :: i, m
 
-      !$omp simd private(h, h_new, root, reach, bend, drop, lowest, is_accurate, is_inside, turns) &
-      !$omp& private(is_far)
+      !$omp simd private(h, h_new, root, reach, lowest, top, bottom, slack, first, second, bend) &
+      !$omp& private(last_bend, is_accurate, is_inside, turns, is_far)
       do i = 1, lane_count
          h = table(i, of_trial)
          ! the eighth root, which the lengths follow at any order
@@ -100,21 +106,28 @@ contains
             *max(abs(y(i, 2)), abs(y_new(i, 2)))))
          table(i, of_rejected) = 1 - is_accurate
          reach = 0.25_wp*h*(abs(y(i, 2)) + abs(y_new(i, 2)))
-         drop = h*y_dot(i, 2)
-         bend = y_new(i, 2) - y(i, 2) - drop
-         ! theta' where it is least, between two values of one sign
-         lowest = y(i, 2) - drop*drop/(4*merge(bend, 1.0_wp, abs(bend) > 0))
-         lowest = merge(lowest*sign(1.0_wp, y(i, 2)), huge(h), max(drop*y(i, 2), -bend*y(i, 2), &
-            abs(drop) - 2*abs(bend)) < 0)
-         turns = merge(1.0_wp, 0.0_wp, min(y(i, 2)*y_new(i, 2), lowest - 0.1_wp*max(abs(y(i, 2)), &
-            abs(y_new(i, 2)))) <= 0)
+         first = y(i, 2) + h*y_dot(i, 2)/3
+         second = 4*((y_new(i, 1) - y(i, 1))/max(h, tiny(h))) - y(i, 2) - first - y_new(i, 2)
+         bend = second - 2*first + y(i, 2)
+         last_bend = y_new(i, 2) - 2*second + first
+         slack = 0.035_wp*abs(last_bend - bend) + 0.05_wp*max(abs(bend), abs(last_bend))
+         ! theta' where it is least, for one that begins upwards
+         lowest = sign(1.0_wp, y(i, 2))
+         lowest = min(abs(y(i, 2)), lowest*(y(i, 2) + 3*first)/4, lowest*(first + second)/2 &
+            - slack, lowest*(3*second + y_new(i, 2))/4 - slack, lowest*y_new(i, 2))
+         turns = merge(1.0_wp, 0.0_wp, lowest <= 0)
+         slack = 0.2_wp*h*slack
+         bottom = y(i, 1) + 0.25_wp*h*y(i, 2)
+         first = bottom + 0.25_wp*h*first
+         second = first + 0.25_wp*h*second
+         top = max(max(y(i, 1), y_new(i, 1)) + reach, max(bottom, first, second) + slack)
+         bottom = min(min(y(i, 1), y_new(i, 1)) - reach, min(bottom, first, second) - slack)
          is_inside = merge(1.0_wp, 0.0_wp, max(table(i, of_low) - y_new(i, 1), y_new(i, 1) &
             - table(i, of_high), table(i, of_watch) - 0.5_wp) < 0)
          is_inside = merge(is_inside, 0.0_wp, max(table(i, of_least) - y_new(i, further), &
             y_new(i, further) - table(i, of_most)) <= 0)
-         is_far = merge(1.0_wp, 0.0_wp, max(max(y(i, 1), y_new(i, 1)) + reach - min( &
-            table(i, of_top), table(i, of_high)), max(table(i, of_bottom), table(i, of_low)) &
-            - min(y(i, 1), y_new(i, 1)) + reach) < 0)
+         is_far = merge(1.0_wp, 0.0_wp, max(top - min(table(i, of_top), table(i, of_high)), &
+            max(table(i, of_bottom), table(i, of_low)) - bottom) < 0)
          is_plain(i) = is_accurate*is_inside*max(1 - turns, is_far)
          table(i, of_fastest) = merge(max(table(i, of_fastest), abs(y_new(i, 2))), &
             table(i, of_fastest), is_plain(i) > 0)

@@ -8,16 +8,17 @@ module rwmf_simulation_held_wall
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
-   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
-   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rhs
+   use rwmf_math_sign_changes, only: no_change
+   use rwmf_model_assembly, only: equation_t, interval_of, lift_off_drive, rates_at, rhs
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_equation, only: discrete_state_t
-   use rwmf_model_lift_off, only: drive_turns, find_bearing, find_uplift_acceleration, lifts
+   use rwmf_model_lift_off, only: find_bearing, find_uplift_acceleration, lifts
    use rwmf_model_rest, only: inverse_inertia, pressing_acceleration
    use rwmf_motion_ground_motion, only: interval_end, is_known_until
    use rwmf_simulation_events_drift_events, only: cut_step
-   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
-      step_view_t, view_step
+   use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
+      sample_functions, span_between, span_t, stop_at_change, watch_t
+   use rwmf_simulation_events_step_view, only: sample_state, step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_hybrid_state, only: change_storey, hybrid_t, pass_knot
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
@@ -25,6 +26,12 @@ module rwmf_simulation_held_wall
    private
 
    public :: hold_wall, move_at_rest, may_rest_moving, begin_held_step, end_held_step, stays_down
+
+   !> What is left until the wall lifts off to the right and to the left [m/s2], with its rates.
+   type, extends(functions_t) :: bearing_t
+   contains
+      procedure :: evaluate => evaluate_bearing
+   end type bearing_t
 
 contains
 
@@ -124,45 +131,67 @@ contains
    end subroutine end_held_step
 
    !> Is it plain from the ends of a step that the held wall stays down in it?
-   !>
-   !> What it bears follows the other states, along a cubic inside the polygon of its Bezier points.
    logical function stays_down(step, rates_a, rates_b)
       type(step_view_t), intent(in) :: step
       !! without an integrator
       real(wp), intent(in) :: rates_a(:), rates_b(:)
       !! (states) at both ends
-      real(wp), parameter :: margin = 0.1_wp
-      !! for what the cubic errs, over the size of the polygon [-]
-      real(wp) :: push(2, 2)
-      !! of the motion to the right and to the left, at both ends [m/s2]
-      real(wp) :: borne(2, 4)
-      !! points of what is borne [m/s2]
+      type(bearing_t) :: bearing
+      type(moment_t) :: a, b
+      type(span_t) :: span
 
-      ! the push of the ground is largest at an end, if it does not turn in between
-      stays_down = drive_turns(step%equation, interval_of(step%equation), step%t_a) >= step%t_b
-      if (.not. stays_down) return
-      associate (equation => step%equation, h => step%t_b - step%t_a)
-         borne(:, 2) = borne_at(equation, step%y_a + h/3*rates_a)
-         borne(:, 1) = borne_at(equation, step%y_a)
-         push(:, 1) = borne(:, 1) + drives_of(equation, step%t_a)
-         borne(:, 3) = borne_at(equation, step%y_b - h/3*rates_b)
-         borne(:, 4) = borne_at(equation, step%y_b)
-         push(:, 2) = borne(:, 4) + drives_of(equation, step%t_b)
-      end associate
-      stays_down = all(maxval(push, dim=2) < minval(borne, dim=2) &
-         - margin*(maxval(borne, dim=2) - minval(borne, dim=2)))
+      bearing%step = step
+      a%t = step%t_a
+      b%t = step%t_b
+      allocate (a%f(2, 0:1), b%f(2, 0:1))
+      a%f = bearing_at(step, a%t, step%y_a, rates_a)
+      b%f = bearing_at(step, b%t, step%y_b, rates_b)
+      span = span_between(bearing, a, b)
+      stays_down = changes_in(span, watch_lift_off(step, 1)) == no_change
+      if (stays_down) stays_down = changes_in(span, watch_lift_off(step, 2)) == no_change
    end function stays_down
 
-   !> Ground acceleration that the held wall bears to the right and to the left [m/s2].
-   function borne_at(equation, y) result(borne)
-      type(equation_t), intent(inout) :: equation
+   subroutine evaluate_bearing(self, t, y, f)
+      class(bearing_t), intent(in) :: self
+      real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: borne(2)
+      real(wp), allocatable, intent(out) :: f(:, :)
+      real(wp) :: rates(size(y))
 
-      call find_uplift_acceleration(equation%model_t, equation%state, y)
-      borne = equation%state%uplift_acceleration([1, -1])
-   end function borne_at
+      call rates_at(self%step%equation, t, y, rates)
+      allocate (f(2, 0:1))
+      f = bearing_at(self%step, t, y, rates)
+   end subroutine evaluate_bearing
+
+   !> What is left until the wall lifts off to the right and to the left [m/s2], and its rates. What
+   !> the wall bears is linear in the other states.
+   function bearing_at(step, t, y, rates) result(f)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:), rates(:)
+      !! (states), and their rates
+      real(wp) :: f(2, 0:1)
+      real(wp), parameter :: part = 1.0e-5_wp
+      !! of the step, in which the motion of the ground is nearly straight [-]
+      real(wp) :: later(2), h
+
+      associate (equation => step%equation)
+         h = step%t_b - step%t_a
+         later = -drives(equation, t, y + h*rates)
+         f(:, 0) = -drives(equation, t, y)
+         f(:, 1) = (later - f(:, 0))/h - (drives_of(equation, t + part*h) &
+            - drives_of(equation, t - part*h))/(2*part*h)
+      end associate
+   end function bearing_at
+
+   !> The wall stays on a side, the first one being the right.
+   pure type(watch_t) function watch_lift_off(step, which) result(watch)
+      type(step_view_t), intent(in) :: step
+      integer, intent(in) :: which
+
+      watch = watch_t(which, 0, level=-4*epsilon(1.0_wp)*step%equation%threshold)
+   end function watch_lift_off
 
    !> How far the scene exceeds what the resting wall bears, to the right and to the left [m/s2].
    function drives(equation, t, y) result(drive)
@@ -200,104 +229,35 @@ contains
 
    !> First lift-off in the last step; leaves time and state of it, or of the end of the step, in
    !> hybrid.
-   !>
-   !> The step is searched in parts of a quarter of the shortest period. A maximum inside a part
-   !> shows in the parabola through its ends and its middle.
    subroutine search_lift_off(hybrid, step, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: step
       integer, intent(out) :: side
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: t(3)
-      real(wp) :: d(2, 3)
-      !! drives at both ends and the middle of a part [m/s2]
-      real(wp) :: x
-      integer :: i, n
-
-      n = count_parts(step)
-      hybrid%y(:) = step%y_a
-      t(3) = step%t_a
-      d(:, 3) = drives(step%equation, t(3), hybrid%y)
-      hybrid%t = t(3)
-      side = lifting_side(d(:, 3), step%equation%threshold)
-      if (side /= 0) return
-      do i = 1, n
-         t = [t(3), end_of_part(step, 2*i - 1, 2*n), end_of_part(step, 2*i, 2*n)]
-         d(:, 1) = d(:, 3)
-         call sample_drive(t(2), t(1), d(:, 2))
-         if (allocated(error) .or. side /= 0) return
-         call sample_drive(t(3), t(2), d(:, 3))
-         if (allocated(error) .or. side /= 0) return
-         x = promising_place(d)
-         if (x > 0 .and. x < 1) call sample_drive(t(1) + x*(t(3) - t(1)), t(1), d(:, 1))
-         if (allocated(error) .or. side /= 0) return
-      end do
-      hybrid%t = step%t_b
-      hybrid%y(:) = step%y_b
-
-   contains
-
-      !> Drives at a time; when the wall has lifted by then, the first time at which it has.
-      subroutine sample_drive(at, before, drive)
-         real(wp), intent(in) :: at
-         real(wp), intent(in) :: before
-         !! a time at which it rests [s]
-         real(wp), intent(out) :: drive(2)
-
-         call sample_state(step, at, hybrid%y, error)
-         if (allocated(error)) return
-         drive = drives(step%equation, at, hybrid%y)
-         side = lifting_side(drive, step%equation%threshold)
-         hybrid%t = at
-         if (side /= 0) call refine(hybrid, step, before, side, error)
-      end subroutine sample_drive
-   end subroutine search_lift_off
-
-   !> Place in a part at which the drive of a side may exceed zero between three values that do
-   !> not, 0 for none [-].
-   pure real(wp) function promising_place(d) result(x)
-      real(wp), intent(in) :: d(2, 3)
-      real(wp) :: slope
-      real(wp) :: bend
-      real(wp) :: top
+      type(bearing_t) :: bearing
+      type(moment_t) :: a, b
+      type(span_t) :: span
+      logical :: is_found
       integer :: i
 
-      x = 0
+      hybrid%t = step%t_a
+      hybrid%y(:) = step%y_a
+      side = lifting_side(drives(step%equation, step%t_a, step%y_a), step%equation%threshold)
+      if (side /= 0) return
+      bearing%step = step
+      call sample_functions(bearing, step%t_a, a, error)
+      if (.not. allocated(error)) call sample_functions(bearing, step%t_b, b, error)
+      if (allocated(error)) return
+      span = span_between(bearing, a, b)
       do i = 1, 2
-         slope = (d(i, 3) - d(i, 1))/2
-         bend = d(i, 3) - 2*d(i, 2) + d(i, 1)
-         if (.not. bend < -abs(slope)) cycle
-         top = d(i, 2) - slope**2/(2*bend)
-         if (top > 0.1_wp*bend) x = 0.5_wp - slope/(2*bend)
-      end do
-   end function promising_place
-
-   !> Bisect to the first time at which the wall has lifted, from the time in hybrid.
-   subroutine refine(hybrid, step, before, side, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      !! at a time when it has; on return at the first
-      type(step_view_t), intent(in) :: step
-      real(wp), intent(in) :: before
-      integer, intent(inout) :: side
-      type(error_t), allocatable, intent(out) :: error
-      type(bracket_t) :: bracket
-      real(wp) :: y(size(step%y_a))
-      integer :: side_there
-
-      bracket = bracket_between(before, hybrid%t)
-      do while (is_wider(bracket, 1))
-         call step%integrator%state_at(bracket%middle, y, error)
+         call stop_at_change(bearing, watch_lift_off(step, i), span, is_found, error)
          if (allocated(error)) return
-         side_there = lifting_side(drives(step%equation, bracket%middle, y), &
-            step%equation%threshold)
-         call narrow(bracket, side_there /= 0)
-         if (side_there == 0) cycle
-         hybrid%y(:) = y
-         side = side_there
+         if (is_found) side = merge(1, -1, i == 1)
       end do
-      hybrid%t = bracket%high
+      hybrid%t = span%b%t
+      call sample_state(step, hybrid%t, hybrid%y, error)
       call find_uplift_acceleration(step%equation%model_t, step%equation%state, hybrid%y)
-   end subroutine refine
+   end subroutine search_lift_off
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?
    !>

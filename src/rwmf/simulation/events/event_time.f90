@@ -1,16 +1,14 @@
-!> Instants inside the last step of an integrator: where a state passes a level, to round-off, and
-!> where theta' turns unseen between the ends.
+!> Instants inside the last step of an integrator where a state passes a level, to round-off.
 module rwmf_simulation_events_event_time
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow, &
-      stationary_point
+   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
    use rwmf_model_assembly, only: rhs
-   use rwmf_simulation_events_step_view, only: accelerations, may_reverse, step_view_t
+   use rwmf_simulation_events_step_view, only: step_view_t
    implicit none
    private
 
-   public :: find_event_time, find_reversal, passage
+   public :: find_event_time, passage
 
    integer, parameter :: most_iterations = 200
    !! a bisection of the whole range of exponents takes fewer
@@ -154,37 +152,5 @@ contains
          if (.not. bracket%is_open) return
       end do
    end function passage
-
-   !> Does theta' pass through zero and back between two times at which it has the same sign? Only
-   !> where the rotation says that it may, slopes and a state are evaluated.
-   subroutine find_reversal(step, t, y, found, error)
-      type(step_view_t), intent(in) :: step
-      real(wp), intent(out) :: t
-      !! when found: a time between both sign changes [s]
-      real(wp), intent(out) :: y(:)
-      !! (states) there
-      logical, intent(out) :: found
-      !! it does; otherwise `t` and `y` mean nothing
-      type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails
-      real(wp) :: h
-      real(wp) :: v(2)
-      !! theta' at the ends, not negative [rad/s]
-      real(wp) :: slope(2)
-      !! of it over the span [rad/s]
-
-      found = .false.
-      associate (y_a => step%y_a, y_b => step%y_b)
-         h = step%t_b - step%t_a
-         v = abs([y_a(2), y_b(2)])
-         if (.not. may_reverse(sign(1.0_wp, y_a(2) + y_b(2))*(y_b(1) - y_a(1)), v, h)) return
-         slope = accelerations(step)*sign(h, y_a(2) + y_b(2))
-         if (slope(1) >= 0 .or. slope(2) <= 0) return
-         t = step%t_a + stationary_point(v(1), slope(1), v(2), slope(2))*h
-         call step%integrator%state_at(t, y, error)
-         if (allocated(error)) return
-         found = y(2)*(y_a(2) + y_b(2)) < 0
-      end associate
-   end subroutine find_reversal
 
 end module rwmf_simulation_events_event_time

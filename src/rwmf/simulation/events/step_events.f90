@@ -7,9 +7,10 @@ module rwmf_simulation_events_step_events
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_simulation_events_event_time, only: find_event_time, find_reversal
-   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
-      is_steady, sample_state, step_view_t, until
+   use rwmf_simulation_events_event_time, only: find_event_time
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, &
+      sample_state, step_view_t, until
+   use rwmf_simulation_events_turns, only: farthest_turn, keeps_direction, split_turns
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, &
       observe_state, recorder_t
@@ -18,7 +19,10 @@ module rwmf_simulation_events_step_events
    implicit none
    private
 
-   public :: search_step
+   public :: search_step, list_turns
+
+   integer, parameter :: most_spans = 20
+   !! of a part of a step: more turns in it are round-off
 
 contains
 
@@ -56,22 +60,13 @@ contains
       end do
    end subroutine search_step
 
-   !> Is it plain from the ends of the step that nothing happens in it? Most steps of a multistep
-   !> method are so short that the velocity hardly changes, under a motion that is monotone.
-   !>
-   !> A ground acceleration that changes its sign may take the velocity below zero and back to what
-   !> it was: then the way is shorter than such a velocity says, by two thirds when the velocity is
-   !> a parabola that touches zero.
+   !> Is it plain from the ends of the step that nothing happens in it?
    logical function is_quiet(hybrid, step)
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: step
-      real(wp) :: way
-      !! in the direction of the velocity [rad] or [m]
 
       associate (equation => step%equation, a => step%y_a, b => step%y_b)
-         way = sign(1.0_wp, a(2))*(b(1) - a(1))
-         is_quiet = is_steady(a(2), b(2))
-         if (is_quiet) is_quiet = 2*way > (step%t_b - step%t_a)*min(abs(a(2)), abs(b(2)))
+         is_quiet = keeps_direction(step)
          if (is_quiet .and. equation%has_wall) then
             is_quiet = abs(b(1)) < hybrid%overturning_angle
             if (hybrid%mode == mode_rocking) then
@@ -85,33 +80,32 @@ contains
          if (is_quiet .and. equation%has_loading_direction) is_quiet = .not. passes_zero( &
             equation, b)
       end associate
-      if (is_quiet) is_quiet = is_short(step, 0.5_wp, 0.0_wp)
    end function is_quiet
 
-   !> Search a part of the step in which theta' changes its sign at most twice.
+   !> Search a part of the step, cut so that theta' changes its sign at most once in each span.
    subroutine search_part(hybrid, part, recorder, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: part
       type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: event
       type(error_t), allocatable, intent(out) :: error
+      type(step_view_t) :: rest
       real(wp) :: t_m
-      real(wp), target :: y_m(size(part%y_a))
-      logical :: turns_twice
+      real(wp), dimension(size(part%y_a)), target :: y_a, y_m
+      logical :: is_split
+      integer :: i
 
-      event = 0
-      turns_twice = .false.
-      if (.not. has_peak(hybrid, part)) then
-         call find_reversal(part, t_m, y_m, turns_twice, error)
-         if (allocated(error)) return
-      end if
-      if (turns_twice) then
-         call search_span(hybrid, until(part, t_m, y_m), recorder, event, error)
+      rest = part
+      do i = 1, most_spans
+         call split_turns(rest, direction_of(hybrid, rest), t_m, y_m, is_split, error)
+         if (allocated(error) .or. .not. is_split) exit
+         call search_span(hybrid, until(rest, t_m, y_m), recorder, event, error)
          if (allocated(error) .or. event /= 0) return
-         call search_span(hybrid, from(part, t_m, y_m), recorder, event, error)
-      else
-         call search_span(hybrid, part, recorder, event, error)
-      end if
+         y_a = y_m
+         rest = from(rest, t_m, y_a)
+      end do
+      event = 0
+      if (.not. allocated(error)) call search_span(hybrid, rest, recorder, event, error)
    end subroutine search_part
 
    !> Search a span in which theta' changes its sign at most once.
@@ -188,19 +182,6 @@ contains
       may_be_extreme = turn >= recorder%theta_max .or. turn <= recorder%theta_min
    end function may_be_extreme
 
-   !> Bound on the rotation at which a motion turns back between the ends of a span, four times as
-   !> far beyond the farther one as under a steady acceleration.
-   pure real(wp) function farthest_turn(span) result(turn)
-      type(step_view_t), intent(in) :: span
-      real(wp) :: reach
-
-      associate (a => span%y_a, b => span%y_b)
-         reach = 0.5_wp*(span%t_b - span%t_a)*(abs(a(2)) + abs(b(2)))
-         turn = max(a(1), b(1)) + reach
-         if (b(2) > a(2)) turn = min(a(1), b(1)) - reach
-      end associate
-   end function farthest_turn
-
    !> Search a piece in which theta is monotone; leaves time and state of its end or of the event in
    !> hybrid.
    subroutine search_piece(hybrid, piece, event, error)
@@ -217,23 +198,31 @@ contains
       end if
    end subroutine search_piece
 
-   !> Does theta' change its sign between the ends? A flight that starts with theta' = 0 moves away
-   !> from the base.
+   !> Does theta' change its sign between the ends?
    logical function has_peak(hybrid, span)
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: span
-      real(wp) :: v_a
 
-      associate (equation => span%equation, v_b => span%y_b(2))
-         v_a = span%y_a(2)
-         if (abs(v_a) <= 0 .and. equation%has_loading_direction) v_a = &
-            equation%state%signs%loading_direction
-         if (abs(v_a) <= 0 .and. abs(span%y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
-            v_a = equation%state%side
-         end if
+      associate (v_a => direction_of(hybrid, span), v_b => span%y_b(2))
          has_peak = (v_a > 0 .and. v_b <= 0) .or. (v_a < 0 .and. v_b >= 0)
       end associate
    end function has_peak
+
+   !> Sign of theta' as a span begins, 0 where it is not known. A flight that starts with theta' = 0
+   !> moves away from the base.
+   pure real(wp) function direction_of(hybrid, span) result(direction)
+      type(hybrid_t), intent(in) :: hybrid
+      type(step_view_t), intent(in) :: span
+
+      associate (equation => span%equation)
+         direction = span%y_a(2)
+         if (abs(direction) > 0) return
+         if (equation%has_loading_direction) direction = equation%state%signs%loading_direction
+         if (abs(direction) <= 0 .and. abs(span%y_a(1)) <= 0 .and. hybrid%mode == mode_rocking) then
+            direction = equation%state%side
+         end if
+      end associate
+   end function direction_of
 
    !> A frame that stands still has a course, the last one, and no peaks.
    pure logical function stands_still(span)
@@ -347,5 +336,42 @@ contains
       if (equation%has_wall) leaves = leaves .and. abs(level) < hybrid%overturning_angle
       if (.not. leaves) level = 0
    end function leaves_window
+
+   !> Put the turns inside a piece, which cut no step, into the list of events.
+   subroutine list_turns(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      type(step_view_t) :: rest
+      real(wp), dimension(size(piece%y_a)), target :: y_a, y
+      real(wp) :: t
+      logical :: is_split
+      integer :: k
+
+      rest = piece
+      do k = 1, most_spans
+         call split_turns(rest, rest%y_a(2), t, y, is_split, error)
+         if (allocated(error)) return
+         if (.not. is_split) exit
+         call list_turn(recorder, until(rest, t, y), error)
+         if (allocated(error)) return
+         y_a = y
+         rest = from(rest, t, y_a)
+      end do
+      call list_turn(recorder, rest, error)
+   end subroutine list_turns
+
+   !> The same of a span with one turn at most.
+   subroutine list_turn(recorder, span, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: span
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: y(size(span%y_a))
+      real(wp) :: t
+
+      if (span%y_a(2)*span%y_b(2) >= 0) return
+      call find_event_time(span, 2, 0.0_wp, t, y, error)
+      if (.not. allocated(error)) call observe_event(recorder, event_peak, t, y)
+   end subroutine list_turn
 
 end module rwmf_simulation_events_step_events

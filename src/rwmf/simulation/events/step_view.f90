@@ -11,7 +11,7 @@ module rwmf_simulation_events_step_view
 
    public :: step_view_t, view_step, until, from
    public :: count_parts, end_of_part, sample_state, accelerations
-   public :: fastest_angle, is_short, is_steady, may_reverse
+   public :: fastest_angle, is_short, may_reverse
 
    !> A piece of the last step, from a to b. It points to what others hold.
    type :: step_view_t
@@ -160,14 +160,6 @@ contains
             >= step%t_b
       end associate
    end function is_short
-
-   !> Does a rate hardly change between two instants?
-   pure logical function is_steady(rate_a, rate_b)
-      real(wp), intent(in) :: rate_a, rate_b
-      !! at both instants, in one unit
-
-      is_steady = 2*abs(rate_b - rate_a) < min(abs(rate_a), abs(rate_b))
-   end function is_steady
 
    !> May a rate that has the same sign at both ends of a span pass through zero and back in it?
    !>

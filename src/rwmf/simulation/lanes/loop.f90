@@ -22,10 +22,10 @@ module rwmf_simulation_lanes_loop
    use rwmf_model_lanes, only: power_count
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
-   use rwmf_simulation_events_event_time, only: find_event_time, find_reversal
+   use rwmf_simulation_events_step_events, only: list_turns
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cubic_of, first_event, &
       no_event, place_event, quartic_of, quartic_t, quintic_of
-   use rwmf_simulation_events_step_view, only: from, step_view_t, until, view_step
+   use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
    use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
@@ -34,7 +34,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
-      follow_curves, lane_t, line_row, longest_step, team_t
+      follow_curves, lane_t, line_row, longest_step, may_hide_turns, team_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_piece, &
       observe_state, recorder_t
@@ -444,31 +444,6 @@ contains
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step
 
-   !> Put the turns inside a piece, which cut no step, into the list of events.
-   subroutine list_turns(recorder, piece, error)
-      type(recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      type(error_t), allocatable, intent(out) :: error
-      real(wp), target :: y(size(piece%y_a)), y_turn(size(piece%y_a))
-      real(wp) :: t, t_turn
-      logical :: turns_twice
-
-      if (piece%y_a(2)*piece%y_b(2) < 0) then
-         call find_event_time(piece, 2, 0.0_wp, t, y, error)
-         if (.not. allocated(error)) call observe_event(recorder, event_peak, t, y)
-         return
-      end if
-      call find_reversal(piece, t, y, turns_twice, error)
-      if (allocated(error) .or. .not. turns_twice) return
-      if (abs(piece%y_a(2)) > 0) then
-         call find_event_time(until(piece, t, y), 2, 0.0_wp, t_turn, y_turn, error)
-         if (allocated(error)) return
-         call observe_event(recorder, event_peak, t_turn, y_turn)
-      end if
-      call find_event_time(from(piece, t, y), 2, 0.0_wp, t_turn, y_turn, error)
-      if (.not. allocated(error)) call observe_event(recorder, event_peak, t_turn, y_turn)
-   end subroutine list_turns
-
    !> Bound on the work of one run in the team.
    subroutine bound_work(lane, i, team)
       type(lane_t), intent(inout) :: lane
@@ -584,7 +559,7 @@ contains
             .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
          if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
             lane%goal == at_low))) == event_branch
-         if (is_beyond .or. is_against_loading(lane, i, team)) then
+         if (is_beyond .or. is_against_loading(lane, i, team) .or. may_hide_turns(team, i)) then
             lane%goal = no_event
             call look_at_step(lane, i, team)
             return

@@ -9,6 +9,7 @@ module rwmf_simulation_lanes_team
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
    use rwmf_integrator_lane_reactions, only: value_count
    use rwmf_integrator_pairs, only: most_stages, pair_t
+   use rwmf_math_sign_changes, only: changes_of, polygon_t, rate_polygon, roughness, unclear
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
@@ -21,7 +22,7 @@ module rwmf_simulation_lanes_team
    private
 
    public :: lane_t, team_t, create_team, leave_team, tabulate_lines, line_row, caution
-   public :: longest_step, find_steps_to_watch, follow_curves
+   public :: longest_step, find_steps_to_watch, follow_curves, may_hide_turns
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! of the vibration in a step, so that its events can be seen; where it only turns [rad]
@@ -294,30 +295,62 @@ contains
       end do
    end subroutine find_steps_to_watch
 
-   !> May a step hold the peak of |theta'|? Where theta'' may change its sign, by the quartic
-   !> through both ends, both velocities and the acceleration at the beginning, and where a parabola
-   !> through the velocities with this way, risen twice as far, reaches what was largest so far.
+   !> May a step hold the peak of |theta'|? Not where its bound is below what was largest so far,
+   !> nor where theta'' keeps its sign. The cubic through both ends and velocities mostly shows it,
+   !> the quintic with both accelerations more sharply: the last stage knows that at the end nearly.
    pure logical function may_be_fastest(team, i, largest) result(may)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
       real(wp), intent(in) :: largest
       !! |theta'| so far [rad/s]
-      real(wp) :: v_a, v_b, speed, first, bend, last, slack
+      type(polygon_t) :: rate
+      integer :: derivatives
 
-      associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new)
-         v_a = y(i, 2)
-         v_b = y_new(i, 2)
-         speed = (y_new(i, 1) - y(i, 1))/h
-         may = .not. max(abs(v_a), abs(v_b)) + 3*abs(speed - (v_a + v_b)/2) &
-            < max(team%table(i, of_fastest), largest)
+      do derivatives = 1, 2
+         rate = rate_in_step(team, i, derivatives)
+         associate (c => rate%c(:rate%n), margin => rate%margin(:rate%n), n => rate%n)
+            may = .not. maxval(abs(c) + margin) < max(team%table(i, of_fastest), largest)
+            if (may) may = any(sign(1.0_wp, c(n) - c(0))*(c(1:) - c(:n - 1)) &
+               <= margin(1:) + margin(:n - 1))
+         end associate
          if (.not. may) return
-         first = h*team%k(i, 2, 1)
-         bend = v_b - v_a - first
-         last = first + 6*bend - 12*(speed - v_a - first/2)
-         slack = 0.05_wp*(abs(first) + abs(bend))*abs(v_a + v_b)
-         may = .not. ((v_a + v_b)*first < -slack .or. (v_a + v_b)*last > slack)
-      end associate
+      end do
    end function may_be_fastest
+
+   !> theta' in the step of a lane that was tried last, with the error of the interpolation.
+   pure type(polygon_t) function rate_in_step(team, i, derivatives) result(rate)
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: i
+      integer, intent(in) :: derivatives
+      !! of the rotation that are used at both ends, 1 or 2
+      real(wp), dimension(0:derivatives) :: a, b
+
+      a(:1) = team%y(i, :2)
+      b(:1) = team%y_new(i, :2)
+      if (derivatives == 2) a(2) = team%k(i, 2, 1)
+      if (derivatives == 2) b(2) = team%k(i, 2, team%pair%stages)
+      associate (h => team%table(i, of_trial))
+         rate = rate_polygon(h, a, b, roughness(longest_angle(2), h, a, b))
+      end associate
+   end function rate_in_step
+
+   !> May theta' change its sign in a step where the quartic does not show it?
+   pure logical function may_hide_turns(team, i) result(may)
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: i
+      type(polygon_t) :: rate
+      real(wp) :: noise
+
+      rate = rate_in_step(team, i, 2)
+      associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new)
+         noise = 8*epsilon(h)*(max(abs(y(i, 2)), abs(y_new(i, 2))) &
+            + max(abs(y(i, 1)), abs(y_new(i, 1)))/h)
+         ! from a turn on the motion goes where it is accelerated to
+         if (abs(y(i, 2)) <= 0) rate%c(0) = sign(2*noise, rate%c(1))
+         rate%c = sign(1.0_wp, rate%c(0))*rate%c
+         may = changes_of(rate, noise) == unclear
+      end associate
+   end function may_hide_turns
 
    !> Accelerations of the ground where they are not on a straight line.
    subroutine follow_curves(lanes, team)

@@ -5,6 +5,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
+   use rwmf_math_sign_changes, only: no_change, one_change
    use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
       rates_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
@@ -17,8 +18,11 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_hysteresis_spring_set, only: frame_force_column, put_spring_forces
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, from, &
-      is_short, sample_state, step_view_t, until
+   use rwmf_simulation_events_first_change, only: changes_in, moment_t, span_between, span_t, &
+      stop_at_change, watch_t
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
+      sample_state, step_view_t, until
+   use rwmf_simulation_events_turns, only: fastest_in, velocity_t
    use rwmf_simulation_newtons, only: in_newtons, ratios, weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands, observe_demands_at, observe_demands_at_rest, put_demands, &
@@ -282,28 +286,70 @@ contains
       end do
    end subroutine observe_fastest
 
-   !> The same in a piece in which theta'' changes its sign once at most. The way says how far
-   !> theta' can rise above its ends; the cubic through ends and slopes gives the instant, which a
-   !> secant closes in on until nothing is to be gained.
+   !> The same in a piece of at most a quarter of a period, wherever theta'' changes its sign.
    subroutine observe_turn(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: margin = 3
-      !! twice what a parabola rises by
+      type(velocity_t) :: velocity
+      type(moment_t) :: a, b
+      type(span_t) :: span
+      type(watch_t) :: watch
+      logical :: is_found
+      integer, parameter :: most_turns = 20
+      !! more of them in a part are round-off
+      integer :: i
+
+      if (fastest_in(piece) < recorder%theta_dot_max) return
+      velocity%step = piece
+      call velocity%evaluate(piece%t_a, piece%y_a, a%f)
+      call velocity%evaluate(piece%t_b, piece%y_b, b%f)
+      a%t = piece%t_a
+      b%t = piece%t_b
+      span = span_between(velocity, a, b)
+      watch = watch_t(1, 1, side=sign(1.0_wp, a%f(1, 1)))
+      select case (changes_in(span, watch))
+      case (no_change)
+         return
+      case (one_change)
+         call observe_extremum(recorder, piece, [a%f(1, 1), b%f(1, 1)], error)
+      case default
+         do i = 1, most_turns
+            if (stays_within(recorder%theta_dot_max, span)) return
+            call stop_at_change(velocity, watch, span, is_found, error)
+            if (allocated(error) .or. .not. is_found) return
+            recorder%theta_dot_max = max(recorder%theta_dot_max, abs(span%b%f(1, 0)))
+            watch%side = -watch%side
+            span = span_between(velocity, span%b, b)
+         end do
+      end select
+   end subroutine observe_turn
+
+   !> Is it plain that |theta'| does not exceed a value in a span?
+   pure logical function stays_within(largest, span)
+      real(wp), intent(in) :: largest
+      !! [rad/s]
+      type(span_t), intent(in) :: span
+
+      stays_within = all([changes_in(span, watch_t(1, 0, level=-largest, side=1.0_wp)), &
+         changes_in(span, watch_t(1, 0, level=largest, side=-1.0_wp))] == no_change)
+   end function stays_within
+
+   !> The same where theta'' changes its sign once: the cubic through ends and slopes gives the
+   !> instant, which a secant closes in on until nothing is to be gained.
+   subroutine observe_extremum(recorder, piece, slope, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: slope(2)
+      !! theta'' at both ends [rad/s2]
+      type(error_t), allocatable, intent(out) :: error
       type(secant_t) :: search
-      real(wp) :: slope(2), h, t, found
+      real(wp) :: h, t, found
       real(wp) :: y(size(piece%y_b))
 
       h = piece%t_b - piece%t_a
-      associate (v_a => piece%y_a(2), v_b => piece%y_b(2))
-         if (max(abs(v_a), abs(v_b)) + margin*abs((piece%y_b(1) - piece%y_a(1))/h - (v_a + v_b)/2) &
-             < recorder%theta_dot_max) return
-         slope = accelerations(piece)
-         if (slope(1)*slope(2) >= 0) return
-         search = secant_between([piece%t_a, piece%t_b], slope)
-         t = piece%t_a + h*stationary_point(v_a, slope(1)*h, v_b, slope(2)*h)
-      end associate
+      search = secant_between([piece%t_a, piece%t_b], slope)
+      t = piece%t_a + h*stationary_point(piece%y_a(2), slope(1)*h, piece%y_b(2), slope(2)*h)
       if (t > piece%t_a .and. t < piece%t_b) search%next = t
       do while (search%is_open)
          t = search%next
@@ -314,7 +360,7 @@ contains
          call close_in(search, found)
          if (abs(found*(search%next - t)) <= epsilon(t)*recorder%theta_dot_max) return
       end do
-   end subroutine observe_turn
+   end subroutine observe_extremum
 
    !> Rows of the history up to t_b from the integrator's last step.
    subroutine sample_piece(recorder, piece, error)
