@@ -7,7 +7,7 @@ quantity that a scene has is requested by itself and among all: as rows in lanes
 as ordinates (`fast` and general lanes), and for every twelfth pair of scenes in a sweep, by a host
 in C and by rwmf-batch; runs keep nothing, a history, energies or reactions alone. The bits have to
 be the same; an ordinate of method `fast` has to agree with the general kernel to 100 rtol. Every
-difference is listed.
+difference is listed; the standard error stream shows the progress.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -54,8 +55,11 @@ def main() -> int:
     asked = parser.parse_args()
     numbers = range(asked.first, asked.first + asked.count)
     wrong = failed = 0
+    begin = time.monotonic()
     with ProcessPoolExecutor(asked.processes) as pool:
-        for found, reason in pool.map(check_scene, numbers):
+        for done, (found, reason) in enumerate(pool.map(check_scene, numbers), start=1):
+            seconds = time.monotonic() - begin
+            print(f"{done} of {asked.count} scenes, {seconds:.0f} s", file=sys.stderr, flush=True)
             wrong += bool(found)
             failed += bool(reason)
             for line in [*found, *([reason] if reason else [])]:

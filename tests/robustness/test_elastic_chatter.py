@@ -51,3 +51,42 @@ def test_the_ledger_closes_over_averaged_bounces(e: float, T_s: float, elcentro:
     assert float(run["energy_balance_relative"]) < 1e-6
     assert np.isfinite(run["theta"].values).all()
     assert run["energy_viscous"].values[-1] >= 0
+
+
+def _linked(elcentro: Path, T_1: float, **changes: dict[str, object]) -> rwmf.Case:
+    floors = {"n": 4, "m_over_m_w": [1.25], "height": [9.0], "distribution": "uniform"}
+    case = _case(
+        elcentro,
+        0.5,
+        model=None,
+        cable=None,
+        frame={"T_s": None, "gamma": None},
+        wall={"h": 18.0, "b": 3.0},
+        storeys=floors | {"T_1": T_1, "coupling": "full"},
+    )
+    return case.replace(**changes)
+
+
+@pytest.mark.parametrize("T_1", [0.02, 0.05])
+def test_bounces_beside_moving_floors_are_left_out(T_1: float, elcentro: Path) -> None:
+    run = rwmf.simulate(_linked(elcentro, T_1, output={"energy": True}))
+    assert "left out" in run.attrs["warnings"]
+    assert float(run["energy_balance_relative"]) < 1e-6
+    closer = rwmf.simulate(_linked(elcentro, T_1, solver={"rtol": 1e-8}))
+    assert float(run.u_s_max) == pytest.approx(float(closer.u_s_max), rel=1e-5)
+
+
+def test_bounces_left_out_agree_with_single_ones(elcentro: Path) -> None:
+    """One that the kernel without this rule ended after 951680 steps."""
+    run = rwmf.simulate(_linked(elcentro, 0.08))
+    assert float(run.u_s_max) == pytest.approx(0.0013379036825327847, rel=1e-7)
+    assert run.attrs["steps"] < 200_000
+
+
+@pytest.mark.parametrize("T_s", PEAKS)
+def test_smooth_hysteresis_that_bounces_without_loss(T_s: float, elcentro: Path) -> None:
+    """Nearly elastic: the peak is that of the linear frame."""
+    hysteresis = {"law": "bouc_wen", "u_y": 1.0}
+    run = rwmf.simulate(_case(elcentro, T_s, yielding=hysteresis))
+    assert float(run.u_s_max) == pytest.approx(PEAKS[T_s], rel=1e-3)
+    assert "averaged" in run.attrs["warnings"]

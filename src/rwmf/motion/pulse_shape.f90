@@ -104,6 +104,8 @@ contains
          pulse%rate = omega
          pulse%gamma = spec%gamma_p
          pulse%nu = spec%nu
+         ! turns that do not change the pulse, and whose number may exceed any integer
+         if (abs(pulse%nu) > 2*pi) pulse%nu = atan2(sin(pulse%nu), cos(pulse%nu))
          pulse%half = pi*spec%gamma_p
          pulse%peak = maxval(abs(unit_acceleration(pulse, cycles_cuts(pulse))))
          associate (part => 1/pulse%gamma)

@@ -21,7 +21,7 @@ module rwmf_simulation_elastic_chatter
    implicit none
    private
 
-   public :: skip_chatter
+   public :: skip_chatter, drop_chatter
 
    real(wp), parameter :: least_flights = 64
    !! that are worth a jump
@@ -49,7 +49,7 @@ contains
 
       v = abs(hybrid%y(2))
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0 .or. v <= 0) return
-      if (equation%moves_at_rest .or. equation%has_loading_direction) return
+      if (equation%moves_at_rest) return
       begin = decelerations(equation, hybrid%t)
       if (minval(begin) <= 0) return
       if (v**2 > 2*minval(begin)*small_angle) return
@@ -75,6 +75,21 @@ contains
       gain(3) = 2*flights*log(e)
       call note_jump(hybrid, equation, recorder, span, flights, gain)
    end subroutine skip_chatter
+
+   !> Enter in ledger and warnings the bounces that a wall at rest beside moving floors is spared.
+   subroutine drop_chatter(equation, recorder, t, v)
+      type(equation_t), intent(in) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: v
+      !! angular velocity after the last impact [rad/s]
+
+      call observe_chatter(recorder, t, 0_i8)
+      if (recorder%keeps_energy) then
+         recorder%energy%impact = recorder%energy%impact + impact_loss(equation, v, 0.0_wp)
+      end if
+   end subroutine drop_chatter
 
    !> Change state, ledger and counts by the bounces of a jump.
    subroutine note_jump(hybrid, equation, recorder, span, flights, gain)

@@ -26,6 +26,10 @@ module rwmf_simulation_held_wall
    private
 
    public :: hold_wall, move_at_rest, may_rest_moving, begin_held_step, end_held_step, stays_down
+   public :: elastic_loss
+
+   real(wp), parameter :: elastic_loss = 1.0_wp/640
+   !! part of the velocity lost at an impact up to which bounces may have no end [-]
 
    !> What is left until the wall lifts off to the right and to the left [m/s2], with its rates.
    type, extends(functions_t) :: bearing_t
@@ -264,6 +268,10 @@ contains
    !> As `may_rest` of `rest.f90`, but the pressure changes with the other states. So the chatter
    !> must end within a tenth of their shortest period, and the pressure is reduced by twice what
    !> their present rates make of it in that time, and by a bound on their acceleration.
+   !>
+   !> Bounces that hardly lose energy would go on below the resolution; the wall rests when many of
+   !> them are sure to follow within the shortest period over 2 pi. What is dropped is less than
+   !> the tolerance of the energy.
    logical function may_rest_moving(equation, t, y, v, e, small_angle, small_velocity) &
       result(may_rest)
       type(equation_t), intent(inout) :: equation
@@ -279,10 +287,15 @@ contains
       !! negligible rotation [rad]
       real(wp), intent(in) :: small_velocity
       !! negligible angular velocity [rad/s]
+      real(wp), parameter :: flights = 64
       real(wp) :: press
       real(wp) :: gain
+      real(wp) :: loss
+      !! of velocity at an impact, or over half the number of flights [-]
       real(wp) :: chatter
       !! how long it may last [s]
+      real(wp) :: longest
+      !! the same over the shortest period over 2 pi [-]
       real(wp) :: change
       !! of the pressure in that time [m/s2]
 
@@ -291,13 +304,19 @@ contains
       if (press <= 0) return
       gain = inverse_inertia(equation)
       may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
-      if (may_rest .or. e >= 1 .or. v**2 > 2*press*gain*small_angle) return
-      chatter = 4*v/(press*gain*(1 - e))
-      if (chatter*equation%floors%max_frequency > 0.1_wp) return
+      if (may_rest .or. v**2 > 2*press*gain*small_angle) return
+      loss = 1 - e
+      longest = 0.1_wp
+      if (loss <= elastic_loss) then
+         loss = 2/flights
+         longest = 1
+      end if
+      chatter = 4*v/(press*gain*loss)
+      if (chatter*equation%floors%max_frequency > longest) return
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       call bound_change(equation, t, y, chatter, change)
       press = pressing_acceleration(equation, t, t + chatter) - change
-      may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
+      may_rest = press > 0 .and. 2*v <= press*gain*loss*chatter
    end function may_rest_moving
 
    !> By how much the other states may change what the wall bears within a time.

@@ -27,9 +27,9 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
-   use rwmf_simulation_elastic_chatter, only: skip_chatter
+   use rwmf_simulation_elastic_chatter, only: drop_chatter, skip_chatter
    use rwmf_simulation_free_vibration, only: follow_free_vibration
-   use rwmf_simulation_held_wall, only: hold_wall, may_rest_moving, move_at_rest
+   use rwmf_simulation_held_wall, only: elastic_loss, hold_wall, may_rest_moving, move_at_rest
    use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
    use rwmf_simulation_recorder_nearby_motion, only: meet_impact
@@ -522,6 +522,9 @@ contains
             largest_factor(hybrid%restitution, abs(after)), &
             negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
             negligible*hybrid%rtol*recorder%theta_dot_ends)
+         if (rests .and. 1 - largest_factor(hybrid%restitution, abs(after)) <= elastic_loss &
+            .and. abs(after) > negligible*hybrid%rtol*recorder%theta_dot_ends) &
+            call drop_chatter(equation, recorder, hybrid%t, after)
       else
          rests = may_rest(equation, hybrid%t, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &

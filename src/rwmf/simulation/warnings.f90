@@ -66,8 +66,8 @@ contains
 
       if (.not. allocated(result%t_chatter)) return
       call add_warning(result, 'from t = '//trim(real_to_text(result%t_chatter)) &
-         //' s on, bounces below the resolution of rtol are averaged (e near 1): the instants ' &
-         //'of later lift-offs are not those of single bounces')
+         //' s on, bounces below the resolution of rtol are averaged or, beside moving floors, ' &
+         //'left out (e near 1): the instants of later lift-offs are not those of single bounces')
    end subroutine warn_of_chatter
 
    !> Rows of the history end with the motion.

@@ -292,3 +292,20 @@ def test_a_late_pulse_is_not_stepped_over(scene: str, kind: str, method: str) ->
     now = rwmf.simulate(case)
     late = case.replace(motion={"t_0": 8.0}, solver={"t_end": 10.0})
     assert float(rwmf.simulate(late).u_s_max) == pytest.approx(float(now.u_s_max), rel=1e-7)
+
+
+@pytest.mark.parametrize("turns", [2, -3, 4e8, -(2.0**40)])
+@pytest.mark.parametrize("gamma", [1.000001, 2.5, 50.0])
+def test_a_phase_of_many_turns(turns: float, gamma: float) -> None:
+    """More of them than an integer counts: the pulse stays the one of the rest of the phase."""
+    pulse = {"kind": "mavroeidis_papageorgiou", "gamma_p": gamma, "T_p": 0.7, "omega_p": None}
+    nu = NU + turns * 2 * math.pi
+    rest = math.atan2(math.sin(nu), math.cos(nu))
+    found = [
+        rwmf.simulate(
+            bare_frame(motion=pulse | {"nu": phase, "a_max_g": 0.4}, solver={"t_end": 4.0})
+        )
+        for phase in (nu, rest)
+    ]
+    assert float(found[0].u_s_max) == pytest.approx(float(found[1].u_s_max), rel=1e-12)
+    assert float(found[0].u_s_max) > 0
