@@ -138,6 +138,8 @@ def _writer(kind: str, frames_per_second: int, count: _Count) -> AbstractMovieWr
     class GifWriter(PillowWriter):
         """Counts the pictures while they are encoded, which takes as long as to draw them."""
 
+        _frames: list[Image]
+
         def finish(self) -> None:
             self._frames[0].save(
                 self.outfile,
