@@ -138,7 +138,7 @@ def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
 
 
 def check_springs(case: CaseLike) -> None:
-    """Complain about a case without a spring that could draw a loop.
+    """Complain about a case without a spring whose force a history could hold.
 
     Parameters
     ----------
@@ -148,13 +148,19 @@ def check_springs(case: CaseLike) -> None:
     Raises
     ------
     InputError
-        When it has none of the groups that have one.
+        When it has no such spring; storeys that yield one by one report no force.
     """
     case = case_of(case)
-    if not {"yielding", "cable", "fuse"} & case.groups.keys():
-        raise InputError(
-            f"{case.source or 'the case'}: loops need a spring: &yielding, &cable or &fuse"
-        )
+    one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
+    springs = {"cable", "fuse"} if one_by_one else {"yielding", "cable", "fuse"}
+    if not springs & case.groups.keys():
+        source = case.source or "the case"
+        if one_by_one:
+            raise InputError(
+                f"{source}: loops need a spring: storeys that yield one by one report no force; "
+                "&cable or &fuse would have one"
+            )
+        raise InputError(f"{source}: loops need a spring: &yielding, &cable or &fuse")
 
 
 def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:

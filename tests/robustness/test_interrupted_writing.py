@@ -51,7 +51,9 @@ def _begun(folder: Path, process: subprocess.Popen[bytes]) -> None:
         ("batch", RUN + MANY_ROWS, signal.SIGTERM),
         ("batch", MANY_PERIODS, signal.SIGTERM),
         ("run", RUN + MANY_ROWS, signal.SIGINT),
+        ("run", RUN + MANY_ROWS, signal.SIGTERM),
         ("spectrum", MANY_PERIODS, signal.SIGINT),
+        ("spectrum", MANY_PERIODS, signal.SIGHUP),
     ],
 )
 def test_interrupted_while_writing(entry: str, text: str, number: int, tmp_path: Path) -> None:

@@ -25,6 +25,8 @@ __all__ = ["BrokenError", "BusyError", "Workers"]
 _MOST = max(4, min(8, os.cpu_count() or 4))
 # how long a computation may go on while all others are busy and a question waits [s]
 _LONG = 10.0
+# how long a computation may go on at all [s]; costs are measured by many runs
+_LIMITS = {"history": 30.0, "spectrum": 60.0, "add_record": 60.0, "cost": 600.0}
 # how often a waiting thread looks whether the page still wants its answer [s]
 _LOOK = 0.05
 # how long a worker may take to stop before it is killed [s]
@@ -39,7 +41,7 @@ class BrokenError(Exception):
 
 
 class BusyError(Exception):
-    """A computation was stopped in favour of those that wait."""
+    """A computation was stopped: others wait, or it took longer than a page waits."""
 
 
 class _Worker:
@@ -121,13 +123,13 @@ class Workers:
         BrokenError
             When the process ended, or failed in an unforeseen way.
         BusyError
-            When it had to give way to other questions.
+            When it had to give way to other questions, or took too long.
         """
         worker = self._take(watch)
         usable = False
         try:
             worker.connection.send((name, arguments))
-            kind, content = self._follow(worker, watch, report)
+            kind, content = self._follow(worker, _LIMITS[name], watch, report)
             usable = True
         except (EOFError, ConnectionResetError, BrokenPipeError):
             watch()
@@ -199,9 +201,16 @@ class Workers:
                 worker.end()
             self._change.notify_all()
 
-    def _follow(self, worker: _Worker, watch: Watch, report: Report | None) -> tuple[str, Any]:
+    def _follow(
+        self, worker: _Worker, limit: float, watch: Watch, report: Report | None
+    ) -> tuple[str, Any]:
         """Wait for the end of a computation."""
         while True:
+            if time.monotonic() - worker.begun > limit:
+                raise BusyError(
+                    f"stopped after {limit:g} s, the most that a page waits: shorten t_end, raise "
+                    "rtol, check damping and stiffness, or run the case by the command rwmf"
+                )
             if not worker.connection.poll(_LOOK):
                 watch()
                 if worker.gives_way:

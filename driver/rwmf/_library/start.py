@@ -13,6 +13,7 @@ from rwmf._library.case import KernelCase
 from rwmf._library.marshalling import encode, message_buffer
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.worker import Progress, wait_for
+from rwmf._numbers import show
 from rwmf.errors import InputError
 
 __all__ = ["check_threads", "start_rows", "start_simulation", "start_spectrum"]
@@ -45,7 +46,7 @@ def check_threads(threads: int, name: str = "threads") -> int:
     except TypeError:
         number = -1
     if not 0 <= number <= most:
-        raise InputError(f"{name} = {threads}: must be 0 (all) to {most} on this machine")
+        raise InputError(f"{name} = {show(threads)}: must be 0 (all) to {most} on this machine")
     return number
 
 

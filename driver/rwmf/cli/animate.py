@@ -10,7 +10,7 @@ import numpy as np
 from rwmf._files import files
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.cli.progress import progress_bar
+from rwmf.cli.progress import progress
 from rwmf.plotting.animation import animate, in_words
 
 __all__ = ["run"]
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     response = response.isel(time=shown)
     frames = response.sizes["time"]
     print(f"{path}: {frames} frames to draw, then to encode", flush=True)
-    with progress_bar(frames, "frame") as report:
+    with progress("frame") as report:
         factor = animate(case, response, path, options.fps, report)
     print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, factor)}")
     return 0

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 
 from rwmf._files.streams import ReaderGoneError, guarded
@@ -17,6 +20,8 @@ __all__ = ["main"]
 # exit status of what the program did not foresee
 _UNFORESEEN = 3
 _SHOW_TRACEBACK = "RWMF_TRACEBACK"
+# signals that end the command as Ctrl-C does; without a handler they would leave unfinished files
+_ENDS = (signal.SIGTERM, signal.SIGHUP)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status: 0, 1 numerical failure, 2 input or output, 3 an error that the program did not
         foresee, 130 interrupted.
     """
-    with guarded() as lost:
+    with guarded() as lost, _ended_by_signals():
         try:
             status = _run(arguments)
         except RwmfError as error:
@@ -56,6 +61,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     text = f"the standard output cannot be written: {lost[0].strerror}; files are complete"
     print(f"rwmf: {text}", file=sys.stderr)
     return status or OutputError.exit_status
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let signals interrupt as Ctrl-C does; an ignored one, as by nohup, stays ignored."""
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        usual = [number for number in _ENDS if signal.getsignal(number) is signal.SIG_DFL]
+        before = {number: signal.signal(number, _interrupt) for number in usual}
+    try:
+        yield
+    finally:
+        for number, action in before.items():
+            signal.signal(number, action)
+
+
+def _interrupt(number: int, _: object) -> None:
+    # a second signal does not interrupt the removal of unfinished files
+    signal.signal(number, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 def _run(arguments: Sequence[str] | None) -> int:

@@ -75,8 +75,13 @@ def _plain_report(unit: str) -> Callable[[int, int], None]:
 
 
 @contextmanager
-def progress() -> Iterator[Callable[[int, int], None]]:
+def progress(unit: str = "run") -> Iterator[Callable[[int, int], None]]:
     """Open the bar with the first report, which knows how many runs there are.
+
+    Parameters
+    ----------
+    unit : str
+        Name of one of them.
 
     Yields
     ------
@@ -88,7 +93,7 @@ def progress() -> Iterator[Callable[[int, int], None]]:
 
         def report(done: int, total: int) -> None:
             if not bars:
-                bars.append(stack.enter_context(progress_bar(total)))
+                bars.append(stack.enter_context(progress_bar(total, unit)))
             if bars[0] is not None:
                 bars[0](done, total)
 

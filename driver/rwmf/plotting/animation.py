@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from subprocess import CalledProcessError
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from PIL.Image import Image
 
 __all__ = ["FORMATS", "animate", "corners", "ground_displacement", "in_words", "magnification"]
 
@@ -57,7 +58,8 @@ def animate(
     frames_per_second : int
         Pictures a second of the film.
     progress : callable, optional
-        Called with the number of finished samples and of all.
+        Called with the number of finished samples and of all; the pictures of a GIF count once
+        more, while they are encoded.
 
     Returns
     -------
@@ -71,40 +73,90 @@ def animate(
     OutputError
         When the file cannot be written.
     """
-    writer = _writer(path, frames_per_second)
+    kind = _kind_of(path)
     building = find_building(case, dataset)
     angles = [] if building is None else [building.angles.ravel()]
     angles += [dataset["theta"].values] if "theta" in dataset else []
     factor = magnification(np.concatenate(angles))
     last = round(_LAST * frames_per_second) if _end_of(dataset) else 1
+    samples = dataset.sizes["time"]
+    count = _Count(samples if kind == "mp4" else 2 * samples - 1 + last, progress)
+    writer = _writer(kind, frames_per_second, count)
     with files.replacing(path, path.suffix) as stream, new_figure(6.0) as figure:
         # a layout that is found again for every frame would tremble
         figure.set_layout_engine("none")
         draw = _stage(figure, case, dataset, building, factor)
         try:
             with writer.saving(figure, stream.name, dpi=100):
-                samples = dataset.sizes["time"]
                 for i in range(samples):
                     draw(i)
                     for _ in range(last if i == samples - 1 else 1):
                         writer.grab_frame()
-                    if progress is not None:
-                        progress(i + 1, samples)
+                    count.add()
         except CalledProcessError as error:
             # the program that writes the film may find the disk full
             raise OutputError(f"{path}: cannot be written: {error}") from error
     return factor
 
 
-def _writer(path: Path, frames_per_second: int) -> AbstractMovieWriter:
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+class _Count:
+    """Progress of a film.
+
+    Parameters
+    ----------
+    total : int
+        Number of all parts.
+    report : callable, optional
+        Called with the number of finished parts and of all.
+    """
+
+    def __init__(self, total: int, report: Callable[[int, int], None] | None) -> None:
+        self._done, self._total, self._report = 0, total, report
+
+    def add(self) -> None:
+        """Count one more."""
+        self._done += 1
+        if self._report is not None:
+            self._report(self._done, self._total)
+
+
+def _kind_of(path: Path) -> str:
+    """Return the format of a film that can be written."""
+    from matplotlib.animation import FFMpegWriter
 
     kind = path.suffix.lstrip(".").lower()
     if kind not in FORMATS:
         raise InputError(f"{path}: {kind!r} is not a format of films: {', '.join(FORMATS)}")
     if kind == "mp4" and not FFMpegWriter.isAvailable():
         raise InputError(f"{path}: mp4 needs the program ffmpeg; gif needs nothing")
-    return (FFMpegWriter if kind == "mp4" else PillowWriter)(fps=frames_per_second)
+    return kind
+
+
+def _writer(kind: str, frames_per_second: int, count: _Count) -> AbstractMovieWriter:
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    class GifWriter(PillowWriter):
+        """Counts the pictures while they are encoded, which takes as long as to draw them."""
+
+        _frames: list[Image]
+
+        def finish(self) -> None:
+            self._frames[0].save(
+                self.outfile,
+                format="gif",
+                save_all=True,
+                append_images=self._encoded(),
+                duration=int(1000 / self.fps),
+                loop=0,
+            )
+
+        def _encoded(self) -> Iterator[Image]:
+            for picture in self._frames[1:]:
+                count.add()
+                yield picture
+            count.add()
+
+    return (FFMpegWriter if kind == "mp4" else GifWriter)(fps=frames_per_second)
 
 
 def magnification(theta: Array) -> float:

@@ -237,7 +237,7 @@ def spectrum(
     Raises
     ------
     InputError
-        When the dataset has no such quantity.
+        When the dataset or the bare one has no such quantity.
     """
     dataset_of(dataset, "rwmf.spectrum", "T_s", "status")
     if bare is not None:
@@ -250,6 +250,8 @@ def spectrum(
     if quantity not in dataset:
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
         raise InputError(f"{quantity}: is not in the spectrum, which has {names}")
+    if bare is not None and (quantity not in bare or bare[quantity].dims != ("T_s",)):
+        raise InputError(f"bare: must be a spectrum of the frame alone, with {quantity} over T_s")
     axes: Axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):

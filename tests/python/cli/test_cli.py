@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -273,6 +274,31 @@ def test_interrupt(words: list[str], tmp_path: Path) -> None:
     assert spent_by_children() - earlier - sent < INTERRUPT_SECONDS
     assert (process.returncode, errors) == (130, "rwmf: interrupted\n")
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_signals_end_commands_that_draw(tmp_path: Path) -> None:
+    """SIGTERM and SIGHUP leave no unfinished film; an ignored SIGHUP, as by nohup, stays so."""
+    coupled(solver={"t_end": 20.0}).to_namelist(tmp_path / "case.nml")
+    words = [sys.executable, "-m", "rwmf", "animate", "case.nml"]
+    for ends, ignored in (([signal.SIGTERM] * 2, False), ([signal.SIGHUP, signal.SIGTERM], True)):
+        before = signal.signal(signal.SIGHUP, signal.SIG_IGN if ignored else signal.SIG_DFL)
+        try:
+            process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE, text=True)  # fmt: skip
+        finally:
+            signal.signal(signal.SIGHUP, before)
+        with process:
+            while not any(tmp_path.glob(".rwmf-*")):
+                assert process.poll() is None
+                time.sleep(0.02)
+            process.send_signal(ends[0])
+            if ignored:
+                time.sleep(0.3)
+                assert process.poll() is None
+            process.send_signal(ends[1])
+            _, errors = process.communicate(timeout=60)
+        assert (process.returncode, errors) == (130, "rwmf: interrupted\n")
+        assert list(tmp_path.iterdir()) == [tmp_path / "case.nml"]
 
 
 def test_interrupt_in_python(tmp_path: Path) -> None:

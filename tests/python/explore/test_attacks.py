@@ -131,6 +131,20 @@ def test_long_questions_of_all_processes_give_way(
             client.ask("/api/history", {"groups": state})
 
 
+@pytest.mark.parametrize("path", ["/api/history", "/api/spectrum", "/api/cost"])
+def test_every_question_has_a_limit(
+    client: Client, state: dict[str, Any], monkeypatch: pytest.MonkeyPatch, path: str
+) -> None:
+    """A stiff case without end gets an answer even where no other question waits."""
+    monkeypatch.setattr(workers_module, "_LIMITS", dict.fromkeys(workers_module._LIMITS, 0.5))
+    endless = _endless(state)
+    endless["groups"]["damper"] = {"c_over_m_w": 2147483647.0}
+    with _asked(client, path, endless) as raw:
+        answer = _received(raw)
+    assert b"stopped after 0.5 s, the most that a page waits: shorten t_end" in answer
+    assert answer.startswith(b"HTTP/1.1 200" if path == "/api/cost" else b"HTTP/1.1 503")
+
+
 def _workers(process: int) -> list[int]:
     """List the processes that a server has started."""
     found = subprocess.run(["pgrep", "-P", str(process), "-f", "rwmf._explore.worker"],

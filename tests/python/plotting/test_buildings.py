@@ -14,6 +14,7 @@ from checkout import ROOT
 pytest.importorskip("matplotlib")
 
 from matplotlib.axes import Axes
+from PIL import Image, ImageSequence
 from rwmf import cli
 from rwmf.plotting import files as figures
 from rwmf.plotting.animation import animate, corners
@@ -335,7 +336,21 @@ def test_films_tell_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         return labels[-1]
 
     monkeypatch.setattr(Axes, "text", text)
-    animate(case, run, tmp_path / "f.gif", 4, lambda *_: texts.append(labels[0].get_text()))
+    counts: list[tuple[int, int]] = []
+
+    def report(*count: int) -> None:
+        texts.append(labels[0].get_text())
+        counts.append(count)
+
+    animate(case, run, tmp_path / "f.gif", 4, report)
+    n = run.sizes["time"]
+    # each sample drawn, then each picture encoded; the last one stays for a second
+    pictures = n - 1 + 4
+    assert counts == [(i + 1, n + pictures) for i in range(n + pictures)]
+    with Image.open(tmp_path / "f.gif") as film:
+        durations = [frame.info["duration"] for frame in ImageSequence.Iterator(film)]
+    assert sum(durations) == 250 * pictures
+    texts = texts[:n]
     assert texts[0] == "t = 0.00 s, at rest; rotations drawn to scale"
     assert texts[-1] == "t = 3.20 s, overturned; rotations drawn to scale"
     assert "overturned" not in "".join(texts[:-1])

@@ -135,3 +135,13 @@ def test_both_forms_lie_inside_of_the_same_axes(
 def test_panels_are_as_many_as_axes() -> None:
     with new_figure(3.0) as figure, pytest.raises(ValueError, match="2 axes for 3 panels"):
         make_panels(figure.subplots(1, 2), 3)
+
+
+def test_a_spectrum_with_a_wall_is_not_the_frame_alone() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig12_one_sine.nml")
+    both = rwmf.spectrum(case, T_s=[0.5, 1.0], gamma=5.0, quantities=["u_s_max", "impacts"])
+    alone = rwmf.spectrum(rwmf.studies.without_wall(case), T_s=[0.5, 1.0])
+    for bare, name in ((both, "u_s_max"), (alone, "impacts")):
+        with pytest.raises(rwmf.InputError, match=f"bare: .* alone, with {name} over T_s"):
+            rwmf.plot.spectrum(both, bare=bare, quantities=name)
+    assert len(rwmf.plot.spectrum(both, bare=alone).lines) == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -17,10 +18,13 @@ pytest.importorskip("matplotlib")
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from rwmf._explore.model import Model
+from rwmf._explore.questions import given, read
 from rwmf.plotting.animation import _stage
 from rwmf.plotting.building import find_building
 from rwmf.plotting.files import save_history
 from rwmf.plotting.style import new_figure
+from rwmf.quantities import find
 
 Drawing = Callable[[rwmf.Case, Figure], object]
 _SHORT: dict[str, Any] = {"output": {"dt": 0.02, "reactions": True}, "solver": {"t_end": 3.0}}
@@ -83,7 +87,77 @@ def _bands(case: rwmf.Case, figure: Figure) -> None:
         rwmf.plot.draw_bands(found, figure.subplots())
 
 
-DRAWINGS = (_history, _profile, _loops, _film, _spectrum, _wall_effect, _friction, _bands)
+def _motion(size: float = 3.0) -> rwmf.Motion:
+    t = np.arange(0.0, 2.0, 0.02)
+    samples = size * np.sin(6.0 * t) * np.sin(1.57 * t)
+    return rwmf.Motion(samples, dt=0.02, unit="m/s2", name=f"{size:g}")
+
+
+def _suite(case: rwmf.Case, figure: Figure) -> None:
+    if "T_s" in case.kernel.axes():
+        found = rwmf.studies.suite_spectra(case, _own_period(case), [_motion()])
+        rwmf.plot.draw_suite(found, figure.subplots())
+
+
+def _fragility(case: rwmf.Case, figure: Figure) -> None:
+    if "T_s" in case.kernel.axes():
+        quantity = find(case.kernel.default_quantity()).name
+        records = [_motion(), _motion(-2.0)]
+        levels = [0.1, 0.2, 0.4]
+        found = rwmf.studies.incremental_dynamic_analysis(case, levels, records)
+        middle = float(found[quantity].isel(scale=1).median())
+        rwmf.plot.draw_fragility(rwmf.studies.fragility(found, middle), figure.subplots())
+
+
+def _equal_response(case: rwmf.Case, figure: Figure) -> None:
+    if "T_s" in case.kernel.axes():
+        target = 0.02 if case.frame is not None else 0.1
+        found = rwmf.studies.equal_response(case, [0.5, 1.0], target, tolerance=1e-4)
+        rwmf.plot.draw_equal_response(found, figure.subplots())
+
+
+def _overturning(case: rwmf.Case, figure: Figure) -> None:
+    if case.frame is None:
+        found = rwmf.studies.overturning_map(case, [5.0, 6.0], [1.0, 9.0], tolerance=0.1)
+        rwmf.plot.draw_overturning(found, figure.subplots())
+
+
+def _explorer(case: rwmf.Case, figure: Figure) -> None:
+    """Draw the arrays that the page draws: columns, loops, spectrum with and without the wall."""
+    model = Model(case, Path("/proc/nowhere"))
+    question = read({"groups": given(case), "points": 2})
+    answer = model.history(question, lambda _: None)
+    curves = dict(answer["columns"])
+    for loop in answer["loops"]:
+        curves |= {f"{loop['spring']} {key}": loop[key] for key in ("displacement", "force")}
+    if "T_s" in case.kernel.axes():
+        (own,) = _own_period(case)["T_s"]
+        own = case.replace(spectrum={"T_s": [own, 2 * own]})
+        found = model.spectrum(read({"groups": given(own), "points": 2}), lambda _: None)
+        # at other periods units are other strengths
+        curves |= {name: found[name] for name in ("T", "values", "alone") if found[name]}
+    ax = figure.subplots()
+    ax.set_title(" ".join(curves))
+    for name, packed in curves.items():
+        values = np.frombuffer(base64.b64decode(packed), "<f4").astype(float)
+        ax.plot(values[:1] if name in ("T", "values", "alone") else values)
+
+
+DRAWINGS = (
+    _suite,
+    _fragility,
+    _equal_response,
+    _overturning,
+    _explorer,
+    _history,
+    _profile,
+    _loops,
+    _film,
+    _spectrum,
+    _wall_effect,
+    _friction,
+    _bands,
+)
 
 
 def _texts(ax: Axes) -> Iterator[str]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
+from dimensional import groups_of
 from rwmf import loops
 from rwmf.plotting import files as figures
 from scenes import bare_frame, block
@@ -66,6 +67,14 @@ def test_what_has_no_loops() -> None:
         loops.find_loops(rwmf.simulate(CASE), CASE)
     with pytest.raises(rwmf.InputError, match="need a spring"):
         loops.find_loops(rwmf.simulate(block(), dt=0.1), block())
+    storeys = rwmf.Case(**groups_of("storeys full"))
+    for complain in (
+        loops.check_springs,
+        lambda case: loops.find_loops(rwmf.simulate(case, dt=1.0), case),
+    ):
+        with pytest.raises(rwmf.InputError, match="that yield one by one report no force"):
+            complain(storeys)
+    loops.check_springs(storeys.replace(cable={"eta_0": 0.5, "eta_alpha": 3.0}))
     run = rwmf.simulate(CASE, dt=0.1)
     forces = [name for name in run.data_vars if "force_over" in str(name)]
     with pytest.raises(rwmf.InputError, match="no force of a spring"):
