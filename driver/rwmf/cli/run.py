@@ -110,7 +110,8 @@ def _print_table(summary: dict[str, Any]) -> None:
         elif isinstance(value, bool):
             text = "yes" if value else "no"
         elif isinstance(value, float):
-            text = f"{value:.10g}"
+            # without the sign of a zero
+            text = f"{value + 0.0:.10g}"
         else:
             text = str(value)
         print(f"{key:{width}s}  {text}")

@@ -128,6 +128,13 @@ def test_run_names_what_it_writes(
     assert "written: a.svg" in both.err
 
 
+def test_zeros_have_no_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An energy of the cable that is -0.0 is printed as 0."""
+    case = ROOT / "inputs" / "does_a_wall_spread_the_yielding_of_storeys.nml"
+    assert cli.main(["run", str(case)]) == 0
+    assert "energy_cable_J_per_kg                 0\n" in capsys.readouterr().out
+
+
 def test_films_say_how_long_they_take(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -36,6 +36,11 @@ ENDLESS = {"solver": {"t_end": 1e7, "method": "dop853"}, "impact": {"e": 1.0, "r
 SOON = 5.0
 
 
+def _slow(*values: object) -> list[Any]:
+    """Leave all but the first of similar attacks out of the quick tests."""
+    return [pytest.param(value, marks=pytest.mark.slow) for value in values]
+
+
 @pytest.fixture(scope="module")
 def both() -> Iterator[tuple[PageServer, Client]]:
     with served(Case.from_namelist(FIG12)) as found:
@@ -87,8 +92,8 @@ def _until(holds: Callable[[], bool], seconds: float = 10.0) -> bool:
     return True
 
 
-@pytest.mark.parametrize("name", ["fig12_one_sine", "storeys_full", "which_spring_takes_the_energy",
-                                  "fig06_mild_frame_alone_one_sine"])  # fmt: skip
+@pytest.mark.parametrize("name", ["fig06_mild_frame_alone_one_sine", *_slow(
+    "fig12_one_sine", "storeys_full", "which_spring_takes_the_energy")])  # fmt: skip
 def test_a_quantity_has_several_names(name: str) -> None:
     """Key, name and capitals of each quantity are the same question."""
     case = Case.from_namelist(INPUTS / f"{name}.nml")
@@ -152,7 +157,7 @@ def _workers(process: int) -> list[int]:
     return [int(word) for word in found.stdout.split()]
 
 
-@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGKILL, signal.SIGABRT])
+@pytest.mark.parametrize("number", [signal.SIGSEGV, *_slow(signal.SIGKILL, signal.SIGABRT)])
 def test_a_crash_ends_one_answer(state: dict[str, Any], number: signal.Signals) -> None:
     with served(Case.from_namelist(FIG12)) as (server, client):
         client.ask("/api/history", {"groups": state})
@@ -348,7 +353,9 @@ def _command() -> Iterator[tuple[subprocess.Popen[str], Client]]:
 RECORD = "/api/record?name=own.csv&unit=g"
 
 
-@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize(
+    "number", [signal.SIGHUP, *_slow(signal.SIGQUIT, signal.SIGTERM, signal.SIGINT)]
+)
 def test_signals_leave_nothing_behind(
     place: Path, state: dict[str, Any], number: signal.Signals
 ) -> None:
@@ -367,6 +374,7 @@ def test_signals_leave_nothing_behind(
     assert _until(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers))
 
 
+@pytest.mark.slow
 def test_the_next_server_cleans_up_after_one_that_was_killed(
     place: Path, state: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
