@@ -304,32 +304,35 @@ contains
       real(wp), intent(in) :: largest
       !! |theta'| so far [rad/s]
       type(polygon_t) :: rate
-      integer :: derivatives
+      real(wp) :: middle, bend(2), error, fastest
 
-      do derivatives = 1, 2
-         rate = rate_in_step(team, i, derivatives)
-         associate (c => rate%c(:rate%n), margin => rate%margin(:rate%n), n => rate%n)
-            may = .not. maxval(abs(c) + margin) < max(team%table(i, of_fastest), largest)
-            if (may) may = any(sign(1.0_wp, c(n) - c(0))*(c(1:) - c(:n - 1)) &
-               <= margin(1:) + margin(:n - 1))
-         end associate
-         if (.not. may) return
-      end do
+      fastest = max(team%table(i, of_fastest), largest)
+      associate (v_a => team%y(i, 2), v_b => team%y_new(i, 2))
+         middle = 3*((team%y_new(i, 1) - team%y(i, 1))/team%table(i, of_trial)) - v_a - v_b
+         bend = [middle - v_a, v_b - middle]
+         error = longest_angle(2)*(abs(bend(2) - bend(1)) + longest_angle(2)*maxval(abs(bend)))/18
+         may = .not. max(abs(v_a), abs(v_b), max(abs(v_a + 2*middle), abs(v_b + 2*middle))/3 &
+            + error) < fastest
+         if (may) may = min(minval(sign(1.0_wp, v_b - v_a)*bend)*2, abs(v_b - v_a)/2) <= 3*error
+      end associate
+      if (.not. may) return
+      rate = rate_in_step(team, i)
+      associate (c => rate%c(:rate%n), margin => rate%margin(:rate%n), n => rate%n)
+         may = .not. maxval(abs(c) + margin) < fastest
+         if (may) may = any(sign(1.0_wp, c(n) - c(0))*(c(1:) - c(:n - 1)) &
+            <= margin(1:) + margin(:n - 1))
+      end associate
    end function may_be_fastest
 
    !> theta' in the step of a lane that was tried last, with the error of the interpolation.
-   pure type(polygon_t) function rate_in_step(team, i, derivatives) result(rate)
+   pure type(polygon_t) function rate_in_step(team, i) result(rate)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
-      integer, intent(in) :: derivatives
-      !! of the rotation that are used at both ends, 1 or 2
-      real(wp), dimension(0:derivatives) :: a, b
+      real(wp), dimension(0:2) :: a, b
 
-      a(:1) = team%y(i, :2)
-      b(:1) = team%y_new(i, :2)
-      if (derivatives == 2) a(2) = team%k(i, 2, 1)
-      if (derivatives == 2) b(2) = team%k(i, 2, team%pair%stages)
-      associate (h => team%table(i, of_trial))
+      associate (h => team%table(i, of_trial), last => team%pair%stages)
+         a = [team%y(i, 1), team%y(i, 2), team%k(i, 2, 1)]
+         b = [team%y_new(i, 1), team%y_new(i, 2), team%k(i, 2, last)]
          rate = rate_polygon(h, a, b, roughness(longest_angle(2), h, a, b))
       end associate
    end function rate_in_step
@@ -341,7 +344,7 @@ contains
       type(polygon_t) :: rate
       real(wp) :: noise
 
-      rate = rate_in_step(team, i, 2)
+      rate = rate_in_step(team, i)
       associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new)
          noise = 8*epsilon(h)*(max(abs(y(i, 2)), abs(y_new(i, 2))) &
             + max(abs(y(i, 1)), abs(y_new(i, 1)))/h)
