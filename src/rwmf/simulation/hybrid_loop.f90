@@ -523,8 +523,9 @@ contains
             negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
             negligible*hybrid%rtol*recorder%theta_dot_ends)
          if (rests .and. 1 - largest_factor(hybrid%restitution, abs(after)) <= elastic_loss &
-            .and. abs(after) > negligible*hybrid%rtol*recorder%theta_dot_ends) &
+             .and. abs(after) > negligible*hybrid%rtol*recorder%theta_dot_ends) then
             call drop_chatter(equation, recorder, hybrid%t, after)
+         end if
       else
          rests = may_rest(equation, hybrid%t, abs(after), &
             largest_factor(hybrid%restitution, abs(after)), &
