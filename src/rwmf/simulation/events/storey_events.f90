@@ -225,8 +225,8 @@ contains
          ! one sample serves all storeys until the span becomes shorter
          if (abs(span%b%t - t_z) > 0) z = hysteretic_states(storeys%step%equation, y)
          t_z = span%b%t
-         if (z(i)*side_beyond_zero(storeys%step%equation%state, i) > 0) &
-            call search_zero(storeys, i, span, found, error)
+         if (.not. z(i)*side_beyond_zero(storeys%step%equation%state, i) > 0) cycle
+         call search_zero(storeys, i, span, found, error)
          if (allocated(error)) return
       end do
    end subroutine search_storeys
