@@ -207,17 +207,41 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       !! expected largest |theta| and |theta'| [rad], [rad/s]; bare frame |u|, |u'| [m], [m/s]
+      real(wp), parameter :: tightest = 1.0e-14_wp
+      !! below, round-off governs
 
       tolerance%rtol = case%solver%rtol
+      if (equation%floors%yields) tolerance%rtol = max(min(tolerance%rtol, tightest), &
+         tolerance%rtol*stiffest_share(equation%floors%m, equation%floors%k))
       if (allocated(case%solver%atol)) then
          tolerance%atol = case%solver%atol/max(size_guess(1), tiny(1.0_wp)) &
             *state_sizes(equation, size_guess)
          tolerance%atol(1) = case%solver%atol
       else
-         tolerance%atol = max(case%solver%rtol*state_sizes(equation, size_guess), &
+         tolerance%atol = max(tolerance%rtol*state_sizes(equation, size_guess), &
             1.0e3_wp*tiny(1.0_wp))
       end if
    end function tolerances
+
+   !> Displacement of the stiffest storey over that of the roof, under equal accelerations of all
+   !> floors [-].
+   !>
+   !> A storey's displacement is the difference of two states, so that their errors are this much
+   !> larger relative to it. Its shear governs the accelerations of both floors.
+   pure real(wp) function stiffest_share(m, k) result(share)
+      real(wp), intent(in) :: m(:), k(:)
+      !! masses of the floors and stiffnesses of the storeys, from the ground up, over any mass
+      real(wp) :: d(size(m))
+      real(wp) :: shear
+      integer :: i
+
+      shear = 0
+      do i = size(m), 1, -1
+         shear = shear + m(i)
+         d(i) = shear/k(i)
+      end do
+      share = minval(d)/sum(d)
+   end function stiffest_share
 
    !> Tolerances that the round-off of the acceleration allows.
    !>

@@ -90,3 +90,28 @@ def test_storeys_that_do_not_move_yet_cost_little() -> None:
     )
     run = rwmf.simulate(case)
     assert run.attrs["rhs_evaluations"] < 1000 * run.attrs["steps"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("stiff", [2, 3])
+def test_a_stiff_storey_among_soft_ones(stiff: int, method: str) -> None:
+    """The floors' displacements are 1,000 times its own: accelerations keep the promise."""
+    rtol, n = 1e-9, 4
+    stiffnesses = [1000.0] * n
+    stiffnesses[stiff] = 1e5
+    case = rwmf.Case(
+        frame={"xi_s": 0.0},
+        storeys={"m_over_m_w": [1.0] * n, "k_over_m_w": stiffnesses, "height": [3.0] * n} | _FULL,
+        yielding={"storey_u_y": [8.0 / k for k in stiffnesses], "hardening": 0.02},
+        motion={"kind": "one_sine", "a_max_g": 0.5, "T_p": 0.4},
+        solver={"t_end": 1.5, "method": "dop853", "rtol": 1e-13},
+        output={"reactions": True},
+    )
+    names = [f"floor_{i + 1}_acceleration_max_g" for i in range(n)]
+    truth = rwmf.simulate(case)
+    case = case.replace(solver={"method": method.replace("row", "dop853"), "rtol": rtol})
+    found = rwmf.simulate(case)
+    if method == "row":
+        found = rwmf.sweep(case, points={"scale": [1.0]}, quantities=names).isel(point=0)
+    for name in names:
+        assert float(found[name]) == pytest.approx(float(truth[name]), rel=100 * rtol)

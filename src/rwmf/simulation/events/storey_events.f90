@@ -13,7 +13,7 @@ module rwmf_simulation_events_storey_events
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
    use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
       sample_functions, span_between, span_t, stop_at_change, stop_at_root, value_at, watch_t
-   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
    implicit none
    private
 
@@ -202,8 +202,12 @@ contains
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: y(size(storeys%step%y_a)), z(storeys%step%equation%floors%n)
+      real(wp) :: t_z
+      !! time of both
       integer :: i
 
+      t_z = -huge(t_z)
       do i = 1, storeys%step%equation%floors%n
          associate (equation => storeys%step%equation)
             if (stands_still(equation%state, i)) then
@@ -215,6 +219,13 @@ contains
             end if
          end associate
          if (allocated(error)) return
+         if (side_beyond_zero(storeys%step%equation%state, i) == 0) cycle
+         if (abs(span%b%t - t_z) > 0) call sample_state(storeys%step, span%b%t, y, error)
+         if (allocated(error)) return
+         ! one sample serves all storeys until the span becomes shorter
+         if (abs(span%b%t - t_z) > 0) z = hysteretic_states(storeys%step%equation, y)
+         t_z = span%b%t
+         if (.not. z(i)*side_beyond_zero(storeys%step%equation%state, i) > 0) cycle
          call search_zero(storeys, i, span, found, error)
          if (allocated(error)) return
       end do
@@ -303,7 +314,7 @@ contains
       end do
    end subroutine search_limits
 
-   !> Does the hysteretic force of a smooth storey pass zero? It is monotone before a turn.
+   !> Find where the hysteretic force of a smooth storey passes zero. It is monotone before a turn.
    subroutine search_zero(storeys, i, span, found, error)
       type(storeys_t), intent(in) :: storeys
       integer, intent(in) :: i
@@ -318,12 +329,10 @@ contains
       integer :: side
 
       side = side_beyond_zero(storeys%step%equation%state, i)
-      if (side == 0) return
       states%step = storeys%step
       watch = watch_t(i, 0, side=real(-side, wp))
       call sample_functions(states, span%b%t, b, error)
       if (allocated(error)) return
-      if (.not. value_at(watch, b) < 0) return
       call sample_functions(states, span%a%t, a, error)
       if (allocated(error)) return
       z = span_between(states, a, b)
